@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from bozzetto_silhouette.analysis.fidelity import measure
 from bozzetto_silhouette.implicit.convolution_field import ConvolutionField, convolution_field
-from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling
+from bozzetto_silhouette.inflation.inflation import ConvolutionHeights
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid, solidify
 from bozzetto_silhouette.model.state import Kernel
 from bozzetto_silhouette.outline.normalized import Frame, SkeletonRule, frame_of
@@ -165,7 +165,7 @@ def measured_solid(outline: Outline, kernel: Kernel, rule: SkeletonRule) -> Foun
     """The solid that is delivered."""
     begun = time.process_time()
     solid = solidify(
-        outline, resolution=RESOLUTION, swelling=ConvolutionSwelling(1.4, kernel), rule=rule
+        outline, resolution=RESOLUTION, height_model=ConvolutionHeights(1.4, kernel), rule=rule
     )
     took = 1000.0 * (time.process_time() - begun)
     found = measure(solid)

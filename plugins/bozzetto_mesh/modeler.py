@@ -10,8 +10,6 @@ from bozzetto.geometry import Mesh, Shapes, Solid, Surface
 from bozzetto.plugin import Context, Job, Tool
 from bozzetto.scene import Layer, Scene, Shaded
 
-__all__ = ["ImportedMesh", "MeshState"]
-
 
 @dataclass(frozen=True)
 class MeshState:
@@ -49,20 +47,20 @@ class ImportedMesh:
         return ()
 
     def read_shapes(self, shapes: Shapes) -> MeshState:
-        """A state from what a file held."""
+        """Return a state with the meshes of a file."""
         meshes = tuple(part.mesh for part in shapes.meshes())
         return MeshState(meshes, (True,) * len(shapes.solids) + (False,) * len(shapes.surfaces))
 
     def solve(self, state: MeshState, job: Job) -> MeshState:
-        """The recipe is the result."""
+        """Return the meshes: the state holds them already."""
         return state
 
     def scene(self, state: MeshState, result: MeshState | None) -> Scene:
-        """The meshes in clay."""
+        """Return the meshes, shaded in clay."""
         return Scene((Layer("mesh", tuple(Shaded(mesh) for mesh in state.meshes)),))
 
     def shapes(self, state: MeshState, result: MeshState) -> Shapes:
-        """The meshes as they came."""
+        """Return the meshes as they were read."""
         pairs = list(zip(state.meshes, state.closed, strict=True))
         return Shapes(
             solids=tuple(Solid(mesh) for mesh, closed in pairs if closed),

@@ -10,7 +10,7 @@ from bozzetto.plugin import Modeler, hookimpl
 
 @hookimpl
 def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:
-    """The one modeler of this plugin."""
+    """Return the one modeler of this plugin."""
     from bozzetto_silhouette.modeler import Silhouette
 
     return [Silhouette()]

@@ -21,14 +21,11 @@ from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.rigging.posing import Posed, joints_layer, rig_facts, rig_of, skinned
 from bozzetto_silhouette.solids.body import Body
-from bozzetto_silhouette.solids.evaluate import tree_body
-from bozzetto_silhouette.solids.part_solid import solid_of
+from bozzetto_silhouette.solids.evaluate import evaluated
 from bozzetto_silhouette.solids.placements import placement_of, shown_parts
 from bozzetto_silhouette.tools import all_tools
 from bozzetto_silhouette.view.handles import handles_layer
 from bozzetto_silhouette.view.ink_layers import deviation_layer, ink_layer
-
-__all__ = ["Silhouette", "SilhouetteResult"]
 
 PREVIEW_RESOLUTION = 64
 """Cells along the longest side for an answer within a blink."""
@@ -45,7 +42,7 @@ class SilhouetteResult:
     mesh, shown : Mesh or None
         The same for files, and for the screen (`Painted`), as its joints were turned.
     skin : Skin or None
-        What `mesh` hangs on where it is posed; files get a skin in any case.
+        The joints and weights of `mesh` where it is posed; files get a skin in any case.
     final : bool
         Whether this is more than a preview.
     solids : dict of str to SilhouetteSolid
@@ -70,15 +67,15 @@ class Silhouette:
     part_types = (Part, Cut, Group)
 
     def create(self, context: Context) -> SilhouetteState:
-        """No part yet."""
+        """Return a state without parts."""
         return SilhouetteState()
 
     def tools(self) -> Sequence[Tool[SilhouetteState]]:
-        """What the pen can do, most used first."""
+        """Return the tools, most used first."""
         return all_tools()
 
     def read_drawing(self, drawing: Drawing, context: Context) -> SilhouetteState:
-        """All strokes of a drawing as one part; nested outlines are holes.
+        """Read all strokes of a drawing as one part; nested outlines are holes.
 
         Raises
         ------
@@ -97,16 +94,11 @@ class Silhouette:
         return SilhouetteState().with_node(part)
 
     def solve(self, state: SilhouetteState, job: Job) -> SilhouetteResult:
-        """One watertight solid; what did not change is remembered."""
+        """Make one watertight solid; what did not change is remembered."""
         resolution = state.resolution
         if job.quality == "preview":
             resolution = min(resolution, PREVIEW_RESOLUTION)
-        body = tree_body(state, resolution, job.checkpoint)
-        solids = {
-            part.id: solid_of(part, resolution)
-            for part in shown_parts(state)
-            if part.surface != "straight"
-        }
+        body, solids = evaluated(state, resolution, job.checkpoint)
         final = job.quality == "final"
         if body is None:
             return SilhouetteResult(None, None, None, None, final, solids)
@@ -118,7 +110,7 @@ class Silhouette:
         return SilhouetteResult(body, *moved, final, solids)
 
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
-        """The solids in clay and the ink that made them, as a ghost.
+        """Return the shape in clay and, faintly, the ink that made it.
 
         Ink belongs to the shape at rest: while that is posed its joints are shown instead.
         """
@@ -135,7 +127,7 @@ class Silhouette:
         return Scene(tuple(layer for layer in layers if layer is not None))
 
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
-        """One solid and the skeleton of each part."""
+        """Return one solid and the skeleton of each part."""
         if result.mesh is None or result.shown is None or result.body is None:
             return Shapes()
         skin = result.skin
@@ -157,23 +149,23 @@ class Silhouette:
         )
 
     def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:
-        """How truly every part keeps its outline, and how sound the whole is."""
-        told = report_of(state, result.body, result.solids)
+        """Report how close every part is to its outline, and whether the whole can be printed."""
+        figures = report_of(state, result.body, result.solids)
         rig = None if result.body is None else rig_of(state)
-        return told if rig is None else {**told, "rig": rig_facts(rig)}
+        return figures if rig is None else {**figures, "rig": rig_facts(rig)}
 
     def cautions(self, state: SilhouetteState, result: SilhouetteResult) -> tuple[Caution, ...]:
-        """Strokes that are not in the shape."""
+        """Return cautions about strokes that are not in the shape."""
         return cautions_of(state)
 
     # -- parts --
 
     def parts(self, state: SilhouetteState) -> tuple[Part | Group, ...]:
-        """The nodes of the tree."""
+        """Return the nodes of the tree."""
         return state.nodes
 
     def selected_part(self, state: SilhouetteState) -> str:
-        """The node that is chosen."""
+        """Return the id of the node that is chosen."""
         return state.selected
 
     def is_group(self, part: Part | Group) -> bool:
@@ -183,15 +175,15 @@ class Silhouette:
     def with_parts(
         self, state: SilhouetteState, parts: tuple[Part | Group, ...], selected: str
     ) -> SilhouetteState:
-        """The same state with other nodes."""
+        """Return the same state with other nodes."""
         return replace(state, nodes=parts, selected=selected)
 
     def new_group(self, state: SilhouetteState) -> Group:
-        """An empty group."""
+        """Return an empty group."""
         return Group(id=state.unused_id(), name=state.unused_name("Group"))
 
     def released(self, part: Part | Group, group: Group) -> Part | Group:
-        """A node that stays where its group had moved it."""
+        """Return a node that stays where its group had moved it."""
         return replace(part, pose=group.pose.after(part.pose))
 
     # -- documents --
@@ -214,7 +206,7 @@ class Silhouette:
 
 
 def _deviation(state: SilhouetteState, result: SilhouetteResult) -> Layer | None:
-    """Where the chosen part's silhouette is not the one that was drawn."""
+    """Show where the chosen part's silhouette is not the one that was drawn."""
     chosen = [part for part in shown_parts(state) if part.id == state.selected]
     if not chosen or chosen[0].id not in result.solids:
         return None

@@ -15,8 +15,6 @@ from bozzetto.plugin import Context, Job, Parameter, Tool
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_skin.reading import polylines
 
-__all__ = ["RoughSkin", "Skin", "SkinState"]
-
 Array = NDArray[np.float64]
 
 PREVIEW_LEVEL: Final = 4
@@ -107,15 +105,15 @@ class RoughSkin:
     state_version = 1
 
     def create(self, context: Context) -> SkinState:
-        """No curves."""
+        """Return a state without curves."""
         return SkinState()
 
     def tools(self) -> Sequence[Tool[SkinState]]:
-        """None: curves are drawn with other modelers."""
+        """Return no tools: curves are drawn with other modelers."""
         return ()
 
     def read_shapes(self, shapes: Shapes) -> SkinState:
-        """A state from the curves and patches of another model, or of a file."""
+        """Return a state with the curves and patches of another model, or of a file."""
         lines = polylines(shapes)
         lengths = [0, *(len(line) for line in lines[:-1])]
         return SkinState(np.vstack(lines), np.cumsum(lengths).astype(np.int32))
@@ -137,7 +135,7 @@ class RoughSkin:
         return Skin(mesh, curve_distances(state.curves, mesh))
 
     def scene(self, state: SkinState, result: Skin | None) -> Scene:
-        """The skin in clay, and the curves on it."""
+        """Return the skin, shaded in clay, and the curves on it."""
         curves = Lines(state.points.astype(np.float32), state.starts, color="ghost", width=1.0)
         layers = [Layer("curves", (curves,))] if len(state.starts) else []
         if result is not None and result.mesh is not None:
@@ -145,13 +143,13 @@ class RoughSkin:
         return Scene(tuple(layers))
 
     def shapes(self, state: SkinState, result: Skin) -> Shapes:
-        """The skin as a solid."""
+        """Return the skin as a solid."""
         if result.mesh is None:
             return Shapes()
         return Shapes(solids=(Solid(result.mesh, name="skin"),))
 
     def report(self, state: SkinState, result: Skin) -> Mapping[str, Any]:
-        """How far the curves are from the skin."""
+        """Report how far the curves are from the skin."""
         if result.mesh is None:
             return {"curves": 0}
         told: dict[str, Any] = {
@@ -171,5 +169,5 @@ class RoughSkin:
         return told
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """There is no older form yet."""
+        """Return the state: there is no older form yet."""
         return state

@@ -12,8 +12,6 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
 from bozzetto.geometry.curve_flattening import flattened
 
-__all__ = ["polylines"]
-
 Array = NDArray[np.float64]
 
 STEPS: Final = 24
@@ -28,7 +26,7 @@ MOST_POINTS: Final = 1_000_000
 
 
 def polylines(shapes: Shapes) -> tuple[Array, ...]:
-    """The curves and the edges of patches, (n, 3) each, mm.
+    """Return the curves and the edges of patches as polylines, (n, 3) each, mm.
 
     Bones of skeletons are left out, for they run inside a shape, and so are meshes.
 
@@ -61,7 +59,7 @@ def _each(shapes: Shapes) -> Iterator[Array]:
 
 
 def _sampled(curve: Curve) -> Array:
-    """A curve by its corners where it is a polyline, else at even steps of each span."""
+    """Sample a curve: a polyline at its corners, any other at even steps of each span."""
     if curve.degree == 1:
         return curve.control_points
     from scipy.interpolate import BSpline

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bozzetto_silhouette.implicit.interpolation_constraints import Fit, fitted
 from bozzetto_silhouette.inflation.solidify import solidify
-from bozzetto_silhouette.inflation.variational import VariationalSwelling
+from bozzetto_silhouette.inflation.variational import VariationalHeights
 from bozzetto_silhouette.outline.normalized import frame_of
 from bozzetto_silhouette.outline.outline import Outline
 from tests.benchmarks.timing import Row, median_ms, processor_ms
@@ -55,7 +55,7 @@ def rows() -> Iterator[Row]:
         drawn = o.outline(name)
 
         def line(drawn: Outline = drawn) -> object:
-            return solidify(nudged(drawn), resolution=CELLS, swelling=VariationalSwelling())
+            return solidify(nudged(drawn), resolution=CELLS, height_model=VariationalHeights())
 
         fit = fitted(frame_of(drawn))
         held = fit.constraints

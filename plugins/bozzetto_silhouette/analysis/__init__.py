@@ -1,1 +1,1 @@
-"""How true a solid is to its drawing, and its report. Imports solids and below."""
+"""Measures of a solid against its drawing, and its report. Imports solids and below."""

@@ -1,4 +1,4 @@
-"""How true the solid is to the drawing."""
+"""Measures of how close a solid is to its drawing."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
 from bozzetto_silhouette.analysis.projected_outline import shadow_of
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.outline.outline import Outline
-
-__all__ = ["Fidelity", "area_of", "deviation_along", "measure"]
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
@@ -112,10 +110,8 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
     )
 
 
-def deviation_along(
-    solid: SilhouetteSolid, ring: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """How far a solid's silhouette is from a drawn ring, along the ring.
+def deviation_along(solid: SilhouetteSolid, ring: Floats) -> tuple[Floats, Floats]:
+    """Measure how far a solid's silhouette is from a drawn ring, along the ring.
 
     Returns
     -------
@@ -140,18 +136,18 @@ _shadows: Memory[BaseGeometry] = Memory(limit=8)
 
 
 def _shadow(solid: SilhouetteSolid) -> BaseGeometry:
-    """The projection of a solid; every ring of its outline is compared with the same."""
+    """Return the projection of a solid; remembered, for all rings of an outline need it."""
     return _shadows.recall(solid, lambda: shadow_of(solid.vertices, solid.faces))
 
 
-def area_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
-    """Area of a mesh (v, 3), (f, 3)."""
+def area_of(vertices: Floats, faces: Faces) -> float:
+    """Return the area of a mesh (v, 3), (f, 3)."""
     a, b, c = vertices[faces].transpose(1, 0, 2)
     return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
 
 def _hausdorff(one: object, other: object, spacing: float) -> tuple[float, tuple[float, float]]:
-    """Hausdorff distance of two line geometries, and the place where it occurs."""
+    """Return the Hausdorff distance of two line geometries, and the place where it occurs."""
     import shapely
 
     if shapely.is_empty(one) or shapely.is_empty(other):
@@ -168,7 +164,7 @@ def _hausdorff(one: object, other: object, spacing: float) -> tuple[float, tuple
 
 
 def _pieces(lines: object) -> np.ndarray:
-    """A line geometry as single segments, so that a tree can find the nearest."""
+    """Split a line geometry into single segments, so that a tree can find the nearest."""
     import shapely
 
     result = []

@@ -11,21 +11,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
-__all__ = ["shadow_of"]
-
 OVERLAP = 1e-6
 """Difference of areas, as a share, from which faces count as overlapping."""
 
 
-def shadow_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> BaseGeometry:
-    """The projection of a closed mesh (v, 3), (f, 3) along z."""
+def shadow_of(vertices: Floats, faces: Faces) -> BaseGeometry:
+    """Project a closed mesh (v, 3), (f, 3) along z."""
     xy = np.asarray(vertices, np.float64)[:, :2]
     a, b, c = (xy[faces[:, corner]] for corner in range(3))
     (ux, uy), (vx, vy) = (b - a).T, (c - a).T
@@ -37,8 +35,8 @@ def shadow_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> BaseGe
     return _union(list(as_manifold(vertices, faces).project().to_polygons()))
 
 
-def _border(faces: NDArray[np.int32], count: int) -> list[list[int]]:
-    """Rings of vertices along the edges that no neighbour runs along the other way."""
+def _border(faces: Faces, count: int) -> list[list[int]]:
+    """Return the rings of border edges: those that no neighbour runs along the other way."""
     start = faces.astype(np.int64)
     end = np.roll(start, -1, axis=1)
     forth, back = (start * count + end).ravel(), (end * count + start).ravel()
@@ -66,8 +64,8 @@ def _border(faces: NDArray[np.int32], count: int) -> list[list[int]]:
     return rings
 
 
-def _union(rings: list[NDArray[np.float64]]) -> BaseGeometry:
-    """What lies within an odd number of rings."""
+def _union(rings: list[Floats]) -> BaseGeometry:
+    """Return the region that lies within an odd number of rings."""
     import shapely
 
     parts = [shapely.Polygon(ring).buffer(0) for ring in rings if len(ring) >= 3]

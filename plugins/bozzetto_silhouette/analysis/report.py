@@ -20,8 +20,6 @@ from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.placements import placement_of, shown_parts
 
-__all__ = ["cautions_of", "fidelity_of", "report_of"]
-
 PRINTABLE_WALL = 0.8
 """Thinnest wall that common printers hold, mm: two lines of a 0.4 mm nozzle."""
 
@@ -36,18 +34,19 @@ _walls: Memory[Walls] = Memory(limit=64)
 
 
 def fidelity_of(solid: SilhouetteSolid, outline: Outline) -> Fidelity:
-    """How true a part's solid is to its outline; remembered."""
+    """Compare a part's solid with its outline; remembered."""
     return _fidelities.recall((solid, outline), lambda: measure(solid, outline))
 
 
 def report_of(
     state: SilhouetteState, body: Body | None, solids: Mapping[str, SilhouetteSolid]
 ) -> dict[str, Any]:
-    """Plain JSON values: the whole, then every part, in mm; warnings in words.
+    """Return the figures of the whole, then of every part, in mm, and warnings; plain JSON values.
 
     Parameters
     ----------
     state : SilhouetteState
+        What was drawn.
     body : Body or None
         The whole shape; None where nothing is left.
     solids : mapping of str to SilhouetteSolid
@@ -79,20 +78,20 @@ def report_of(
 
 
 def cautions_of(state: SilhouetteState) -> tuple[Caution, ...]:
-    """Strokes that are too small to be part of an outline."""
-    told = []
+    """Return a caution for each part with strokes that are too small for an outline."""
+    found = []
     for part in shown_parts(state):
         unused = specks(points_on_sheet(tuple(part.strokes), part.sheet)) if part.strokes else 0
         if unused:
             strokes, are = _counted(unused, "stroke"), "is" if unused == 1 else "are"
-            told.append(Caution(f"{strokes} of “{part.name}” {are} too small and {are} not used."))
-    return tuple(told)
+            found.append(Caution(f"{strokes} of “{part.name}” {are} too small and {are} not used."))
+    return tuple(found)
 
 
 def _of_part(
     state: SilhouetteState, part: Part, solid: SilhouetteSolid, warnings: list[str]
 ) -> dict[str, Any]:
-    """The figures of a part where it stands now; what is amiss is added to the warnings."""
+    """Return the figures of a part where it stands now, and extend the warnings."""
     outline = outline_of(part)
     found = fidelity_of(solid, outline)
     place = placement_of(state, part)
@@ -127,7 +126,7 @@ def _of_part(
 
 
 def _of_whole(body: Body) -> dict[str, Any]:
-    """The figures of the whole shape."""
+    """Return the figures of the whole shape."""
     sound = topology_of(body.vertices, body.faces)
     walls = _walls.recall(body, lambda: walls_of(body.vertices, body.faces))
     return {
@@ -144,7 +143,7 @@ def _of_whole(body: Body) -> dict[str, Any]:
 
 
 def _print_problems(whole: dict[str, Any]) -> list[str]:
-    """What stands in the way of printing, in words."""
+    """Return what prevents printing, one sentence each."""
     found = []
     if not whole["watertight"] or whole["volume"] <= 0.0:
         found.append("The surface is not closed. Undo the last step.")

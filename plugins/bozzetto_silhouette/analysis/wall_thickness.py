@@ -1,4 +1,4 @@
-"""How thin a solid gets: what a printer has to hold.
+"""The thinnest walls of a solid, for printing.
 
 From inside every facet a ray goes straight in, to the facet on the other side; where both are
 about parallel its length is the thickness of a wall (the shape diameter of Shapira, Shamir and
@@ -11,16 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Rays
-
-__all__ = ["Walls", "walls_of"]
-
-Points = NDArray[np.float64]
+from bozzetto_silhouette.arrays import Faces, Floats, Indices
 
 RAYS = 2000
 """Facets that are looked at, and places beside: meshes are finest where they are thin."""
@@ -47,12 +43,12 @@ FINEST = 0.01
 """Share of the surface that may be thinner than the smallest detail: tips."""
 
 INSIDE = 1e-4
-"""How far inside a facet its ray starts, as a share of the size."""
+"""Distance inside a facet from which its ray starts, as a share of the size."""
 
 
 @dataclass(frozen=True)
 class Walls:
-    """How thin a solid is.
+    """Wall thickness of a solid.
 
     Attributes
     ----------
@@ -69,7 +65,7 @@ class Walls:
     detail: float
 
 
-def walls_of(vertices: Points, faces: NDArray[np.int32]) -> Walls:
+def walls_of(vertices: Floats, faces: Faces) -> Walls:
     """Measure a closed mesh (v, 3), (f, 3), oriented outwards."""
     low = vertices.min(axis=0)
     size = float((vertices.max(axis=0) - low).max())
@@ -111,8 +107,8 @@ def walls_of(vertices: Points, faces: NDArray[np.int32]) -> Walls:
     return Walls(size * float(thickness[thinnest]), (x, y, z), size * detail)
 
 
-def _first_wall(middle: Points, thickness: Points, area: Points, order: NDArray[np.intp]) -> int:
-    """The thinnest sample that is no tip; the thickest where all are."""
+def _first_wall(middle: Floats, thickness: Floats, area: Floats, order: Indices) -> int:
+    """Return the thinnest sample that is not at a tip; the thickest where all are."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(middle)

@@ -17,11 +17,9 @@ from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
 from bozzetto_silhouette.appearance.vertex_colors import Coat
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Picture
 
-__all__ = ["Projection", "axes_of", "projection_of", "texel_of"]
-
-Array = NDArray[np.float64]
 Pixels = NDArray[np.float32]
 
 INSET = 0.06
@@ -56,7 +54,7 @@ class Level(NamedTuple):
     """
 
     pixels: Pixels
-    extent: Array
+    extent: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +74,8 @@ class Projection:
     soft: Level
     inset: float
 
-    def coat(self, points: Array, normals: Array) -> Coat:
-        """Colours of surface points (n, 3) with unit normals (n, 3)."""
+    def coat(self, points: Floats, normals: Floats) -> Coat:
+        """Return the colours of surface points (n, 3) with unit normals (n, 3)."""
         picture = self.picture
         edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
         facing = normals @ axes_of(picture)[2]
@@ -94,10 +92,12 @@ class Projection:
 
 
 def projection_of(picture: Picture, radius: float, detail: float) -> Projection:
-    """A picture ready for a surface.
+    """Prepare a picture for a surface.
 
     Parameters
     ----------
+    picture : Picture
+        The picture and its rectangle.
     radius : float
         The largest inscribed radius of the solid, mm.
     detail : float
@@ -115,14 +115,14 @@ def projection_of(picture: Picture, radius: float, detail: float) -> Projection:
 
 
 def texel_of(picture: Picture) -> float:
-    """Size of a pixel of the picture, mm."""
+    """Return the size of a pixel of the picture, mm."""
     height, width = picture.pixels.shape[:2]
     across, down = (float(np.linalg.norm(edge)) for edge in (picture.across, picture.down))
     return float(max(min(across / width, down / height), 1e-300))
 
 
-def axes_of(picture: Picture) -> Array:
-    """Rows: right and down in the picture, and towards its viewer; orthonormal, (3, 3)."""
+def axes_of(picture: Picture) -> Floats:
+    """Return orthonormal rows (3, 3): the picture's right, its down, and towards its viewer."""
     edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
     square = np.linalg.qr(edges, mode="complete")[0].T
     along = np.sign((square[:2] * edges.T).sum(axis=1))
@@ -132,7 +132,7 @@ def axes_of(picture: Picture) -> Array:
 
 
 def _level(picture: Picture, factor: int) -> Level:
-    """The picture with `factor` times `factor` pixels averaged into one."""
+    """Average `factor` times `factor` pixels of a picture into one."""
 
     def work() -> Level:
         pixels = picture.pixels
@@ -157,8 +157,8 @@ def _softened(level: Level, sigma: float) -> Level:
     return Level(np.asarray(softened, np.float32), level.extent)
 
 
-def _sampled(level: Level, uv: Array) -> Pixels:
-    """Bilinear values (n, 4) at places (n, 2), 0 to 1 from edge to edge; clear outside."""
+def _sampled(level: Level, uv: Floats) -> Pixels:
+    """Sample a picture (n, 4) at places (n, 2), 0 to 1 from edge to edge; clear outside."""
     width = level.pixels.shape[1]
     places = np.clip(uv, 0.0, 1.0) * level.extent + 0.5
     corner = places.astype(np.intp)
@@ -173,6 +173,6 @@ def _sampled(level: Level, uv: Array) -> Pixels:
     return values
 
 
-def _smooth_step(t: Array) -> Array:
+def _smooth_step(t: Floats) -> Floats:
     t = np.clip(t, 0.0, 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t), np.float64)

@@ -1,4 +1,4 @@
-"""What a surface looks like: the colours of its parts, and a picture over them."""
+"""The look of a surface: the colours of its parts, and a picture over them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh, Texture
 from bozzetto.plugin import Memory
-from bozzetto_silhouette.appearance.crease_normals import creased
 from bozzetto_silhouette.appearance.picture_projection import axes_of, projection_of, texel_of
 from bozzetto_silhouette.appearance.texture_baking import baked
 from bozzetto_silhouette.appearance.vertex_colors import (
@@ -20,14 +19,16 @@ from bozzetto_silhouette.appearance.vertex_colors import (
     creases_between,
     part_coat,
 )
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Picture, SilhouetteState
+from bozzetto_silhouette.numerics.isotropic_remeshing import unit
 from bozzetto_silhouette.solids.body import Body
 
-__all__ = ["Painted", "painted", "texture_of"]
-
-Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+_INTO = 0.3
+"""Where the normal of a face at a crease is looked up: the way from the crease to its middle."""
 
 
 class Painted(NamedTuple):
@@ -46,11 +47,11 @@ class Painted(NamedTuple):
 
 
 _textures: Memory[Texture] = Memory(limit=2)
-"""By what they show; a large one takes 64 MB."""
+"""By the content; a large one takes 64 MB."""
 
 
 def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore) -> Painted:
-    """A body for the screen and for files."""
+    """Color a body's mesh, for the screen and for files."""
     checkpoint(1.0, "colours")  # the last step, and a short one
     plain = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
     parts = part_coat(state, body)
@@ -68,7 +69,7 @@ def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore)
 
 
 def _split(plain: Mesh, coat: Coat, creases: Creases, picture: Coat | None) -> Mesh:
-    """The mesh with a vertex more for every corner that has a colour of its own."""
+    """Add a vertex to the mesh for every corner that has a colour of its own."""
     count = len(plain.vertices)
     faces = plain.faces.copy()
     copied = faces[creases.face, creases.corner]
@@ -94,7 +95,7 @@ def _picture_coat(state: SilhouetteState, body: Body) -> Coat | None:
 
 
 def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
-    """The colours of a body as a picture wrapped around it; None where no picture is laid on.
+    """Return a body's colours as a texture; None where no picture is projected.
 
     Colours of parts alone are smooth enough for vertices.
     """
@@ -108,7 +109,7 @@ def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
     under = _corner_coat(state, body)
     places = np.concatenate([body.vertices, body.normals], axis=1)
 
-    def paint(face: Index, weights: Array, detail: float) -> Coat:
+    def paint(face: Index, weights: Floats, detail: float) -> Coat:
         corners = body.faces[face]
         there = sum(weights[:, k, None] * places[corners[:, k]] for k in range(3))
         points, normals = np.hsplit(np.asarray(there), 2)
@@ -123,8 +124,8 @@ def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
     return baked(body.vertices, body.faces, axes_of(picture), 1.0 / texel_of(picture), paint)
 
 
-def _corner_coat(state: SilhouetteState, body: Body) -> Array | None:
-    """Colours and cover of the corners of the faces, (f, 3, 4), by the parts alone."""
+def _corner_coat(state: SilhouetteState, body: Body) -> Floats | None:
+    """Return the colours and cover of the corners of the faces, (f, 3, 4), by the parts alone."""
     coat = part_coat(state, body)
     if coat is None:
         return None
@@ -134,3 +135,24 @@ def _corner_coat(state: SilhouetteState, body: Body) -> Array | None:
         own = np.column_stack([creases.coat.rgb, creases.coat.cover])
         corners[creases.face, creases.corner] = own
     return corners
+
+
+def creased(body: Body) -> Mesh:
+    """Return a body's mesh for the screen, with a vertex for every face at its creases.
+
+    There every face gets the normal of its own side.
+    """
+    on_crease = np.zeros(len(body.vertices), dtype=bool)
+    on_crease[body.creases] = True
+    face, corner = np.nonzero(on_crease[body.faces])
+    copied = body.faces[face, corner]
+    middle = body.vertices[body.faces[face]].mean(axis=1)
+    at = body.vertices[copied] + _INTO * (middle - body.vertices[copied])
+    inwards = body.implicit.sample(at).gradient if len(at) else np.zeros((0, 3))
+    faces = body.faces.copy()
+    faces[face, corner] = len(body.vertices) + np.arange(len(copied))
+    return Mesh(
+        np.vstack([body.vertices, body.vertices[copied]]).astype(np.float32),
+        faces,
+        np.vstack([body.normals, -unit(inwards)]).astype(np.float32),
+    )

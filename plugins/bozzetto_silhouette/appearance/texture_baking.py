@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 from bozzetto.geometry import Texture
 from bozzetto_silhouette.appearance.uv_charts import Layout, laid_out
 from bozzetto_silhouette.appearance.vertex_colors import Coat
+from bozzetto_silhouette.arrays import Faces, Flags, Floats
 
-__all__ = ["Paint", "baked"]
-
-Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-Paint = Callable[[Index, Array, float], Coat]
+Paint = Callable[[Index, Floats, float], Coat]
 """Colours of points on a surface from their faces (n,), their barycentric weights (n, 3), and
 the distance between them, mm."""
 
@@ -23,20 +21,21 @@ AT_ONCE = 1 << 17
 """Texels coloured in one sweep: their arrays stay in the processor's cache."""
 
 
-def baked(
-    vertices: Array, faces: NDArray[np.int32], axes: Array, density: float, paint: Paint
-) -> Texture:
+def baked(vertices: Floats, faces: Faces, axes: Floats, density: float, paint: Paint) -> Texture:
     """Lay a closed mesh out and colour every texel.
 
     Parameters
     ----------
     vertices : (v, 3) float array
+        Corners of the mesh, mm.
     faces : (f, 3) int array
+        Oriented outwards.
     axes : (3, 3) float array
         Rows: orthonormal; along them the surface is projected.
     density : float
         Texels per mm that are wanted.
     paint : callable
+        Gives the colours of points on the surface.
     """
     layout = laid_out(vertices, faces, axes, density)
     texel, face, weights = _texels(layout)
@@ -54,8 +53,8 @@ def baked(
     return Texture(pixels.reshape(height, width, 4), corners)
 
 
-def _texels(layout: Layout) -> tuple[Index, Index, Array]:
-    """Texels of the atlas, the face that each shows, and where on it.
+def _texels(layout: Layout) -> tuple[Index, Index, Floats]:
+    """Return the texels of the atlas, the face that each shows, and the place on it.
 
     A face too thin to cover the middle of a texel shows at those that its corners are in, if
     nothing else does.
@@ -78,8 +77,8 @@ def _texels(layout: Layout) -> tuple[Index, Index, Array]:
     )
 
 
-def _barycentric(corners: Array, points: Array) -> Array:
-    """Weights (n, 3) of the corners (n, 3, 2) at points (n, 2)."""
+def _barycentric(corners: Floats, points: Floats) -> Floats:
+    """Return the weights (n, 3) of the corners (n, 3, 2) at points (n, 2)."""
     (ax, ay), (bx, by) = (corners[:, k].T - corners[:, 0].T for k in (1, 2))
     px, py = points.T - corners[:, 0].T
     area = ax * by - ay * bx
@@ -88,7 +87,7 @@ def _barycentric(corners: Array, points: Array) -> Array:
     return np.column_stack([1.0 - second - third, second, third])
 
 
-def _spread(pixels: NDArray[np.uint8], known: NDArray[np.bool_]) -> None:
+def _spread(pixels: NDArray[np.uint8], known: Flags) -> None:
     """Fill every unknown texel with the colour of the nearest known one, in place.
 
     So neither the seams of charts nor smaller copies of the picture show what is between.

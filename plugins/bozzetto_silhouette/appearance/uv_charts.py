@@ -1,6 +1,6 @@
 """Charts: a surface cut into pieces that lie flat side by side in one picture.
 
-Faces whose normals are nearest to the same of six directions hang together as one chart and
+Faces whose normals are nearest to the same of six directions form one chart and
 are projected along that direction, so nothing is drawn out by more than the square root of
 three. Where a chart would cover itself, what is behind becomes a chart of its own.
 """
@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
+from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 
-__all__ = ["MOST", "Layout", "laid_out"]
-
-Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 MOST = 2048
@@ -41,7 +40,7 @@ one by one."""
 
 
 class Layout(NamedTuple):
-    """Where every face lies in the atlas.
+    """Places of all faces in the atlas.
 
     Attributes
     ----------
@@ -55,19 +54,21 @@ class Layout(NamedTuple):
         Which face owns each texel whose middle it covers.
     """
 
-    places: Array
+    places: Floats
     size: tuple[int, int]
     density: float
     texels: Buffer
 
 
-def laid_out(vertices: Array, faces: NDArray[np.int32], axes: Array, density: float) -> Layout:
+def laid_out(vertices: Floats, faces: Faces, axes: Floats, density: float) -> Layout:
     """Lay a closed mesh out without overlaps.
 
     Parameters
     ----------
     vertices : (v, 3) float array
+        Corners of the mesh, mm.
     faces : (f, 3) int array
+        Oriented outwards.
     axes : (3, 3) float array
         Rows: orthonormal; charts are projected along them.
     density : float
@@ -89,8 +90,8 @@ def laid_out(vertices: Array, faces: NDArray[np.int32], axes: Array, density: fl
     return layout
 
 
-def _neighbours(faces: NDArray[np.int32]) -> Index:
-    """The face beyond every edge, (f, 3); -1 where there is none."""
+def _neighbours(faces: Faces) -> Index:
+    """Find the face beyond every edge, (f, 3); -1 where there is none."""
     begin, end = faces.astype(np.int64), np.roll(faces, -1, axis=1).astype(np.int64)
     count = int(faces.max(initial=0)) + 1
     forth, back = (begin * count + end).ravel(), (end * count + begin).ravel()
@@ -101,8 +102,8 @@ def _neighbours(faces: NDArray[np.int32]) -> Index:
     return beyond
 
 
-def _labels(corners: Array, beside: Index) -> Index:
-    """Which of six directions each face looks to: 2 axis + (1 where it looks against it)."""
+def _labels(corners: Floats, beside: Index) -> Index:
+    """Return the direction that each face looks to: 2 axis + (1 where it looks against that)."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     towards = np.stack([normal, -normal], axis=2).reshape(-1, 6)
@@ -118,19 +119,14 @@ def _labels(corners: Array, beside: Index) -> Index:
 
 
 def _components(beside: Index, kind: Index) -> Index:
-    """Number of the connected region of one kind that each face is in."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
+    """Return for each face the number of the connected region of one kind that it is in."""
     face, side = np.nonzero((beside >= 0) & (kind[beside] == kind[:, None]))
-    links = coo_matrix(
-        (np.ones(len(face), np.int8), (face, beside[face, side])), shape=(len(kind), len(kind))
-    )
-    return np.asarray(connected_components(links, directed=False)[1], np.int64)
+    _, number = connected_pieces(face, beside[face, side], len(kind))
+    return number.astype(np.int64)
 
 
-def _flat(corners: Array, label: Index) -> Array:
-    """Corners projected along the direction of their chart, (f, 3, 2)."""
+def _flat(corners: Floats, label: Index) -> Floats:
+    """Project corners along the direction of their chart, (f, 3, 2)."""
     axis = label // 2
     right, down = np.where(axis == 0, 2, 0), np.where(axis == 1, 2, 1)
     rows = np.arange(len(label))[:, None]
@@ -138,8 +134,8 @@ def _flat(corners: Array, label: Index) -> Array:
     return np.stack([corners[rows, sides, right[:, None]], corners[rows, sides, down[:, None]]], 2)
 
 
-def _packed(flat: Array, chart: Index, density: float) -> Layout:
-    """Charts on shelves, the highest first, in the smallest atlas that holds them."""
+def _packed(flat: Floats, chart: Index, density: float) -> Layout:
+    """Pack charts on shelves, the highest first, in the smallest atlas that holds them."""
     count = int(chart.max(initial=0)) + 1
     low = np.full((count, 2), np.inf)
     high = np.full((count, 2), -np.inf)
@@ -157,12 +153,12 @@ def _packed(flat: Array, chart: Index, density: float) -> Layout:
     return Layout(places, size, density, blank(*size))
 
 
-def _extents(spans: Array, density: float) -> Index:
+def _extents(spans: Floats, density: float) -> Index:
     return np.asarray(np.ceil(spans * density), np.int64) + 2 * PADDING + 1
 
 
 def _shelved(extents: Index, most: int) -> tuple[Index, tuple[int, int]] | None:
-    """Top left corners of rectangles (n, 2) in an atlas, and its size; None if they do not fit."""
+    """Place rectangles (n, 2): their top left corners and the atlas's size; None if too many."""
     order = np.argsort(-extents[:, 1], kind="stable")
     least = int(extents.prod(axis=1).sum())
     for width, height in _sizes(most):
@@ -184,7 +180,7 @@ def _shelved(extents: Index, most: int) -> tuple[Index, tuple[int, int]] | None:
 
 
 def _sizes(most: int) -> list[tuple[int, int]]:
-    """Atlases from the smallest to the largest: squares and those of half the height."""
+    """Return sizes of atlases, ascending: squares and those of half the height."""
     sizes, side = [], 64
     while side <= most:
         sizes += [(side, side // 2), (side, side)]
@@ -192,8 +188,8 @@ def _sizes(most: int) -> list[tuple[int, int]]:
     return sizes
 
 
-def _hidden(layout: Layout, corners: Array, label: Index) -> Index:
-    """Faces that lie behind another one somewhere in the atlas; fills `layout.texels`."""
+def _hidden(layout: Layout, corners: Floats, label: Index) -> Index:
+    """Find faces that lie behind another one somewhere in the atlas, and fill `layout.texels`."""
     axis, against = label // 2, label % 2
     depth = corners[np.arange(len(label))[:, None], np.arange(3)[None], axis[:, None]]
     depth = np.where(against[:, None] == 1, -depth, depth)

@@ -12,14 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite, box_distance
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.model.state import Color, Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
-
-__all__ = ["Coat", "Creases", "bare", "color_of", "creases_between", "part_coat"]
-
-Array = NDArray[np.float64]
 
 TIE = 0.02
 """Share of the mesh's step by which the later of two parts wins where both surfaces coincide:
@@ -48,34 +45,34 @@ class Coat:
         0 to 1: how much of its colour a point has of its own; the rest is the object's.
     """
 
-    rgb: Array
-    cover: Array
+    rgb: Floats
+    cover: Floats
 
     def over(self, under: Coat) -> Coat:
-        """The coat laid on another one."""
+        """Lay the coat on another one."""
         bare_share = 1.0 - self.cover
         return Coat(
             self.rgb + bare_share[:, None] * under.rgb, self.cover + bare_share * under.cover
         )
 
-    def mixed(self, other: Coat, share: Array) -> Coat:
-        """The coat with a share (n,) of the other one's place in it, 0 to 1."""
+    def mixed(self, other: Coat, share: Floats) -> Coat:
+        """Mix in another coat, with a share (n,) from 0 to 1."""
         kept = 1.0 - share
         return Coat(
             kept[:, None] * self.rgb + share[:, None] * other.rgb,
             kept * self.cover + share * other.cover,
         )
 
-    def at(self, index: NDArray[np.intp]) -> Coat:
-        """The coat of some of the points."""
+    def at(self, index: Indices) -> Coat:
+        """Return the coat of some of the points."""
         return Coat(self.rgb[index], self.cover[index])
 
     def joined(self, more: Coat) -> Coat:
-        """The coat of these points and then of more."""
+        """Append the coat of more points."""
         return Coat(np.concatenate([self.rgb, more.rgb]), np.concatenate([self.cover, more.cover]))
 
     def bytes(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-        """RGBA (n, 4) and cover (n,) as meshes have them."""
+        """Return RGBA (n, 4) and cover (n,) as bytes, as meshes have them."""
         rgba = np.full((len(self.cover), 4), 255, np.uint8)
         own = self.rgb / np.maximum(self.cover, 1e-9)[:, None]
         rgba[:, :3] = np.rint(np.clip(own, 0.0, 255.0))
@@ -93,25 +90,25 @@ class Creases:
         Of the corners.
     """
 
-    face: NDArray[np.intp]
-    corner: NDArray[np.intp]
+    face: Indices
+    corner: Indices
     coat: Coat
 
 
 def bare(count: int) -> Coat:
-    """No colour."""
+    """Return a coat without colour."""
     return Coat(np.zeros((count, 3)), np.zeros(count))
 
 
 def color_of(part: Part) -> Color | None:
-    """A part's own colour, else that of its ink, else none."""
+    """Return a part's own colour, else that of its ink, else None."""
     if part.color is not None:
         return part.color
     return next((stroke.color for stroke in part.strokes if stroke.color is not None), None)
 
 
-def part_coat(state: SilhouetteState, body: Body, points: Array | None = None) -> Coat | None:
-    """The colours of a body's vertices, or of other points on it; None where it has none.
+def part_coat(state: SilhouetteState, body: Body, points: Floats | None = None) -> Coat | None:
+    """Return the colours of a body's vertices, or of other points on it; None without colours.
 
     A part that carves or intersects gives its colour to the walls that it makes; without a
     colour it leaves them that of what it acts on.
@@ -127,10 +124,14 @@ def part_coat(state: SilhouetteState, body: Body, points: Array | None = None) -
 
 
 def creases_between(state: SilhouetteState, body: Body, coat: Coat) -> Creases | None:
-    """Where the colours of the vertices would run over a sharp edge; None where nowhere.
+    """Find where the colours of vertices would run over a sharp edge; None where they do not.
 
     Parameters
     ----------
+    state : SilhouetteState
+        What was drawn.
+    body : Body
+        The whole shape.
     coat : Coat
         Of the body's vertices.
     """
@@ -154,7 +155,7 @@ def creases_between(state: SilhouetteState, body: Body, coat: Coat) -> Creases |
 
 
 def _leaves(solid: Implicit) -> Iterator[Implicit]:
-    """The solids that a solid was put together from, in the order of its sources."""
+    """Return the solids that a solid was combined from, in the order of its sources."""
     if isinstance(solid, Placed):
         yield from _leaves(solid.inner)
     elif isinstance(solid, Composite):
@@ -196,11 +197,15 @@ class _Painted:
         self._colors = iter(colors)
         self._tie = tie
 
-    def at(self, solid: Implicit, points: Array, slack: float) -> tuple[Array, Coat]:
-        """Values and colours at points (n, 3).
+    def at(self, solid: Implicit, points: Floats, slack: float) -> tuple[Floats, Coat]:
+        """Return values and colours at points (n, 3).
 
         Parameters
         ----------
+        solid : Implicit
+            The solid, or one that it was combined from.
+        points : (n, 3) float array
+            Places in the frame of the solid.
         slack : float
             How far outside a solid it may still matter. Beyond, the value is only a bound.
         """
@@ -220,7 +225,7 @@ class _Painted:
         value[near] = solid.value(points[near])
         return value, coat
 
-    def _combined(self, solid: Composite, points: Array, slack: float) -> tuple[Array, Coat]:
+    def _combined(self, solid: Composite, points: Floats, slack: float) -> tuple[Floats, Coat]:
         first, under = self.at(solid.first, points, slack)
         second, coat = self.at(solid.second, points, slack)
         if solid.operation in ("add", "merge"):
@@ -231,8 +236,8 @@ class _Painted:
         whole = Coat(coat.rgb * wall[:, None], coat.cover * wall).over(under)
         return np.minimum(first, second), whole
 
-    def _share(self, first: Array, second: Array, solid: Composite) -> Array:
-        """How much of a point belongs to the second of two, by how far it exceeds the first."""
+    def _share(self, first: Floats, second: Floats, solid: Composite) -> Floats:
+        """Return the share of the second of two solids, by how far it exceeds the first."""
         if solid.reach <= 0.0:
             return np.asarray(second - first >= -self._tie, np.float64)
         t = np.clip(0.5 + 0.5 * (second - first) / solid.reach, 0.0, 1.0)

@@ -9,13 +9,10 @@ the distance k from it.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.implicit_solid import Sample
-
-__all__ = ["flipped", "smooth_maximum", "summed"]
-
-Points = NDArray[np.float64]
+from bozzetto_silhouette.numerics.isotropic_remeshing import dot
 
 ORDER = 3.5
 """Power to which the potential of the scale-invariant kernel falls off around a tube (Zanni
@@ -23,12 +20,12 @@ et al. 2013: the compact sextic, integrated along it)."""
 
 
 def flipped(sample: Sample) -> Sample:
-    """The sample of what is outside."""
+    """Return the sample of the complement."""
     return Sample(-sample.value, -sample.gradient, sample.curvature)
 
 
-def smooth_maximum(first: Sample, second: Sample, reach: Points | float) -> Sample:
-    """Union that knows the angle: sides that meet smoothly are not swollen.
+def smooth_maximum(first: Sample, second: Sample, reach: Floats | float) -> Sample:
+    """Unite two samples by the angle between them: sides that meet smoothly do not bulge.
 
     The polynomial smooth maximum ``max + (k - |a - b|)^2 / 4k`` with the reach
     ``k = reach * clip(1 - cos, 0, 1)`` of the angle between the gradients. It is a simplified
@@ -42,8 +39,8 @@ def smooth_maximum(first: Sample, second: Sample, reach: Points | float) -> Samp
     the radius of curvature.
     """
     a, b = first.value, second.value
-    lengths = np.sqrt(_dot(first.gradient, first.gradient) * _dot(second.gradient, second.gradient))
-    cosine = _dot(first.gradient, second.gradient) / np.maximum(lengths, 1e-300)
+    lengths = np.sqrt(dot(first.gradient, first.gradient) * dot(second.gradient, second.gradient))
+    cosine = dot(first.gradient, second.gradient) / np.maximum(lengths, 1e-300)
     k = reach * np.clip(1.0 - cosine, 0.0, 1.0)
     excess = np.maximum(k - np.abs(a - b), 0.0)
     k = np.maximum(k, 1e-300)
@@ -54,8 +51,8 @@ def smooth_maximum(first: Sample, second: Sample, reach: Points | float) -> Samp
     return _mixed(value, share, first, 1.0 - share, second)
 
 
-def summed(first: Sample, second: Sample, reach: Points | float) -> Sample:
-    """Union as of one field: the potentials of both are added.
+def summed(first: Sample, second: Sample, reach: Floats | float) -> Sample:
+    """Unite two samples as one field: their potentials are added.
 
     Around a tube of radius r the scale-invariant kernel of support r + k makes the potential
     ``((r + k)^2 - (r - d)^2)^(7/2)`` at the depth d, which is ``(1 + d / k)^(7/2)`` but for the
@@ -77,14 +74,9 @@ def summed(first: Sample, second: Sample, reach: Points | float) -> Sample:
     return _mixed(value, one, first, other, second)
 
 
-def _mixed(value: Points, one: Points, first: Sample, other: Points, second: Sample) -> Sample:
-    """A sample whose value grows by so much of the one and so much of the other."""
+def _mixed(value: Floats, one: Floats, first: Sample, other: Floats, second: Sample) -> Sample:
+    """Return a sample with a given value and the weighted sum of two gradients."""
     gradient = one[:, None] * first.gradient + other[:, None] * second.gradient
     total = np.maximum(one + other, 1e-300)
     curvature = (one * first.curvature + other * second.curvature) / total
     return Sample(value, gradient, curvature)
-
-
-def _dot(a: Points, b: Points) -> Points:
-    product: Points = np.einsum("ij,ij->i", a, b)
-    return product

@@ -1,4 +1,4 @@
-"""Places where a blend is held back: where the whole of it would not fit."""
+"""Places where a blend is limited, because all of it would not fit there."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bozzetto_silhouette.arrays import Floats
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-__all__ = ["Taming"]
-
-Points = NDArray[np.float64]
 
 _CORE = 0.5
 """Share of a place's radius within which all of it holds; from there it fades."""
@@ -24,8 +22,8 @@ _NEAREST = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Taming:
-    """A share of the blend from point to point, 1 but for the neighbourhood of some places.
+class BlendLimiter:
+    """The share of a blend at every point: 1 except near some places.
 
     Attributes
     ----------
@@ -36,17 +34,17 @@ class Taming:
         Of the blend that is left there.
     """
 
-    places: Points
-    radii: Points
-    shares: Points
+    places: Floats
+    radii: Floats
+    shares: Floats
 
     @classmethod
-    def none(cls) -> Taming:
-        """The whole blend everywhere."""
+    def none(cls) -> BlendLimiter:
+        """Return a limiter that leaves the whole blend everywhere."""
         return cls(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
 
-    def share(self, points: Points) -> Points:
-        """Share of the blend (n,) at points (n, 3): the smallest that a place near by leaves."""
+    def share(self, points: Floats) -> Floats:
+        """Return the share of the blend (n,) at points (n, 3): the least of the places near by."""
         if not len(self.places):
             return np.ones(len(points))
         count = min(_NEAREST, len(self.places))
@@ -58,24 +56,24 @@ class Taming:
         way = np.where(near, distance, np.inf) / self.radii[index]
         fade = np.clip((way - _CORE) / (1.0 - _CORE), 0.0, 1.0)
         fade = fade * fade * (3.0 - 2.0 * fade)
-        least: Points = (self.shares[index] * (1.0 - fade) + fade).min(axis=1)
+        least: Floats = (self.shares[index] * (1.0 - fade) + fade).min(axis=1)
         return least
 
-    def also(self, places: Points, radii: Points, shares: Points) -> Taming:
-        """With more places; those so close to each other that one does for both are one."""
+    def also(self, places: Floats, radii: Floats, shares: Floats) -> BlendLimiter:
+        """Add places; of those very close to each other one is kept."""
         cell = np.round(places / (_CORE * radii[:, None])).astype(np.int64)
         _, kept = np.unique(cell, axis=0, return_index=True)
-        return Taming(
+        return BlendLimiter(
             np.vstack([self.places, places[kept]]),
             np.append(self.radii, radii[kept]),
             np.append(self.shares, shares[kept]),
         )
 
-    def joined(self, other: Taming) -> Taming:
-        """With the places of another one."""
+    def joined(self, other: BlendLimiter) -> BlendLimiter:
+        """Add the places of another limiter."""
         if not len(other.places):
             return self
-        return Taming(
+        return BlendLimiter(
             np.vstack([self.places, other.places]),
             np.append(self.radii, other.radii),
             np.append(self.shares, other.shares),
@@ -83,7 +81,7 @@ class Taming:
 
     @property
     def signature(self) -> bytes:
-        """Equal for equal places, radii and shares."""
+        """Bytes that are equal for equal places, radii and shares."""
         return self.places.tobytes() + self.radii.tobytes() + self.shares.tobytes()
 
     @cached_property

@@ -7,16 +7,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Flags, Floats
 from bozzetto_silhouette.implicit.blend import flipped, smooth_maximum, summed
-from bozzetto_silhouette.implicit.blend_limiter import Taming
+from bozzetto_silhouette.implicit.blend_limiter import BlendLimiter
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed, Sample
 from bozzetto_silhouette.model.state import Operation
-
-__all__ = ["Composite", "Sides", "box_distance", "localized", "signature"]
-
-Points = NDArray[np.float64]
 
 _NARROWING = 8
 """Power of the smooth minimum of reaches: three equal ones give 87 % of each."""
@@ -40,12 +36,12 @@ class Sides(NamedTuple):
 
     first: Sample
     second: Sample
-    reach: Points
+    reach: Floats
 
 
 @dataclass(frozen=True, eq=False)
 class Composite:
-    """What an operation makes of two implicit solids.
+    """The result of an operation on two implicit solids.
 
     Parameters
     ----------
@@ -57,7 +53,7 @@ class Composite:
         crease.
     reach : float
         The largest radius of the blend, as a length.
-    taming : Taming
+    limiter : BlendLimiter
         Where less of it was found to fit.
     """
 
@@ -66,10 +62,10 @@ class Composite:
     operation: Operation
     blend: float
     reach: float
-    taming: Taming = field(default_factory=Taming.none)
+    limiter: BlendLimiter = field(default_factory=BlendLimiter.none)
 
     @cached_property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """A box around the solid; blends fill no more than a quarter of their reach."""
         (low, high), (other_low, other_high) = self.first.bounds, self.second.bounds
         if self.operation == "carve":
@@ -80,40 +76,40 @@ class Composite:
         swell = 0.25 * self.reach
         return np.stack([np.minimum(low, other_low) - swell, np.maximum(high, other_high) + swell])
 
-    def value(self, points: Points) -> Points:
-        """Values at points (n, 3)."""
+    def value(self, points: Floats) -> Floats:
+        """Return the values at points (n, 3)."""
         return self.sample(points).value
 
-    def sample(self, points: Points) -> Sample:
-        """Values and gradients at points (n, 3)."""
+    def sample(self, points: Floats) -> Sample:
+        """Return the values and gradients at points (n, 3)."""
         return self.blended(self.sides(points))
 
     def scaled(self, share: float) -> Composite:
-        """The same with a share of its blend."""
+        """Return the same solid with a share of its blend."""
         return replace(self, blend=share * self.blend, reach=share * self.reach)
 
-    def sides(self, points: Points) -> Sides:
-        """Samples of both solids; where one cannot matter, only a bound of it."""
+    def sides(self, points: Floats) -> Sides:
+        """Sample both solids; where one cannot matter, only its bound is given."""
         first, second = self._samples(points)
         reach = self._local_reach(first, second)
-        if len(self.taming.places):
-            reach = reach * self.taming.share(points)
+        if len(self.limiter.places):
+            reach = reach * self.limiter.share(points)
         return Sides(first, second, reach)
 
-    def within(self, box: Points, margin: float) -> Composite:
-        """The same with `localized` operands."""
+    def within(self, box: Floats, margin: float) -> Composite:
+        """Return the same solid with `localized` operands."""
         first, second = (localized(side, box, margin) for side in (self.first, self.second))
         return replace(self, first=first, second=second)
 
-    def felt(self, points: Points) -> NDArray[np.bool_]:
-        """Where (n,) the blend may make a difference, by the boxes alone."""
+    def felt(self, points: Floats) -> Flags:
+        """Return where (n,) the blend may make a difference, by the boxes alone."""
         far = self.reach / _FALL
         return (box_distance(points, self.first.bounds) <= far) & (
             box_distance(points, self.second.bounds) <= far
         )
 
     def blended(self, sides: Sides) -> Sample:
-        """The two samples as one."""
+        """Combine two samples into one by the operation and its blend."""
         first, second, reach = sides
         if self.operation == "carve":
             return flipped(smooth_maximum(flipped(first), second, reach))
@@ -123,14 +119,14 @@ class Composite:
             return summed(first, second, reach)
         return smooth_maximum(first, second, reach)
 
-    def sharp(self, sides: Sides) -> Points:
-        """Values (n,) without the blend."""
+    def sharp(self, sides: Sides) -> Floats:
+        """Return the values (n,) without the blend."""
         one, other = sides.first.value, sides.second.value
         if self.operation == "carve":
             return np.minimum(one, -other)
         return np.minimum(one, other) if self.operation == "intersect" else np.maximum(one, other)
 
-    def _samples(self, points: Points) -> tuple[Sample, Sample]:
+    def _samples(self, points: Floats) -> tuple[Sample, Sample]:
         if self.operation == "intersect":
             return self.first.sample(points), self.second.sample(points)
         far = -_FALL * box_distance(points, self.second.bounds)
@@ -146,8 +142,8 @@ class Composite:
         late = leads & (far > first.value - self.reach)
         return first, _where(self.second, points, far, late, second)
 
-    def _local_reach(self, first: Sample, second: Sample) -> Points:
-        """Reach of the blend (n,): of the thinner of the two there, and nowhere the largest.
+    def _local_reach(self, first: Sample, second: Sample) -> Floats:
+        """Return the reach of the blend (n,): that of the thinner solid there, below the largest.
 
         A smooth minimum, so that fillets narrow without a kink. It is what Gourmel et al. and
         MATISSE (Bernhardt et al., 2008) ask of a blend: not to wash out what is small.
@@ -162,8 +158,8 @@ class Composite:
         )
 
 
-def localized(solid: Implicit, box: Points, margin: float) -> Implicit:
-    """A solid without the operands that are too far from a box (2, 3) to be felt in it.
+def localized(solid: Implicit, box: Floats, margin: float) -> Implicit:
+    """Drop the operands of a solid that are too far from a box (2, 3) to matter in it.
 
     In the box it is the same wherever the values that are blended lie between -margin and
     margin; beyond, it stays outside. A tree of many parts is as fast in a small place as a few.
@@ -185,41 +181,41 @@ def localized(solid: Implicit, box: Points, margin: float) -> Implicit:
 
 
 def signature(solid: Implicit) -> object:
-    """What the values of a solid hang on: equal signatures are the same function."""
+    """Return a key of the solid's values: solids with equal keys are the same function."""
     if isinstance(solid, Placed):
         return (signature(solid.inner), solid.placement)
     if isinstance(solid, Composite):
-        own = (solid.operation, solid.blend, solid.reach, solid.taming.signature)
+        own = (solid.operation, solid.blend, solid.reach, solid.limiter.signature)
         return (signature(solid.first), signature(solid.second), *own)
     return solid
 
 
-def _corners(box: Points) -> Points:
+def _corners(box: Floats) -> Floats:
     x, y, z = box.T
     return np.array([[i, j, k] for i in x for j in y for k in z])
 
 
-def _box_gap(box: Points, other: Points) -> float:
-    """Distance between two boxes (2, 3)."""
+def _box_gap(box: Floats, other: Floats) -> float:
+    """Return the distance between two boxes (2, 3)."""
     beyond = np.maximum(np.maximum(box[0] - other[1], other[0] - box[1]), 0.0)
     return float(np.sqrt((beyond**2).sum()))
 
 
-def box_distance(points: Points, bounds: Points) -> Points:
-    """Distance (n,) of points (n, 3) from a box (2, 3), 0 inside."""
+def box_distance(points: Floats, bounds: Floats) -> Floats:
+    """Return the distance (n,) of points (n, 3) from a box (2, 3), 0 inside."""
     beyond = np.maximum(np.maximum(bounds[0] - points, points - bounds[1]), 0.0)
-    distance: Points = np.sqrt(np.einsum("ij,ij->i", beyond, beyond))
+    distance: Floats = np.sqrt(np.einsum("ij,ij->i", beyond, beyond))
     return distance
 
 
 def _where(
     solid: Implicit,
-    points: Points,
-    bound: Points,
-    wanted: NDArray[np.bool_],
+    points: Floats,
+    bound: Floats,
+    wanted: Flags,
     known: Sample | None = None,
 ) -> Sample:
-    """A solid's sample where wanted; elsewhere what is known, else a bound of the value."""
+    """Sample a solid where wanted; give what is known, or a bound of the value, elsewhere."""
     if wanted.all():
         return solid.sample(points)
     if known is None:

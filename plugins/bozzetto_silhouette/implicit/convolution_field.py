@@ -16,9 +16,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.kernel_sums import THINNEST, Summation, Sums, summation_of
 from bozzetto_silhouette.implicit.weight_fit import fit_weights
 from bozzetto_silhouette.model.state import Kernel
@@ -27,16 +27,12 @@ from bozzetto_silhouette.outline.medial_axis import Skeleton
 from bozzetto_silhouette.outline.normalized import Frame
 from bozzetto_silhouette.outline.signed_distance import RimDistance
 
-__all__ = ["ConvolutionField", "Correction", "convolution_field", "with_correction"]
-
-Points = NDArray[np.float64]
-
 FLOOR = 0.45
 """The surface stands at least this share of a round section high (squared): where the
 pruned skeleton does not reach (sharp tips, serifs) there is still a body."""
 
 CORRECTION_DEPTH = 0.9
-"""How deep the correction reaches, in local radii."""
+"""Depth that the correction reaches, in local radii."""
 
 RIPPLE_DEPTH = 0.3
 """The part of that depth that the quickly varying share of the correction reaches."""
@@ -54,7 +50,7 @@ _FAINT = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class Correction:
-    """What is added to the level at points of the plane, whatever their depth.
+    """The amount added to the level at points of the plane, whatever their depth.
 
     Attributes
     ----------
@@ -66,12 +62,12 @@ class Correction:
         Local radius at the foot on the outline.
     """
 
-    lift: Points
-    distance: Points
-    radius: Points
+    lift: Floats
+    distance: Floats
+    radius: Floats
 
     @property
-    def floor(self) -> Points:
+    def floor(self) -> Floats:
         """Level of the guard at depth 0: has the sign of the distance."""
         t = np.clip(self.distance / self.radius, -1.0, 1.0)
         return FLOOR * t * (2.0 - np.abs(t))
@@ -100,25 +96,27 @@ class ConvolutionField:
     """
 
     skeleton: Skeleton
-    weights: Points
+    weights: Floats
     softness: float
     summation: Summation = field(repr=False)
     rim: Rim = field(repr=False)
-    excess: Points = field(repr=False)
-    calm_excess: Points = field(repr=False)
-    summits: Points = field(repr=False)
+    excess: Floats = field(repr=False)
+    calm_excess: Floats = field(repr=False)
+    summits: Floats = field(repr=False)
     _distance: RimDistance = field(repr=False)
 
-    def correction(self, xy: Points) -> Correction:
-        """Correction at points (n, 2) of the frame of the sums."""
-        feet = self._distance(xy)
-        following = self.rim.after[feet.segment]
+    def correction(self, xy: Floats) -> Correction:
+        """Return the correction at points (n, 2) of the frame of the sums."""
+        closest = self._distance(xy)
+        following = self.rim.after[closest.segment]
 
-        def between(values: Points) -> Points:
-            return (1.0 - feet.along) * values[feet.segment] + feet.along * values[following]
+        def between(values: Floats) -> Floats:
+            return (1.0 - closest.along) * values[closest.segment] + closest.along * values[
+                following
+            ]
 
         radius = between(self.rim.radius)
-        depth = np.square(feet.distance / (CORRECTION_DEPTH * radius))
+        depth = np.square(closest.distance / (CORRECTION_DEPTH * radius))
         calm = between(self.calm_excess)
         lift = calm * np.square(np.clip(1.0 - depth, 0.0, 1.0))
         # What varies faster along the outline than the limb is thick stays at the rim.
@@ -129,29 +127,29 @@ class ConvolutionField:
             gap2 = ((xy[:, None, :] - self.summits[None, :, :2]) ** 2).sum(axis=2)
             bump = np.square(np.clip(1.0 - gap2 / np.square(self.summits[:, 2]), 0.0, 1.0))
             lift += bump @ self.summits[:, 3] / np.maximum(bump.sum(axis=1), 1.0)
-        return Correction(lift, feet.distance, radius)
+        return Correction(lift, closest.distance, radius)
 
-    def raw_level(self, xy: Points, height2: Points, radius: Points) -> Points:
-        """Level U at points (n, 2) and squared heights, not corrected, in local radii."""
+    def raw_level(self, xy: Floats, height2: Floats, radius: Floats) -> Floats:
+        """Return the uncorrected level U at points (n, 2) and squared heights, in local radii."""
         level, _ = self._summed(self.summation.over(xy), height2, radius, slope=False)
         return level
 
-    def _level(self, xy: Points, height2: Points) -> Points:
+    def _level(self, xy: Floats, height2: Floats) -> Floats:
         correction = self.correction(xy)
         level = self.raw_level(xy, height2, correction.radius)
         corrected, _ = _guarded(level, None, height2, correction)
         return corrected
 
     def _summed(
-        self, sums: Sums, height2: Points, radius: Points, *, slope: bool
-    ) -> tuple[Points, Points | None]:
-        """Uncorrected level U and its derivative by z^2."""
+        self, sums: Sums, height2: Floats, radius: Floats, *, slope: bool
+    ) -> tuple[Floats, Floats | None]:
+        """Return the uncorrected level U and its derivative by z^2."""
         total, descent = sums.total(self.weights, height2, slope=slope)
         level, rise = self.summation.level(np.maximum(total, _FAINT), radius)
         return level, None if descent is None else rise * descent
 
-    def heights(self, xy: Points) -> Points:
-        """Half thickness of the solid at points (n, 2) of the plane; 0 outside."""
+    def heights(self, xy: Floats) -> Floats:
+        """Return the half thickness of the solid at points (n, 2) of the plane; 0 outside."""
         sums = self.summation.over(xy)
         corrected = self.correction(xy)
         square = np.maximum(corrected.floor, 0.0) * corrected.radius**2
@@ -177,8 +175,8 @@ class ConvolutionField:
 
 
 def _guarded(
-    level: Points, fall: Points | None, height2: Points, correction: Correction
-) -> tuple[Points, Points | None]:
+    level: Floats, fall: Floats | None, height2: Floats, correction: Correction
+) -> tuple[Floats, Floats | None]:
     """Correct the level and hold its sign to that of the drawn outline.
 
     Inside, the smooth maximum with a round tube along the outline (`FLOOR`); outside, the
@@ -206,15 +204,16 @@ _fields: Memory[ConvolutionField] = Memory(limit=16)
 def convolution_field(
     frame: Frame, *, softness: float = 1.4, kernel: Kernel = "scalis"
 ) -> ConvolutionField:
-    """Weights for a skeleton, from the outline; not yet corrected.
+    """Fit the weights of a skeleton to its outline; the field is not corrected yet.
 
     Parameters
     ----------
     frame : Frame
+        The outline, its samples and its skeleton.
     softness : float
         Support of the kernel in radii, 1.25 to 2: how far limbs blend into each other.
     kernel : str
-        What is summed along the skeleton.
+        The function that is summed along the skeleton.
     """
     return _fields.recall((frame, softness, kernel), lambda: _fitted(frame, softness, kernel))
 
@@ -236,7 +235,7 @@ def _fitted(frame: Frame, softness: float, kernel: Kernel) -> ConvolutionField:
 
 
 def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
-    """The same field, corrected so that its zero line in z = 0 is the sampled outline."""
+    """Correct a field so that its zero line in z = 0 is the sampled outline."""
     level = raw.raw_level(rim.points, np.zeros(len(rim.points)), rim.radius)
     # Never so much that the body would reach beyond the support of the kernel.
     most = 0.8 * (raw.softness**2 - 1.0)

@@ -10,13 +10,9 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement
-
-__all__ = ["Implicit", "Placed", "Sample"]
-
-Points = NDArray[np.float64]
+from bozzetto_silhouette.arrays import Floats
 
 
 class Sample(NamedTuple):
@@ -33,9 +29,9 @@ class Sample(NamedTuple):
         it is flat, or nothing is known.
     """
 
-    value: Points
-    gradient: Points
-    curvature: Points | float = 0.0
+    value: Floats
+    gradient: Floats
+    curvature: Floats | float = 0.0
 
 
 class Implicit(Protocol):
@@ -53,16 +49,16 @@ class Implicit(Protocol):
     """
 
     @property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """The box."""
         ...
 
-    def value(self, points: Points) -> Points:
-        """Values at points (n, 3)."""
+    def value(self, points: Floats) -> Floats:
+        """Return the values at points (n, 3)."""
         ...
 
-    def sample(self, points: Points) -> Sample:
-        """Values and gradients at points (n, 3)."""
+    def sample(self, points: Floats) -> Sample:
+        """Return the values and gradients at points (n, 3)."""
         ...
 
 
@@ -74,7 +70,7 @@ class Placed:
     placement: Placement
 
     @property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """The box around the moved box."""
         low, high = self.inner.bounds
         corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1])
@@ -82,12 +78,12 @@ class Placed:
         moved = self.placement.points(corners)
         return np.stack([moved.min(axis=0), moved.max(axis=0)])
 
-    def value(self, points: Points) -> Points:
-        """Values at points (n, 3)."""
+    def value(self, points: Floats) -> Floats:
+        """Return the values at points (n, 3)."""
         return self.inner.value(self.placement.inverse().points(points)) * self.placement.scale
 
-    def sample(self, points: Points) -> Sample:
-        """Values and gradients at points (n, 3)."""
+    def sample(self, points: Floats) -> Sample:
+        """Return the values and gradients at points (n, 3)."""
         value, gradient, curvature = self.inner.sample(self.placement.inverse().points(points))
         scale = self.placement.scale
         return Sample(value * scale, self.placement.directions(gradient), curvature / scale)

@@ -1,4 +1,4 @@
-"""What a variational surface is held by: points on the outline, beside it, and above the axis.
+"""Constraints of a variational surface: points on the outline, beside it, and above the axis.
 
 As in Kukelova and Durikovic, "SketchCo", 2007: boundary constraints on the outline (value 0),
 normal constraints beside it, and above and below every node of the skeleton a constraint at
@@ -15,10 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.implicit.variational import (
     SPACING,
     VariationalSurface,
@@ -28,11 +28,6 @@ from bozzetto_silhouette.implicit.variational import (
 from bozzetto_silhouette.outline.boundary_sampling import CORNER_TURN
 from bozzetto_silhouette.outline.normalized import Frame
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["Constraints", "Fit", "fitted"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 OUTLINE_POINTS = 120
 """Boundary constraints of a drawing that needs no more."""
@@ -57,7 +52,7 @@ OFFSET = 0.004
 more rounds corners off, less leaves the function to itself in between."""
 
 HALVINGS = 4
-"""How often the offset is halved where the place is nearer to another stretch of outline."""
+"""Halvings of the offset where the place is nearer to another stretch of outline."""
 
 TRUE_OFFSET = 0.6
 """A normal constraint is dropped where its distance is not at least this share of its offset."""
@@ -91,12 +86,12 @@ class Constraints:
         Of the shape: what spacings are a share of.
     """
 
-    points: Points
-    values: Points
+    points: Floats
+    values: Floats
     size: float
 
     def placed(self, placement: Placement) -> Constraints:
-        """The same, moved, turned, scaled or mirrored with the shape."""
+        """Return the constraints moved, turned, scaled or mirrored with the shape."""
         return Constraints(
             placement.points(self.points),
             self.values * placement.scale,
@@ -125,11 +120,12 @@ _fits: Memory[Fit] = Memory(limit=16)
 
 
 def fitted(frame: Frame, most: int = MOST_OUTLINE_POINTS) -> Fit:
-    """The variational surface through an outline.
+    """Fit the variational surface through an outline; remembered.
 
     Parameters
     ----------
     frame : Frame
+        The outline, its samples and its skeleton.
     most : int
         Boundary constraints, at most.
 
@@ -173,16 +169,16 @@ def _fit(frame: Frame, most: int) -> Fit:
     return Fit(surface, both)
 
 
-def _lengths(frame: Frame) -> Points:
-    """The stretch of outline that each sample stands for."""
+def _lengths(frame: Frame) -> Floats:
+    """Return the length of outline that each sample stands for, (m,)."""
     rim = frame.rim
     half = 0.5 * np.hypot(*(rim.points[rim.after] - rim.points).T)
-    total: Points = half + half[rim.before]
+    total: Floats = half + half[rim.before]
     return total
 
 
 def _spread(frame: Frame, count: int) -> Indices:
-    """About so many samples of the outline, closer together where limbs are thin."""
+    """Choose about so many samples of the outline, closer together where limbs are thin."""
     rim = frame.rim
     density = _lengths(frame) / np.maximum(rim.radius, SPACING)
     share = count / density.sum()
@@ -196,8 +192,8 @@ def _spread(frame: Frame, count: int) -> Indices:
     return np.concatenate(picked)
 
 
-def _worst(frame: Frame, miss: Points, chosen: Indices, count: int) -> Indices:
-    """In the stretches between chosen samples with the most area missed, the worst sample."""
+def _worst(frame: Frame, miss: Floats, chosen: Indices, count: int) -> Indices:
+    """Find the worst sample in each of the stretches with the most area missed."""
     rim = frame.rim
     taken = np.zeros(len(miss), bool)
     taken[chosen] = True
@@ -212,9 +208,9 @@ def _worst(frame: Frame, miss: Points, chosen: Indices, count: int) -> Indices:
 
 
 def _around(
-    frame: Frame, distance: RimDistance, chosen: Indices, heights: Points
-) -> tuple[Points, Points]:
-    """Boundary constraints at samples of the outline, normal and height constraints."""
+    frame: Frame, distance: RimDistance, chosen: Indices, heights: Floats
+) -> tuple[Floats, Floats]:
+    """Return boundary constraints at samples of the outline, and normal and height constraints."""
     rim = frame.rim
     edge = rim.points[rim.after] - rim.points
     edge /= np.maximum(np.hypot(*edge.T), 1e-300)[:, None]
@@ -244,8 +240,8 @@ def _around(
     return points[keep], value[keep]
 
 
-def _heights(frame: Frame) -> Points:
-    """A point above every node of the skeleton and above the middle of every edge, (k, 3)."""
+def _heights(frame: Frame) -> Floats:
+    """Place a point above every node of the skeleton and above the middle of every edge, (k, 3)."""
     from scipy.spatial import cKDTree
 
     skeleton, rim = frame.skeleton, frame.rim

@@ -9,16 +9,12 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit import scalis
 from bozzetto_silhouette.implicit.kernels import Compact, InversePower, Kernel
 from bozzetto_silhouette.model.state import Kernel as KernelName
 from bozzetto_silhouette.outline.medial_axis import Skeleton
-
-__all__ = ["LineSummation", "ScaleInvariant", "Summation", "Sums", "summation_of"]
-
-Points = NDArray[np.float64]
 
 THINNEST = 2e-3
 """Smallest radius of a kernel, as a share of the longest side."""
@@ -34,26 +30,26 @@ _CHUNK = 65536
 class Sums(Protocol):
     """The kernels of a skeleton's segments at points of the plane, whatever their height."""
 
-    def shares(self, height2: Points) -> Points:
-        """Field of each segment alone at the squared heights (n,); shape (n, s)."""
+    def shares(self, height2: Floats) -> Floats:
+        """Return the field of each segment alone at the squared heights (n,); shape (n, s)."""
         ...
 
     def total(
-        self, weights: Points, height2: Points, *, slope: bool
-    ) -> tuple[Points, Points | None]:
-        """Weighted field (n,), and on wish its derivative by the squared height."""
+        self, weights: Floats, height2: Floats, *, slope: bool
+    ) -> tuple[Floats, Floats | None]:
+        """Return the weighted field (n,), and if asked for its derivative by the squared height."""
         ...
 
 
 class Summation(Protocol):
     """Kernels along the segments of a skeleton."""
 
-    def over(self, xy: Points) -> Sums:
-        """Made ready for points (n, 2) of the plane."""
+    def over(self, xy: Floats) -> Sums:
+        """Prepare the sums for points (n, 2) of the plane."""
         ...
 
-    def level(self, total: Points, radius: Points) -> tuple[Points, Points]:
-        """What a field reads like in squared radii, and its derivative by the field.
+    def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
+        """Convert a field to a level in squared radii; return that and its derivative by the field.
 
         On a cylinder of the given radius it is ``1 - (distance / radius)^2``.
         """
@@ -61,13 +57,14 @@ class Summation(Protocol):
 
 
 def summation_of(skeleton: Skeleton, name: KernelName, softness: float, widest: float) -> Summation:
-    """The kernels of a name along a skeleton.
+    """Return the kernels of a given name along a skeleton.
 
     Parameters
     ----------
     skeleton : Skeleton
         In the frame of the sums.
     name : str
+        The kernel, as a part names it.
     softness : float
         Reach of the kernel in radii: in those at hand for "scalis"; in the largest one for the
         compact kernels, in the median one (see `CAUCHY_CORE`) for Cauchy's. The pure powers
@@ -100,16 +97,16 @@ class ScaleInvariant:
 
     @classmethod
     def of(cls, skeleton: Skeleton, softness: float) -> ScaleInvariant:
-        """Along a skeleton, with a support of `softness` radii."""
+        """Return the kernels along a skeleton, with a support of `softness` radii."""
         return cls(scalis.Segments.of(skeleton, softness, THINNEST))
 
-    def over(self, xy: Points) -> Sums:
+    def over(self, xy: Floats) -> Sums:
         """Sort points and segments into pairs within reach."""
         pairs = scalis.pairs_within_reach(xy, self.segments)
         return _ScaleInvariantSums(self.segments, pairs, len(xy))
 
-    def level(self, total: Points, radius: Points) -> tuple[Points, Points]:
-        """Independent of the radius: the kernel knows it."""
+    def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
+        """Return the level, which does not depend on the radius, and its derivative."""
         room = self.segments.sigma**2 - 1.0
         return room * (total ** (2.0 / 7.0) - 1.0), room * (2.0 / 7.0) * total ** (-5.0 / 7.0)
 
@@ -120,18 +117,18 @@ class _ScaleInvariantSums:
     pairs: scalis.Pairs
     count: int
 
-    def shares(self, height2: Points) -> Points:
+    def shares(self, height2: Floats) -> Floats:
         value, _ = scalis.segment_integrals(self.segments, self.pairs, height2)
         matrix = np.zeros((self.count, len(self.segments)))
         matrix[self.pairs.point, self.pairs.segment] = value
         return matrix / scalis.iso_value(self.segments.sigma)
 
     def total(
-        self, weights: Points, height2: Points, *, slope: bool
-    ) -> tuple[Points, Points | None]:
+        self, weights: Floats, height2: Floats, *, slope: bool
+    ) -> tuple[Floats, Floats | None]:
         value, change = scalis.segment_integrals(self.segments, self.pairs, height2, slope=slope)
         weight = weights[self.pairs.segment] / scalis.iso_value(self.segments.sigma)
-        total: Points = np.bincount(self.pairs.point, value * weight, self.count).astype(float)
+        total: Floats = np.bincount(self.pairs.point, value * weight, self.count).astype(float)
         if change is None:
             return total, None
         return total, np.bincount(self.pairs.point, change * weight, self.count).astype(float)
@@ -157,27 +154,27 @@ class LineSummation:
     """
 
     kernel: Kernel
-    start: Points = field(repr=False)
-    direction: Points = field(repr=False)
-    length: Points = field(repr=False)
-    weight: Points = field(repr=False)
-    slope: Points = field(repr=False)
+    start: Floats = field(repr=False)
+    direction: Floats = field(repr=False)
+    length: Floats = field(repr=False)
+    weight: Floats = field(repr=False)
+    slope: Floats = field(repr=False)
 
     @classmethod
     def of(cls, skeleton: Skeleton, kernel: Kernel) -> LineSummation:
-        """Along a skeleton; radii below `THINNEST` are raised to it."""
+        """Return the kernels along a skeleton; radii below `THINNEST` are raised to it."""
         a, b = skeleton.nodes[skeleton.edges.T]
         span = (b - a)[:, :2]
         length = np.maximum(np.hypot(*span.T), 1e-12)
         begin, end = (1.0 / kernel.cylinder(np.maximum(n[:, 2], THINNEST)) for n in (a, b))
         return cls(kernel, a[:, :2], span / length[:, None], length, begin, (end - begin) / length)
 
-    def over(self, xy: Points) -> Sums:
-        """Nothing to prepare: all segments reach everywhere."""
+    def over(self, xy: Floats) -> Sums:
+        """Return the sums at points (n, 2): all segments reach everywhere."""
         return _LineSums(self, xy)
 
-    def level(self, total: Points, radius: Points) -> tuple[Points, Points]:
-        """By the kernel's own root of the field, in units of the squared radius."""
+    def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
+        """Return the level by the kernel's own root of the field, and its derivative."""
         level, rise = self.kernel.level(total)
         unit = self.kernel.square(radius) / np.square(radius)
         return unit * level, unit * rise
@@ -186,16 +183,16 @@ class LineSummation:
 @dataclass(frozen=True, eq=False)
 class _LineSums:
     lines: LineSummation
-    xy: Points
+    xy: Floats
 
-    def shares(self, height2: Points) -> Points:
+    def shares(self, height2: Floats) -> Floats:
         return np.concatenate(
             [self._tables(part, height2, slope=False)[0] for part in self._parts()]
         )
 
     def total(
-        self, weights: Points, height2: Points, *, slope: bool
-    ) -> tuple[Points, Points | None]:
+        self, weights: Floats, height2: Floats, *, slope: bool
+    ) -> tuple[Floats, Floats | None]:
         sums = [
             [table @ weights for table in self._tables(part, height2, slope=slope)]
             for part in self._parts()
@@ -207,8 +204,8 @@ class _LineSums:
         rows = max(1, _CHUNK // max(len(self.lines.length), 1))
         return [slice(k, k + rows) for k in range(0, max(len(self.xy), 1), rows)]
 
-    def _tables(self, part: slice, height2: Points, *, slope: bool) -> list[Points]:
-        """The field of each segment, and on wish its derivative by the squared height."""
+    def _tables(self, part: slice, height2: Floats, *, slope: bool) -> list[Floats]:
+        """Return the field of each segment, and if asked for its slope by the squared height."""
         lines, shape = self.lines, (len(self.xy[part]), len(self.lines.length))
         offset = self.xy[part][:, None, :] - lines.start
         along = (offset * lines.direction).sum(axis=2)

@@ -18,13 +18,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.outline.medial_axis import Skeleton
 
-__all__ = ["Pairs", "Segments", "iso_value", "pairs_within_reach", "segment_integrals"]
-
-Points = NDArray[np.float64]
 Singles = NDArray[np.float32]
-Indices = NDArray[np.intp]
 
 GAUSS_NODES = 8
 
@@ -37,7 +34,7 @@ _CHUNK = 16384
 
 
 def iso_value(sigma: float) -> float:
-    """Value of the field on an endless cylinder of the nominal radius.
+    """Return the value of the field on an endless cylinder of the nominal radius.
 
     The integral of ``(1 - (1 + s^2) / sigma^2)^3`` over ``|s| <= sqrt(sigma^2 - 1)``,
     which is ``32/35 (sigma^2 - 1)^(7/2) / sigma^6``.
@@ -61,13 +58,13 @@ class Segments:
         Support of the kernel in radii.
     """
 
-    start: Points
-    direction: Points
-    length: Points
-    radius: Points
-    slope: Points
-    centre: Points
-    reach: Points
+    start: Floats
+    direction: Floats
+    length: Floats
+    radius: Floats
+    slope: Floats
+    centre: Floats
+    reach: Floats
     sigma: float
 
     @classmethod
@@ -118,7 +115,7 @@ class Pairs:
     off2: Singles
 
 
-def pairs_within_reach(xy: Points, segments: Segments, *, tiles: int = 24) -> Pairs:
+def pairs_within_reach(xy: Floats, segments: Segments, *, tiles: int = 24) -> Pairs:
     """Find all pairs by sorting the points (n, 2) into square tiles first."""
     if not len(xy):
         empty = np.zeros(0, dtype=np.intp)
@@ -166,16 +163,16 @@ def pairs_within_reach(xy: Points, segments: Segments, *, tiles: int = 24) -> Pa
 
 @cache
 def _gauss_legendre(nodes: int) -> tuple[Singles, Singles]:
-    """Abscissae on [-1, 1] and weights; computing them takes longer than using them."""
+    """Return abscissae on [-1, 1] and weights; computing them takes longer than using them."""
     abscissae, weights = np.polynomial.legendre.leggauss(nodes)
     return abscissae.astype(np.float32), weights.astype(np.float32)
 
 
 def segment_integrals(
-    segments: Segments, pairs: Pairs, height2: Points | float = 0.0, *, slope: bool = False,
+    segments: Segments, pairs: Pairs, height2: Floats | float = 0.0, *, slope: bool = False,
     nodes: int = GAUSS_NODES,
 ) -> tuple[Singles, Singles | None]:  # fmt: skip
-    """Kernel integral of every pair, and its derivative by the squared height.
+    """Integrate the kernel for every pair; return that and its derivative by the squared height.
 
     Parameters
     ----------

@@ -19,15 +19,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.implicit.implicit_solid import Sample
-
-__all__ = ["SPACING", "VariationalSurface", "apart", "interpolated"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 SPACING = 1e-3
 """Least distance of two constraints, as a share of the size. At a thousandth five hundred
@@ -52,13 +47,15 @@ CHUNK = 512
 stays in the cache, which makes it twice as fast."""
 
 
-def apart(points: Points, spacing: float) -> Indices:
-    """Which points to keep so that no two are closer: the earlier one of two stays.
+def apart(points: Floats, spacing: float) -> Indices:
+    """Choose points so that no two are closer than a spacing: the earlier one of two stays.
 
     Parameters
     ----------
     points : (n, 3) float array
+        Places in space.
     spacing : float
+        Least distance of two points that are kept.
 
     Returns
     -------
@@ -95,16 +92,16 @@ class VariationalSurface:
         Typical gradient of the function at the surface.
     """
 
-    bounds: Points
-    middle: Points
+    bounds: Floats
+    middle: Floats
     size: float
-    centres: Points = field(repr=False)
-    columns: Points = field(repr=False)
-    tail: Points
+    centres: Floats = field(repr=False)
+    columns: Floats = field(repr=False)
+    tail: Floats
     slope: float = 1.0
 
-    def level(self, points: Points) -> Points:
-        """The function itself at points (n, 3), in units of length."""
+    def level(self, points: Floats) -> Floats:
+        """Evaluate the function itself at points (n, 3), in units of length."""
         value = np.empty(len(points))
         weight, ahead = np.ascontiguousarray(self.columns[:, 0]), self._ahead
         for first in range(0, len(points), CHUNK):
@@ -117,8 +114,8 @@ class VariationalSurface:
             value[part] = distance @ weight + (self.tail[0] + p @ self.tail[1:])
         return value * self.size
 
-    def level_and_slope(self, points: Points) -> tuple[Points, Points]:
-        """The function itself and its gradient, (n,) and (n, 3), at points (n, 3)."""
+    def level_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
+        """Evaluate the function itself and its gradient, (n,) and (n, 3), at points (n, 3)."""
         value, gradient = np.empty(len(points)), np.empty((len(points), 3))
         ahead = self._ahead
         for first in range(0, len(points), CHUNK):
@@ -136,13 +133,13 @@ class VariationalSurface:
         return value * self.size, gradient
 
     @cached_property
-    def _ahead(self) -> Points:
-        """What ``(p, |p|^2, 1)`` is multiplied by to give the squared distances, (5, n)."""
+    def _ahead(self) -> Floats:
+        """The factor (5, n) that turns ``(p, |p|^2, 1)`` into squared distances."""
         square = (self.centres**2).sum(axis=1)
         return np.stack([*(-2.0 * self.centres.T), np.ones(len(square)), square])
 
-    def value(self, points: Points) -> Points:
-        """About the signed distance to the surface at points (n, 3), positive inside.
+    def value(self, points: Floats) -> Floats:
+        """Return about the signed distance to the surface at points (n, 3), positive inside.
 
         The level over its typical slope: `sample`, which knows the slope at every point, comes
         closer, and takes half as long again.
@@ -151,8 +148,8 @@ class VariationalSurface:
         beyond, gap = self._beyond(points)
         return np.where(gap > 0.0, np.minimum(value, beyond), value)
 
-    def sample(self, points: Points) -> Sample:
-        """About the signed distance, and its gradient, at points (n, 3)."""
+    def sample(self, points: Floats) -> Sample:
+        """Return about the signed distance, and its gradient, at points (n, 3)."""
         level, gradient = self.level_and_slope(points)
         steepness = np.sqrt((gradient**2).sum(axis=1))
         scale = 1.0 / np.maximum(steepness, FLATTEST * self.slope)
@@ -164,20 +161,20 @@ class VariationalSurface:
         return Sample(np.where(over, beyond, value), gradient)
 
     @cached_property
-    def _box(self) -> Points:
+    def _box(self) -> Floats:
         margin = MARGIN * float(np.ptp(self.bounds, axis=0).max())
         return self.bounds + margin * np.array([[-1.0], [1.0]])
 
-    def _beyond(self, points: Points) -> tuple[Points, Points]:
-        """The largest value there may be outside of the wide box; the distance from that."""
+    def _beyond(self, points: Floats) -> tuple[Floats, Floats]:
+        """Return the largest value allowed beyond the wide box, and the distance from it."""
         gap = np.sqrt(((points - np.clip(points, *self._box)) ** 2).sum(axis=1))
         return -MARGIN * float(np.ptp(self.bounds, axis=0).max()) - gap, gap
 
 
 def interpolated(
-    points: Points, values: Points, bounds: Points, *, mirrored: bool = False
+    points: Floats, values: Floats, bounds: Floats, *, mirrored: bool = False
 ) -> VariationalSurface:
-    """The smoothest function with given values at given points.
+    """Find the smoothest function with given values at given points.
 
     Parameters
     ----------
@@ -223,20 +220,18 @@ def interpolated(
     return VariationalSurface(bounds, middle, size, centres, columns, tail, slope)
 
 
-def _directions(p: Points, *, planar: bool) -> Points:
-    """Unit vectors in which the points are spread out, (k, 3): the linear terms there are."""
+def _directions(p: Floats, *, planar: bool) -> Floats:
+    """Return unit vectors along which the points spread, (k, 3): one linear term each."""
     spread = p - p.mean(axis=0)
     if planar:
         spread[:, 2] = 0.0
     _, extent, axes = np.linalg.svd(spread, full_matrices=False)
-    found: Points = axes[extent > COPLANAR * np.sqrt(len(p))]
+    found: Floats = axes[extent > COPLANAR * np.sqrt(len(p))]
     return found
 
 
-def _solved(
-    p: Points, wanted: Points, paired: NDArray[np.bool_], directions: Points
-) -> tuple[Points, Points]:
-    """Weights (n,) and tail (4,): Turk and O'Brien, equation 8, bordered by the tail's rows."""
+def _solved(p: Floats, wanted: Floats, paired: Flags, directions: Floats) -> tuple[Floats, Floats]:
+    """Solve for weights (n,) and tail (4,): Turk and O'Brien, equation 8, with the tail's rows."""
     from scipy.spatial.distance import cdist
 
     n, k = len(p), 1 + len(directions)

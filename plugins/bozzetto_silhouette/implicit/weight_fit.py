@@ -8,14 +8,10 @@ weights near 1, so that no limb vanishes and the answer is unique.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.kernel_sums import Summation
 from bozzetto_silhouette.outline.medial_axis import Skeleton
-
-__all__ = ["fit_weights", "non_negative_least_squares"]
-
-Points = NDArray[np.float64]
 
 LOWEST = 0.2
 """No weight is smaller: a limb must not vanish."""
@@ -31,7 +27,7 @@ HOLD = 4e-2
 """Pull of the weights towards 1, relative to the iso-value."""
 
 
-def fit_weights(skeleton: Skeleton, summation: Summation, samples: Points) -> Points:
+def fit_weights(skeleton: Skeleton, summation: Summation, samples: Floats) -> Floats:
     """Solve for one weight per segment.
 
     Parameters
@@ -68,8 +64,8 @@ def fit_weights(skeleton: Skeleton, summation: Summation, samples: Points) -> Po
     return LOWEST + non_negative_least_squares(normal, right - LOWEST * normal.sum(axis=1))
 
 
-def _unevenness(skeleton: Skeleton) -> Points:
-    """Quadratic form (s, s): squared differences of weights that meet where a limb goes on."""
+def _unevenness(skeleton: Skeleton) -> Floats:
+    """Return the quadratic form (s, s) of squared differences of neighbouring weights in a limb."""
     ends = skeleton.edges.ravel()
     order = np.argsort(ends, kind="stable")
     first = np.searchsorted(ends[order], np.flatnonzero(skeleton.degrees == 2))
@@ -80,7 +76,7 @@ def _unevenness(skeleton: Skeleton) -> Points:
     return form
 
 
-def non_negative_least_squares(normal: Points, right: Points) -> Points:
+def non_negative_least_squares(normal: Floats, right: Floats) -> Floats:
     """Minimise ``x' normal x / 2 - right' x`` over x >= 0.
 
     Block principal pivoting (Portugal, Judice and Vicente, 1994), which exchanges many
@@ -92,6 +88,7 @@ def non_negative_least_squares(normal: Points, right: Points) -> Points:
     normal : (n, n) float array
         Symmetric positive definite.
     right : (n,) float array
+        The linear term.
     """
     free = np.ones(len(right), dtype=bool)
     x = np.zeros(len(right))
@@ -117,6 +114,6 @@ def non_negative_least_squares(normal: Points, right: Points) -> Points:
     from scipy.optimize import nnls
 
     upper = cholesky(normal)
-    result: Points
+    result: Floats
     result, _ = nnls(upper, solve_triangular(upper, right, trans="T"), maxiter=50 * len(right))
     return result

@@ -17,29 +17,25 @@ filter again (Tukey's twicing) gives the heights back and leaves the ripples out
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["faired"]
-
-Points = NDArray[np.float64]
 
 REACH = 0.2
 """Length over which the pressure is averaged, in local radii."""
 
 ROUNDS = 4
-"""How often what the filter took off is fed through it: more keeps the heights better,
+"""Rounds in which what the filter took off is fed through it: more keeps the heights better,
 fewer the surface calmer."""
 
 LEAST = 0.3
 """No squared height falls below this share of what it was."""
 
 
-def _local_radii(plan: Plan, square: Points, distance: Points) -> Points:
-    """For every triangle the radius of the circle that its section would be of, (t,).
+def _local_radii(plan: Plan, square: Floats, distance: Floats) -> Floats:
+    """Return for every triangle the radius of the circle that its section fits, (t,).
 
     At depth d below the rim a circle of radius r stands ``u = d (2 r - d)`` high.
     """
@@ -47,23 +43,24 @@ def _local_radii(plan: Plan, square: Points, distance: Points) -> Points:
     inner = 0.5 * (square[rim:] / distance + distance)
     radius = np.concatenate([np.zeros(rim), inner])[plan.triangles]
     # Rim samples have no section of their own: the other corners speak for them.
-    known: Points = radius.sum(axis=1) / np.maximum((plan.triangles >= rim).sum(axis=1), 1)
+    known: Floats = radius.sum(axis=1) / np.maximum((plan.triangles >= rim).sum(axis=1), 1)
     return known
 
 
-def faired(plan: Plan, square: Points) -> Points:
-    """Squared heights without ripples.
+def faired(plan: Plan, square: Floats) -> Floats:
+    """Remove the ripples from squared heights.
 
     Parameters
     ----------
     plan : Plan
+        Triangles of the inside of the outline.
     square : (n,) float array
         Squared half thickness at the plan's points, 0 on the rim.
 
     Returns
     -------
     (n,) float array
-        Positive but on the rim.
+        Positive, 0 on the rim.
     """
     from scipy.sparse import diags_array
 
@@ -71,7 +68,7 @@ def faired(plan: Plan, square: Points) -> Points:
     elements = Elements.of(plan)
     depth = RimDistance(plan.points[:rim], plan.after)(plan.points[rim:]).distance
     reach = REACH * _local_radii(plan, square, np.maximum(depth, 1e-9))
-    # On the rim the pressure is not known (the membrane is held there): it has no say.
+    # On the rim the pressure is not known (the membrane is held there): it does not count.
     mass = elements.mass.copy()
     mass[:rim] = 0.0
     stiffness = elements.stiffness()

@@ -19,17 +19,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.sewing import plan_gradients
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.numerics.grid_interpolant import BORDER, Lattice, on_nodes
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["Relief"]
-
-Points = NDArray[np.float64]
 
 _SHARE = 0.75
 """Step of the lattice as a share of the plan's: limbs are quadratic across, and so is the
@@ -39,7 +35,7 @@ _MOST_NODES = 1_000_000
 """Nodes of the lattice at most: eight megabytes a side."""
 
 _REACH = 0.5
-"""What the lattice reaches beyond the outline, as a share of the largest height."""
+"""Margin of the lattice beyond the outline, as a share of the largest height."""
 
 _CALM = 2.0
 """Width of the filter, in nodes, that takes the corners of the sampled rim out of its distance.
@@ -57,15 +53,15 @@ class _Side:
     """Squared heights, and the local radius at the nodes of their lattice."""
 
     squares: Lattice
-    radii: Points
+    radii: Floats
 
-    def curvature(self, xy: Points) -> Points:
-        """One over the local radius at points (n, 2)."""
+    def curvature(self, xy: Floats) -> Floats:
+        """Return one over the local radius at points (n, 2)."""
         from scipy.ndimage import map_coordinates
 
         at = ((xy - self.squares.low) / self.squares.step).T
         radius = map_coordinates(self.radii, at, order=1, mode="nearest")
-        curvature: Points = 1.0 / np.maximum(radius, _FAINT * self.radii.max())
+        curvature: Floats = 1.0 / np.maximum(radius, _FAINT * self.radii.max())
         return curvature
 
 
@@ -76,17 +72,17 @@ class Relief:
     solid: SilhouetteSolid
 
     @cached_property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """The box around the mesh."""
         vertices = self.solid.vertices
         return np.stack([vertices.min(axis=0), vertices.max(axis=0)])
 
-    def value(self, points: Points) -> Points:
-        """Values at points (n, 3)."""
+    def value(self, points: Floats) -> Floats:
+        """Return the values at points (n, 3)."""
         return self.sample(points).value
 
-    def sample(self, points: Points) -> Sample:
-        """Values and gradients at points (n, 3)."""
+    def sample(self, points: Floats) -> Sample:
+        """Return the values and gradients at points (n, 3)."""
         front, back = self._sides
         low, high = front.squares.bounds
         xy = np.clip(points[:, :2], low, high)
@@ -111,8 +107,8 @@ class Relief:
             value[far] = total
         return Sample(value, gradient, curvature)
 
-    def _fitted(self, side: _Side, xy: Points, z: Points) -> tuple[Points, Points, Points]:
-        """Distance by the fitted ball, the direction in which it grows, and its curvature."""
+    def _fitted(self, side: _Side, xy: Floats, z: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the distance by the fitted ball, its gradient's direction, and the curvature."""
         u, slope = side.squares.sample(xy)
         half = np.column_stack([0.5 * slope, -z])
         g2 = np.einsum("ij,ij->i", half, half)
@@ -141,17 +137,17 @@ class Relief:
         nx, ny = (int(n) + 2 * BORDER + 1 for n in np.ceil(extent / step))
         distance = RimDistance(points[:rim], solid.plan.after)
 
-        def side(squares: Points) -> _Side:
+        def side(squares: Floats) -> _Side:
             gradients = plan_gradients(solid.plan, squares)
             values = on_nodes(points, solid.plan.triangles, squares, gradients, low, step, (nx, ny))
             outside = np.isnan(values)
-            feet = distance(low + step * np.argwhere(outside))
+            closest = distance(low + step * np.argwhere(outside))
             radius = self._rim_radius(gradients[:rim])
             radius = (
-                radius[feet.segment] * (1.0 - feet.along)
-                + radius[solid.plan.after[feet.segment]] * feet.along
+                radius[closest.segment] * (1.0 - closest.along)
+                + radius[solid.plan.after[closest.segment]] * closest.along
             )
-            gap = np.abs(feet.distance)
+            gap = np.abs(closest.distance)
             values[outside] = -(2.0 * radius + gap) * gap
             calm = 2.0 * gaussian_filter(values, _CALM) - gaussian_filter(values, _CALM * 2**0.5)
             share = np.clip(gap / (_CALM * step) - 0.5, 0.0, 1.0)
@@ -166,10 +162,10 @@ class Relief:
         same = np.array_equal(solid.front, solid.back)
         return front, front if same else side(solid.back)
 
-    def _rim_radius(self, gradients: Points) -> Points:
-        """Radius of the section at every sample of the rim, calmed along it."""
+    def _rim_radius(self, gradients: Floats) -> Floats:
+        """Return the radius of the section at every sample of the rim, averaged along it."""
         after = self.solid.plan.after
-        radius: Points = 0.5 * np.hypot(gradients[:, 0], gradients[:, 1])
+        radius: Floats = 0.5 * np.hypot(gradients[:, 0], gradients[:, 1])
         for _ in range(_ROUNDS):
             middle = 0.5 * (radius + radius[after])
             radius[after] = 0.5 * (middle + middle[after])

@@ -1,4 +1,4 @@
-"""How deep a surface is over the inside of its outline: one function for every kind."""
+"""Depth of a surface over the inside of its outline: one class for every kind of surface."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.convolution_field import convolution_field, with_correction
 from bozzetto_silhouette.inflation.height_fairing import faired
 from bozzetto_silhouette.model.state import Kernel
@@ -15,20 +15,16 @@ from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.normalized import Frame
 
-__all__ = ["ConvolutionSwelling", "Swelling"]
 
-Points = NDArray[np.float64]
-
-
-class Swelling(Protocol):
+class HeightModel(Protocol):
     """A kind of surface: given an outline, the square of its half thickness anywhere inside.
 
     Squares, because the surface stands upright on the outline: there the height itself has
     no slope, its square has.
     """
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Points:
-        """Squared half thickness at a plan's points, in the frame of the sums.
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+        """Return the squared half thickness at a plan's points, in the frame of the sums.
 
         Parameters
         ----------
@@ -37,6 +33,7 @@ class Swelling(Protocol):
         rim : Rim
             The samples of the outline that the plan starts with.
         plan : Plan
+            Triangles of the inside of the outline.
 
         Returns
         -------
@@ -47,7 +44,7 @@ class Swelling(Protocol):
 
 
 @dataclass(frozen=True)
-class ConvolutionSwelling:
+class ConvolutionHeights:
     """The convolution surface around the skeleton, corrected at the rim, and faired.
 
     Attributes
@@ -61,8 +58,8 @@ class ConvolutionSwelling:
     softness: float = 1.4
     kernel: Kernel = "scalis"
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Points:
-        """Squared half thickness at a plan's points."""
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+        """Return the squared half thickness at a plan's points."""
         raw = convolution_field(frame, softness=self.softness, kernel=self.kernel)
         field = with_correction(raw, rim)
         square = np.zeros(len(plan.points))

@@ -9,12 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.geometry import Mesh
 from bozzetto.ink.curves.closing import signed_area
 from bozzetto.ink.curves.intersections import self_crossings
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.membrane import Membrane
 from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
 from bozzetto_silhouette.model.sketch_plane import Sheet
@@ -22,14 +23,10 @@ from bozzetto_silhouette.outline.boundary_sampling import sample_rim
 from bozzetto_silhouette.outline.domain_mesh import plan_of
 from bozzetto_silhouette.outline.signed_distance import RimDistance
 
-__all__ = ["Inflation", "inflate", "swollen"]
-
-Points = NDArray[np.float64]
-
 SPECK = 1e-3
 """Enclosed area, as a share of the square of the size, below which nothing is shown."""
 
-TANGLE = 100
+MOST_CROSSINGS = 100
 """A line that crosses itself more often is a scribble: what it encloses would take seconds
 to sort out, and is no shape."""
 
@@ -54,17 +51,17 @@ class Inflation:
     normals : (v, 3) float array
     """
 
-    vertices: Points
-    faces: NDArray[np.int32]
-    normals: Points
+    vertices: Floats
+    faces: Faces
+    normals: Floats
 
 
-def _pieces(points: Points) -> list[tuple[Points, ...]]:
-    """What a closed, perhaps crossing, line encloses: rings of each piece, sorted out."""
+def _pieces(points: Floats) -> list[tuple[Floats, ...]]:
+    """Return the rings of each piece that a closed, perhaps crossing, line encloses."""
     import shapely
 
     polygon = shapely.Polygon(points)
-    if not polygon.is_valid and len(self_crossings(points, closed=True)) > TANGLE:
+    if not polygon.is_valid and len(self_crossings(points, closed=True)) > MOST_CROSSINGS:
         return []
     valid = polygon if polygon.is_valid else shapely.make_valid(polygon)
     result = []
@@ -127,8 +124,8 @@ def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
     return Inflation(vertices, faces.astype(np.int32), np.concatenate([n for _, _, n in shells]))
 
 
-def swollen(points: ArrayLike, sheet: Sheet) -> Scene:
-    """What an outline drawn on a sheet, (n, 2) so far, swells to; nothing where it is none."""
+def inflated_scene(points: ArrayLike, sheet: Sheet) -> Scene:
+    """Return a scene of the shape that an outline (n, 2), still being drawn, inflates to."""
     inflation = inflate(points)
     if inflation is None:
         return Scene()
@@ -140,14 +137,14 @@ def swollen(points: ArrayLike, sheet: Sheet) -> Scene:
     return Scene((Layer("preview", (Shaded(mesh, pickable=False),)),))
 
 
-def _inflated(rings: tuple[Points, ...], step: float) -> tuple[Points, NDArray[np.int32], Points]:
+def _inflated(rings: tuple[Floats, ...], step: float) -> tuple[Floats, Faces, Floats]:
     length = sum(float(np.hypot(*(np.roll(r, -1, axis=0) - r).T).sum()) for r in rings)
     step = max(step, length / MOST_STEPS)
     rim = sample_rim(rings, step, 0.5 * step, thinness=0.8)
     plan = plan_of(rim, np.zeros((0, 2)), step)
     # A plan may have had to halve edges of its rim: the samples' radii come by the feet.
     count = len(plan.after)
-    feet = RimDistance(rim.points, rim.after)(plan.points[count:])
-    square = Membrane.of(plan).round(feet.distance, rim.radius[feet.segment])
+    closest = RimDistance(rim.points, rim.after)(plan.points[count:])
+    square = Membrane.of(plan).round(closest.distance, rim.radius[closest.segment])
     height = np.sqrt(square)
     return *sewn_shell(plan, height, height), shell_normals(plan, square, square)

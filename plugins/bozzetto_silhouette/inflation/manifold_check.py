@@ -1,4 +1,4 @@
-"""Whether the mesh is a solid, and the one that was drawn."""
+"""Checks that a mesh is a solid, and has the topology that was drawn."""
 
 from __future__ import annotations
 
@@ -6,19 +6,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.outline.outline import Outline
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["Soundness", "Topology", "as_manifold", "soundness_of", "topology_of", "volume_of"]
-
 
 @dataclass(frozen=True)
 class Topology:
-    """What a mesh is.
+    """Topology of a mesh.
 
     Attributes
     ----------
@@ -49,7 +48,7 @@ class Topology:
 
 @dataclass(frozen=True)
 class Soundness(Topology):
-    """What was found and what was expected.
+    """The topology that was found, and the one that the drawing has.
 
     Attributes
     ----------
@@ -73,8 +72,8 @@ class Soundness(Topology):
         )
 
 
-def as_manifold(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Manifold:
-    """The mesh as manifold3d sees it, in double precision.
+def as_manifold(vertices: Floats, faces: Faces) -> Manifold:
+    """Convert a mesh to a manifold3d solid, in double precision.
 
     It gets copies: manifold3d takes no read-only arrays, not even those that it gave.
     """
@@ -86,9 +85,7 @@ def as_manifold(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mani
     return manifold3d.Manifold(mesh)
 
 
-def soundness_of(
-    vertices: NDArray[np.float64], faces: NDArray[np.int32], outline: Outline
-) -> Soundness:
+def soundness_of(vertices: Floats, faces: Faces, outline: Outline) -> Soundness:
     """Check a mesh (v, 3), (f, 3) against the outline it was made from."""
     return Soundness(
         **vars(topology_of(vertices, faces)),
@@ -97,22 +94,18 @@ def soundness_of(
     )
 
 
-def topology_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Topology:
-    """Look at a mesh (v, 3), (f, 3).
+def topology_of(vertices: Floats, faces: Faces) -> Topology:
+    """Find the topology of a mesh (v, 3), (f, 3).
 
     Notes
     -----
     Counted from the faces themselves, which takes a fifth of the time that manifold3d needs
     to build its solid: this runs while a person waits. Exports ask manifold3d.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     # Two edges join the three corners of a face.
     a, b = faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
-    links = coo_array((np.ones(len(a), dtype=np.int32), (a, b)), shape=(len(vertices),) * 2)
     used = np.bincount(faces.ravel(), minlength=len(vertices)) > 0
-    pieces, label = connected_components(links, directed=False)
+    pieces, label = connected_pieces(a, b, len(vertices))
     components = pieces - int((~used).sum())
     # Euler's formula, summed over the bodies; of three half edges each face owns one and a half.
     euler = int(used.sum()) - 3 * len(faces) // 2 + len(faces)
@@ -126,7 +119,7 @@ def topology_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Topo
     )
 
 
-def _status(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> str:
+def _status(vertices: Floats, faces: Faces) -> str:
     if not np.isfinite(vertices).all():
         return "NonFiniteVertex"
     first = faces.astype(np.int64).ravel()
@@ -137,12 +130,12 @@ def _status(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> str:
     return "NoError" if closed else "NotManifold"
 
 
-def volume_of(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
-    """Volume by the divergence theorem."""
+def volume_of(vertices: Floats, faces: Faces) -> float:
+    """Return the volume of a mesh by the divergence theorem."""
     return float(_wedges(vertices, faces).sum())
 
 
-def _wedges(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> NDArray[np.float64]:
-    """What each face adds to the volume, about a vertex so that far away no digits are lost."""
+def _wedges(vertices: Floats, faces: Faces) -> Floats:
+    """Return each face's share of the volume, about a vertex to keep digits far away."""
     a, b, c = (vertices - vertices[:1])[faces].transpose(1, 0, 2)
     return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0, np.float64)

@@ -12,16 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised
 from bozzetto_silhouette.outline.normalized import Frame
-
-__all__ = ["InflationSwelling", "Membrane"]
-
-Points = NDArray[np.float64]
 
 TUBE, BALL = 2.0, 4.0
 """Pressure under which a strip becomes a tube, and a disc a ball."""
@@ -32,23 +29,23 @@ class Membrane:
     """A plan whose membrane can be blown up again and again."""
 
     plan: Plan
-    mass: Points
+    mass: Floats
     factors: Any
 
     @classmethod
     def of(cls, plan: Plan) -> Membrane:
-        """Held at the plan's rim."""
+        """Make a membrane that is held at the plan's rim."""
         elements, rim = Elements.of(plan), len(plan.after)
         return cls(plan, elements.mass[rim:], factorised(elements.stiffness()[rim:, rim:]))
 
-    def blown(self, pressure: Points | float) -> Points:
-        """The shape u (n,), 0 on the rim, for a pressure at the inner points."""
+    def blown(self, pressure: Floats | float) -> Floats:
+        """Solve for the shape u (n,), 0 on the rim, under a pressure at the inner points."""
         u = np.zeros(len(self.plan.points))
         u[len(self.plan.after) :] = self.factors.solve(self.mass * pressure)
         return np.maximum(u, 0.0)
 
-    def round(self, depth: Points, radius: Points) -> Points:
-        """Squared heights that are round on tubes and on balls.
+    def round(self, depth: Floats, radius: Floats) -> Floats:
+        """Return squared heights that are round on tubes and on balls.
 
         Parameters
         ----------
@@ -69,11 +66,11 @@ class Membrane:
 
 
 @dataclass(frozen=True)
-class InflationSwelling:
+class MembraneHeights:
     """The membrane under one pressure, each body as high as its largest inscribed ball."""
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Points:
-        """Squared half thickness at a plan's points."""
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+        """Return the squared half thickness at a plan's points."""
         from scipy.spatial import cKDTree
 
         square = Membrane.of(plan).blown(1.0)
@@ -82,17 +79,11 @@ class InflationSwelling:
         np.maximum.at(highest, body, square)
         _, near = cKDTree(plan.points).query(frame.axis[:, :2])
         np.maximum.at(widest, body[near], frame.axis[:, 2])
-        scaled: Points = square * (widest**2 / np.maximum(highest, 1e-300))[body]
+        scaled: Floats = square * (widest**2 / np.maximum(highest, 1e-300))[body]
         return scaled
 
 
-def _bodies(plan: Plan) -> NDArray[np.int32]:
-    """Number of the connected piece of the plan that each point belongs to, (n,)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
+def _bodies(plan: Plan) -> Faces:
+    """Return for each point the number of the connected piece of the plan it is in, (n,)."""
     a, b, c = plan.triangles.T
-    rows, columns = np.concatenate([a, b]), np.concatenate([b, c])
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(plan.points),) * 2)
-    labels: NDArray[np.int32] = connected_components(graph, directed=False)[1]
-    return labels
+    return connected_pieces(np.concatenate([a, b]), np.concatenate([b, c]), len(plan.points))[1]

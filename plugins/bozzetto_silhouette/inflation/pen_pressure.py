@@ -5,18 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Oversketch, Part
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised
 from bozzetto_silhouette.outline.from_ink import points_on_sheet
 from bozzetto_silhouette.outline.normalized import Frame
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["PenPressure", "continued_harmonically"]
-
-Points = NDArray[np.float64]
 
 LEAST, MOST = 0.4, 2.5
 """Bounds of the factor: a pen that hardly touches the sheet does not make a leaf of metal."""
@@ -35,23 +31,23 @@ class PenPressure:
     places : (k, 2) float array
         Ink in the object frame.
     pressure : (k,) float array
-        0 to 1; NaN where the device told none.
+        0 to 1; NaN where the device gave none.
     strength : float
         0 to 1: how much of it tells.
     """
 
-    places: Points
-    pressure: Points
+    places: Floats
+    pressure: Floats
     strength: float
 
     @classmethod
     def of(cls, part: Part) -> PenPressure:
-        """The pressure along a part's ink and what was drawn over it."""
+        """Read the pressure along a part's ink and along what was drawn over it."""
         over = (edit.stroke for edit in part.edits if isinstance(edit, Oversketch))
         strokes = [*part.strokes, *over]
         places, pressure = [np.zeros((0, 2))], [np.zeros(0)]
         for stroke, xy in zip(strokes, points_on_sheet(strokes, part.sheet), strict=True):
-            told = (
+            known = (
                 stroke.pressure.astype(float) if stroke.has_pressure else np.full(len(xy), np.nan)
             )
             arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))])
@@ -59,35 +55,35 @@ class PenPressure:
             between = np.linspace(0.0, arc[-1], 2 + int(arc[-1] / max(SPACING * size, 1e-300)))
             at = np.union1d(arc, between if size > 0.0 else arc[:1])
             places.append(np.stack([np.interp(at, arc, column) for column in xy.T], axis=1))
-            pressure.append(np.interp(at, arc, told))
+            pressure.append(np.interp(at, arc, known))
         return cls(np.concatenate(places), np.concatenate(pressure), part.pressure)
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
-        """Above 1 where the pen was pressed harder than usual."""
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return factors, above 1 where the pen was pressed harder than usual."""
         from scipy.spatial import cKDTree
 
         rim = frame.rim
         _, near = cKDTree(self.places).query(rim.points * frame.scale + frame.origin)
         pressure = self.pressure[near]
-        told = np.isfinite(pressure)
-        usual = float(np.median(pressure[told])) if told.any() else 0.0
+        known = np.isfinite(pressure)
+        usual = float(np.median(pressure[known])) if known.any() else 0.0
         if usual <= 0.0:
             same = np.ones(len(plan.points))
             return same, same
-        ratio = np.where(told, pressure / usual, 1.0)
+        ratio = np.where(known, pressure / usual, 1.0)
         power = rim.averaged(self.strength * np.log(np.clip(ratio, LEAST, MOST)))
-        feet = RimDistance(rim.points, rim.after)(plan.points[: len(plan.after)])
-        on_rim = (1.0 - feet.along) * power[feet.segment] + feet.along * power[
-            rim.after[feet.segment]
+        closest = RimDistance(rim.points, rim.after)(plan.points[: len(plan.after)])
+        on_rim = (1.0 - closest.along) * power[closest.segment] + closest.along * power[
+            rim.after[closest.segment]
         ]
         same = np.exp(continued_harmonically(plan, on_rim))
         return same, same
 
 
-def continued_harmonically(plan: Plan, on_rim: Points) -> Points:
-    """The function (n,) on a plan with values (m,) on its rim and no Laplacian inside."""
+def continued_harmonically(plan: Plan, on_rim: Floats) -> Floats:
+    """Solve for the harmonic function (n,) on a plan with given values (m,) on its rim."""
     count = len(plan.after)
     values = np.zeros(len(plan.points))
     values[:count] = on_rim

@@ -11,18 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.view import Camera
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Part
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.normalized import Frame
-
-__all__ = ["Profile", "profile_of", "understood"]
-
-Points = NDArray[np.float64]
 
 FACE_ON = 0.35
 """Sine of the angle between the line of sight and the sheet's normal below which the part is
@@ -45,7 +41,7 @@ LEAST, MOST = 0.05, 20.0
 """Bounds of the factor."""
 
 CALM = 0.012
-"""Half width of the averaging of the factor along the part, as a share of it: tremor."""
+"""Half width over which the factor is averaged along the part, as a share of it: jitter goes."""
 
 FADE = 0.12
 """Beyond the ends of the profile the factor goes back to 1 within this share of the part."""
@@ -66,22 +62,22 @@ class Profile:
         one side was drawn.
     """
 
-    axis: Points
-    places: Points
-    front: Points
-    back: Points
+    axis: Floats
+    places: Floats
+    front: Floats
+    back: Floats
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
-        """The wanted over the own height at every point's place along the axis."""
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return the wanted height over the present one, at every point's place on the axis."""
         along = (plan.points * frame.scale + frame.origin) @ self.axis
         up = self._factor(plan, along, np.sqrt(front) * frame.scale, self.front)
         if self.back is self.front and back is front:
             return up, up
         return up, self._factor(plan, along, np.sqrt(back) * frame.scale, self.back)
 
-    def _factor(self, plan: Plan, along: Points, height: Points, wanted: Points) -> Points:
+    def _factor(self, plan: Plan, along: Floats, height: Floats, wanted: Floats) -> Floats:
         from scipy.ndimage import gaussian_filter1d
 
         t = plan.triangles
@@ -104,12 +100,12 @@ class Profile:
         beyond = np.maximum(np.maximum(ends[0] - along, along - ends[1]), 0.0)
         share = np.clip(beyond / (FADE * (self.places[-1] - self.places[0])), 0.0, 1.0)
         fade = 1.0 - share * share * (3.0 - 2.0 * share)
-        factor: Points = np.exp(fade * np.interp(along, self.places, power))
+        factor: Floats = np.exp(fade * np.interp(along, self.places, power))
         return factor
 
 
-def highest_crossings(x0: Points, y0: Points, x1: Points, y1: Points, columns: Points) -> Points:
-    """The highest place where segments cross each of evenly spaced columns; -inf where none do.
+def highest_crossings(x0: Floats, y0: Floats, x1: Floats, y1: Floats, columns: Floats) -> Floats:
+    """Return the highest crossing of segments with each of evenly spaced columns; -inf for none.
 
     Parameters
     ----------
@@ -149,7 +145,7 @@ def understood(part: Part) -> None:
 
 
 def profile_of(part: Part) -> Profile:
-    """The profile that a part's ink describes.
+    """Read the profile that a part's ink describes.
 
     The cameras of the strokes see the part where it was drawn, before its pose: ink that was
     drawn over a part that had been moved is moved back first (`Stroke.moved`).
@@ -173,8 +169,8 @@ def profile_of(part: Part) -> Profile:
     axis = np.array([-across[1], across[0]])
     segments = []
     for stroke in part.profile:
-        sight = _line_of_sight(part, stroke.camera, middle)
-        if float(sight[:2] @ across) < ASLANT * FACE_ON:
+        view_rays = _line_of_sight(part, stroke.camera, middle)
+        if float(view_rays[:2] @ across) < ASLANT * FACE_ON:
             raise UserError(
                 "This line was drawn from another side than the profile so far. Draw the whole "
                 "profile from one view."
@@ -213,8 +209,8 @@ def profile_of(part: Part) -> Profile:
     return Profile(axis, places, front, back)
 
 
-def _line_of_sight(part: Part, camera: Camera, middle: Points) -> Points:
-    """Unit vector away from the eye at a world point, in the object frame."""
+def _line_of_sight(part: Part, camera: Camera, middle: Floats) -> Floats:
+    """Return the unit vector away from the eye at a world point, in the object frame."""
     ahead = camera.axes[2]
     if camera.kind == "perspective":
         ahead = middle - camera.eye
@@ -223,8 +219,8 @@ def _line_of_sight(part: Part, camera: Camera, middle: Points) -> Points:
     return np.array([ahead @ sheet.right, ahead @ sheet.up, ahead @ sheet.normal])
 
 
-def _without_gaps(side: Points) -> Points:
-    """Missing values between drawn ones, from their neighbours."""
+def _without_gaps(side: Floats) -> Floats:
+    """Fill in missing values between drawn ones, from their neighbours."""
     known = np.flatnonzero(np.isfinite(side))
     if not len(known):
         return side

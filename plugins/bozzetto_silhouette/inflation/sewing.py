@@ -1,24 +1,18 @@
-"""From a plan with heights to a closed surface: lifted, sewn, oriented, with normals."""
+"""A closed surface from a plan with heights: both sides sewn along the rim, with normals."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.outline.domain_mesh import Plan
-
-__all__ = ["plan_gradients", "sewn_shell", "shell_normals", "vertex_normals"]
-
-Points = NDArray[np.float64]
-Faces = NDArray[np.int32]
-
 
 _ROUNDS = 3
 """Rounds in which gradients are made exact for quadratic functions."""
 
 
-def sewn_shell(plan: Plan, front: Points, back: Points) -> tuple[Points, Faces]:
-    """Front and back of a relief over a plan, sewn along the rim.
+def sewn_shell(plan: Plan, front: Floats, back: Floats) -> tuple[Floats, Faces]:
+    """Sew the front and the back of a height field along the rim of its plan.
 
     Parameters
     ----------
@@ -46,8 +40,8 @@ def sewn_shell(plan: Plan, front: Points, back: Points) -> tuple[Points, Faces]:
     return vertices, np.concatenate([upper, lower]).astype(np.int32)
 
 
-def shell_normals(plan: Plan, front: Points, back: Points) -> Points:
-    """Unit normals of the surfaces z^2 = u over a plan, for the vertices of its shell.
+def shell_normals(plan: Plan, front: Floats, back: Floats) -> Floats:
+    """Return unit normals of the surfaces z^2 = u over a plan, for the vertices of its shell.
 
     They come from the slope of u, which is nearly quadratic where z itself, upright at the
     rim, is hard to differentiate: the facets of the mesh do not show in them.
@@ -55,6 +49,7 @@ def shell_normals(plan: Plan, front: Points, back: Points) -> Points:
     Parameters
     ----------
     plan : Plan
+        Triangles of the inside of the outline.
     front, back : (n,) float array
         u of either side, 0 on the rim.
 
@@ -69,14 +64,14 @@ def shell_normals(plan: Plan, front: Points, back: Points) -> Points:
     return np.concatenate([upper, lower[rim:] * (1.0, 1.0, -1.0)])
 
 
-def _normals(plan: Plan, square: Points) -> Points:
+def _normals(plan: Plan, square: Floats) -> Floats:
     normal = np.column_stack([-plan_gradients(plan, square), 2.0 * np.sqrt(square)])
     normal /= np.maximum(np.sqrt((normal**2).sum(axis=1)), 1e-300)[:, None]
     return normal
 
 
-def plan_gradients(plan: Plan, values: Points) -> Points:
-    """Gradients at the points of a plan (n, 2), exact for quadratic functions.
+def plan_gradients(plan: Plan, values: Floats) -> Floats:
+    """Return gradients at the points of a plan (n, 2), exact for quadratic functions.
 
     Along an edge e a quadratic function grows by the mean of its end gradients times e.
     So every point fits its gradient to its edges by least squares, the change of gradient
@@ -92,7 +87,7 @@ def plan_gradients(plan: Plan, values: Points) -> Points:
     weight = edge / np.maximum((edge**2).sum(axis=1), 1e-300)[:, None]
     rise = values[b] - values[a]
 
-    def gathered(amounts: Points) -> Points:
+    def gathered(amounts: Floats) -> Floats:
         return np.bincount(a, amounts, count).astype(np.float64)
 
     xx, xy, yy = (gathered(weight[:, i] * edge[:, j]) for i, j in ((0, 0), (0, 1), (1, 1)))
@@ -107,8 +102,8 @@ def plan_gradients(plan: Plan, values: Points) -> Points:
     return gradient
 
 
-def vertex_normals(vertices: Points, faces: Faces) -> Points:
-    """Unit normals (v, 3), each face weighted by its angle at the vertex."""
+def vertex_normals(vertices: Floats, faces: Faces) -> Floats:
+    """Return unit normals (v, 3), each face weighted by its angle at the vertex."""
     corner = vertices[faces]
     edge = np.roll(corner, -1, axis=1) - corner
     normal = np.cross(edge[:, 0], edge[:, 1])
@@ -120,5 +115,5 @@ def vertex_normals(vertices: Points, faces: Faces) -> Points:
     total = np.stack([
         np.bincount(index, (angle * normal[:, k : k + 1]).ravel(), len(vertices)) for k in range(3)
     ], axis=1)  # fmt: skip
-    unit: Points = total / np.maximum(np.sqrt((total**2).sum(axis=1)), 1e-300)[:, None]
+    unit: Floats = total / np.maximum(np.sqrt((total**2).sum(axis=1)), 1e-300)[:, None]
     return unit

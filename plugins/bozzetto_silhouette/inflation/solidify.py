@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
-from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling, Swelling
+from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
 from bozzetto_silhouette.inflation.manifold_check import Soundness, soundness_of
 from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
 from bozzetto_silhouette.inflation.thickness import Thickness, Uniform
@@ -21,9 +21,6 @@ from bozzetto_silhouette.outline.medial_axis import Skeleton
 from bozzetto_silhouette.outline.normalized import Frame, SkeletonRule, frame_of
 from bozzetto_silhouette.outline.outline import Outline
 
-__all__ = ["Checkpoint", "SilhouetteSolid", "ignore", "solidify"]
-
-Points = NDArray[np.float64]
 Checkpoint = Callable[[float, str], None]
 
 PITCH = 1.1
@@ -34,7 +31,7 @@ FINEST = 0.2
 """Smallest spacing along the outline, in cells."""
 
 _ATTEMPTS = ((1.0, False), (0.6, False), (0.6, True))
-"""What is tried until the solid is sound: the spacing as a share of the one asked for, and
+"""Attempts until the solid is sound: the spacing as a share of the one asked for, and
 whether every drawn vertex is kept."""
 
 
@@ -42,16 +39,16 @@ Layout = tuple[Rim, Plan]
 
 
 _layouts: Memory[Layout | None] = Memory(limit=64)
-_squares: Memory[Points] = Memory(limit=64)
+_squares: Memory[Floats] = Memory(limit=64)
 """Neither depends on the thickness, and the plan on nothing but the outline: who drags one of
 them does not wait for the others."""
 
-CONVOLUTION = ConvolutionSwelling()
+CONVOLUTION = ConvolutionHeights()
 UNIFORM = Uniform()
 
 
 def ignore(fraction: float, step: str) -> None:
-    """Checkpoint that does nothing."""
+    """Do nothing: the checkpoint of those who have none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,20 +77,20 @@ class SilhouetteSolid:
         What the check of the mesh found; never hidden.
     """
 
-    vertices: Points
-    faces: NDArray[np.int32]
-    normals: Points
+    vertices: Floats
+    faces: Faces
+    normals: Floats
     outline: Outline
     skeleton: Skeleton
     plan: Plan
-    front: Points
-    back: Points
+    front: Floats
+    back: Floats
     step: float
     soundness: Soundness
 
 
 def _laid_out(frame: Frame, step: float, every_vertex: bool) -> Layout | None:
-    """The samples of an outline and their plan; None where the samples cross themselves."""
+    """Sample an outline and triangulate its inside; None where the samples cross themselves."""
     rim = sample_rim(frame.inner.rings, step, FINEST * step, every_vertex=every_vertex)
     if not rim.simple and not every_vertex:
         return None
@@ -104,7 +101,7 @@ def solidify(
     outline: Outline,
     *,
     resolution: int = 128,
-    swelling: Swelling = CONVOLUTION,
+    height_model: HeightModel = CONVOLUTION,
     thickness: Thickness = UNIFORM,
     rule: SkeletonRule = "exact",
     checkpoint: Checkpoint = ignore,
@@ -117,7 +114,7 @@ def solidify(
         What was drawn.
     resolution : int
         Cells along the longest side; where walls or gaps are thin the mesh is finer.
-    swelling : Swelling
+    height_model : HeightModel
         The kind of surface.
     thickness : Thickness
         Factors on the height and on the depth; the silhouette stays.
@@ -147,7 +144,9 @@ def solidify(
             continue
         rim, plan = layout
         checkpoint(0.4, "surface")
-        square = _squares.recall((plan, swelling), partial(swelling.squares, frame, rim, plan))
+        square = _squares.recall(
+            (plan, height_model), partial(height_model.squares, frame, rim, plan)
+        )
         checkpoint(0.8, "mesh")
         up, down = thickness.factors(frame, plan, square, square)
         front = square * up**2

@@ -6,32 +6,29 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.normalized import Frame
 
-__all__ = ["InTurn", "Thickness", "Uniform"]
-
-Points = NDArray[np.float64]
-
 
 class Thickness(Protocol):
-    """How much deeper or flatter than round a solid is, from place to place.
+    """Factors by which a solid is deeper or flatter than round, from place to place.
 
     The outline stays whatever the factors are: they multiply heights that are 0 there.
     """
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
-        """Factors on the heights towards the person and away, at a plan's points, (n,) each.
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return factors on the heights towards the person and away, at a plan's points, (n,) each.
 
         Positive and finite. The same array twice where front and back are alike.
 
         Parameters
         ----------
         frame : Frame
+            The outline and its scale.
         plan : Plan
             In the frame of the sums.
         front, back : (n,) float array
@@ -47,9 +44,9 @@ class Uniform:
     inflation: float = 1.0
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
-        """The factor at every point, the same for front and back."""
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return the factor at every point, the same for front and back."""
         same = np.full(len(plan.points), self.inflation)
         return same, same
 
@@ -61,9 +58,9 @@ class InTurn:
     steps: tuple[Thickness, ...]
 
     def factors(
-        self, frame: Frame, plan: Plan, front: Points, back: Points
-    ) -> tuple[Points, Points]:
-        """The products of the factors."""
+        self, frame: Frame, plan: Plan, front: Floats, back: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return the products of the factors of all steps."""
         up = down = np.ones(len(plan.points))
         for step in self.steps:
             so_far = front * up**2

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.interpolation_constraints import fitted
 from bozzetto_silhouette.implicit.variational import VariationalSurface
 from bozzetto_silhouette.inflation.height_fairing import faired
@@ -14,10 +14,6 @@ from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.normalized import Frame
 from bozzetto_silhouette.outline.signed_distance import RimDistance
-
-__all__ = ["VariationalSwelling"]
-
-Points = NDArray[np.float64]
 
 FADE = 0.9
 """Depth, in local radii, at which what the function misses on the outline is forgotten."""
@@ -27,10 +23,10 @@ LOWEST = 0.4
 constraint reaches there is still a body."""
 
 HIGHEST = 2.0
-"""Nor does it rise above this multiple of it, where the function has no zero."""
+"""No squared height rises above this multiple of it, where the function has no zero."""
 
 ROUNDS = 12
-"""Of Newton's method; three do nearly everywhere."""
+"""Rounds of Newton's method; three are enough nearly everywhere."""
 
 LAST_STEP = 3e-3
 """Newton's method ends with a step below this share of the square. It squares the error with
@@ -38,22 +34,22 @@ every step, so what is left is a hundred times less."""
 
 
 @dataclass(frozen=True)
-class VariationalSwelling:
+class VariationalHeights:
     """The variational surface through the outline, corrected at the rim."""
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Points:
-        """Squared half thickness at a plan's points."""
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+        """Return the squared half thickness at a plan's points."""
         surface = fitted(frame).surface
         first = len(plan.after)
         xy = plan.points[first:]
-        feet = RimDistance(rim.points, rim.after)(xy)
-        after = rim.after[feet.segment]
+        closest = RimDistance(rim.points, rim.after)(xy)
+        after = rim.after[closest.segment]
 
-        def between(values: Points) -> Points:
-            return (1.0 - feet.along) * values[feet.segment] + feet.along * values[after]
+        def between(values: Floats) -> Floats:
+            return (1.0 - closest.along) * values[closest.segment] + closest.along * values[after]
 
         flat = np.column_stack([rim.points, np.zeros(len(rim.points))])
-        radius, depth = between(rim.radius), np.maximum(feet.distance, 1e-9)
+        radius, depth = between(rim.radius), np.maximum(closest.distance, 1e-9)
         lift = -between(surface.level(flat))
         lift *= np.square(np.clip(1.0 - np.square(depth / (FADE * radius)), 0.0, 1.0))
         shallow = np.minimum(depth, radius)
@@ -66,9 +62,9 @@ class VariationalSwelling:
 
 
 def _zeros(
-    surface: VariationalSurface, xy: Points, lift: Points, low: Points, high: Points, start: Points
-) -> Points:
-    """Squares u of the heights at which the function and what it is lifted by vanish, (n,).
+    surface: VariationalSurface, xy: Floats, lift: Floats, low: Floats, high: Floats, start: Floats
+) -> Floats:
+    """Solve for the squared heights u (n,) at which the lifted function vanishes.
 
     In u the function is nearly linear. Newton's method in it, halving the interval that is
     known to hold the zero whenever a step leaves that.

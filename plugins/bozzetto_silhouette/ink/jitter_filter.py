@@ -1,4 +1,4 @@
-"""Filtering of tremor that keeps corners and does not shrink.
+"""A filter for the jitter of a hand that keeps corners and does not shrink.
 
 Local quadratic fits (Savitzky and Golay, 1964) along the arc, one piece from corner to
 corner. The window grows with the measured noise, and clean outlines are left alone.
@@ -7,11 +7,8 @@ corner. The window grows with the measured noise, and clean outlines are left al
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["filtered", "noise_of"]
-
-Points = NDArray[np.float64]
+from bozzetto_silhouette.arrays import Floats, Indices
 
 SPACING = 3e-3
 """Resampling before the filter, as a share of the size."""
@@ -30,7 +27,7 @@ _CORNER_TURN = np.deg2rad(55.0)
 """A sample where the smoothed direction turns by more, over the window, is a corner."""
 
 
-def _resampled(ring: Points, spacing: float) -> Points:
+def _resampled(ring: Floats, spacing: float) -> Floats:
     closed = np.vstack([ring, ring[:1]])
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
     count = max(round(arc[-1] / spacing), 12)
@@ -38,8 +35,8 @@ def _resampled(ring: Points, spacing: float) -> Points:
     return np.stack([np.interp(at, arc, closed[:, k]) for k in (0, 1)], axis=1)
 
 
-def noise_of(ring: Points) -> float:
-    """Typical high-frequency deviation of a ring's own samples, robust to corners.
+def noise_of(ring: Floats) -> float:
+    """Estimate the high-frequency deviation of a ring's samples, robust to corners.
 
     Parameters
     ----------
@@ -48,7 +45,7 @@ def noise_of(ring: Points) -> float:
 
     Notes
     -----
-    The sine of the turn, alternating in sign, is what tremor adds to a smooth line: the
+    The sine of the turn, alternating in sign, is what jitter adds to a smooth line: the
     estimate is the median deviation of each vertex from the line through its neighbours
     minus what both neighbours agree on (curvature).
     """
@@ -58,7 +55,7 @@ def noise_of(ring: Points) -> float:
     span = np.maximum(np.hypot(chord[:, 0], chord[:, 1]), 1e-12)
     away = ring - np.roll(ring, 1, axis=0)
     bend = (away[:, 0] * chord[:, 1] - away[:, 1] * chord[:, 0]) / span
-    # On a smooth line neighbours bend alike; tremor makes them differ.
+    # On a smooth line neighbours bend alike; jitter makes them differ.
     differ = bend - 0.5 * (np.roll(bend, 1) + np.roll(bend, -1))
     usable = length < 0.03
     # Long edges between short ones: a polygon given by its corners, not ink.
@@ -67,7 +64,7 @@ def noise_of(ring: Points) -> float:
     return float(np.median(np.abs(differ[usable]))) / 1.5
 
 
-def filtered(ring: Points, noise: float | None = None) -> Points:
+def filtered(ring: Floats, noise: float | None = None) -> Floats:
     """Filter a closed ring.
 
     Parameters
@@ -75,7 +72,7 @@ def filtered(ring: Points, noise: float | None = None) -> Points:
     ring : (n, 2) float array
         Longest side of the drawing about 1.
     noise : float, optional
-        Size of the tremor; measured when not given.
+        Size of the jitter; measured when not given.
 
     Returns
     -------
@@ -86,7 +83,7 @@ def filtered(ring: Points, noise: float | None = None) -> Points:
         size = noise_of(ring) if noise is None else noise
         if size < UNNOTICED or len(ring) < 24:
             return ring
-        # Heavy tremor makes the line much longer than the shape it stands for, and the
+        # Heavy jitter makes the line much longer than the shape it stands for, and the
         # window so much narrower on it: measure again on the filtered line.
         calm = _filtered_once(ring, size)
         if calm is ring or noise is not None:
@@ -95,9 +92,9 @@ def filtered(ring: Points, noise: float | None = None) -> Points:
     return ring
 
 
-def _filtered_once(ring: Points, noise: float) -> Points:
-    """One pass of the filter for tremor of a given size."""
-    # Where samples lie closer than the tremor is wide, the line runs to and fro: averaging
+def _filtered_once(ring: Floats, noise: float) -> Floats:
+    """Run one pass of the filter for jitter of a given size."""
+    # Where samples lie closer than the jitter is wide, the line runs to and fro: averaging
     # the samples themselves first gives a line whose length means something.
     spacing = float(np.median(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)))
     if spacing < _TO_AND_FRO * noise:
@@ -122,8 +119,8 @@ def _filtered_once(ring: Points, noise: float) -> Points:
     return result
 
 
-def _quadratic(points: Points, half: int) -> Points:
-    """Savitzky-Golay smoothing of a closed ring, quadratic, window 2 half + 1."""
+def _quadratic(points: Floats, half: int) -> Floats:
+    """Smooth a closed ring by Savitzky and Golay, quadratic, window 2 half + 1."""
     k = np.arange(-half, half + 1)
     design = np.stack([np.ones_like(k), k, k**2], axis=1).astype(np.float64)
     kernel = np.linalg.pinv(design)[0]
@@ -131,8 +128,8 @@ def _quadratic(points: Points, half: int) -> Points:
     return np.stack([np.convolve(padded[:, c], kernel, mode="valid") for c in (0, 1)], axis=1)
 
 
-def _corners(ring: Points, half: int) -> NDArray[np.intp]:
-    """Local maxima of the turn over the window, above the corner angle."""
+def _corners(ring: Floats, half: int) -> Indices:
+    """Find local maxima of the turn over the window, above the corner angle."""
     ahead = np.roll(ring, -half, axis=0) - ring
     behind = ring - np.roll(ring, half, axis=0)
     turn = np.abs(

@@ -9,20 +9,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.closing import close_stroke, is_closed_gesture, signed_area
 from bozzetto.ink.curves.intersections import crossings
 from bozzetto.ink.curves.resample import arc_length
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.jitter_filter import filtered
 from bozzetto_silhouette.ink.ring_smoothing import softened
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes, thinned, without_hooks
 from bozzetto_silhouette.ink.self_intersections import untangled
-
-__all__ = ["drawn_over", "ring_drawn_over"]
-
-Points = NDArray[np.float64]
 
 REACH = 0.1
 """An end of a stroke farther than this from a ring does not belong to it."""
@@ -34,7 +30,7 @@ TRIMMED = 0.3
 """Share of the stroke that may be cut off at an end where it crosses the ring."""
 
 TRIM_COST = 0.25
-"""What a unit of ink cut off costs, against a unit that an end is moved to the ring."""
+"""Cost of a unit of ink cut off, against a unit that an end is moved to the ring."""
 
 MOST_JOINTS = 4
 """Places on the ring that are tried for each end: both walls of a thin limb, and some."""
@@ -92,8 +88,8 @@ class _Joint:
     cost: float
 
 
-def ring_drawn_over(rings: Sequence[Points | None], line: Points, size: float) -> int:
-    """The number of the ring that a stroke is meant for.
+def ring_drawn_over(rings: Sequence[Floats | None], line: Floats, size: float) -> int:
+    """Return the number of the ring that a stroke is meant for.
 
     Parameters
     ----------
@@ -124,12 +120,13 @@ def ring_drawn_over(rings: Sequence[Points | None], line: Points, size: float) -
     return found
 
 
-def drawn_over(ring: Points, line: Points, size: float) -> Points:
-    """A ring with a stretch replaced by a stroke, or with a closed stroke in its place.
+def drawn_over(ring: Floats, line: Floats, size: float) -> Floats:
+    """Replace a stretch of a ring by a stroke, or all of it by a closed stroke.
 
     Parameters
     ----------
     ring : (n, 2) float array
+        A closed line; the first vertex is not repeated.
     line : (m, 2) float array
         The stroke, in any direction.
     size : float
@@ -161,8 +158,8 @@ def drawn_over(ring: Points, line: Points, size: float) -> Points:
     return np.asarray(simple * size + middle, np.float64)
 
 
-def _redrawn(rings: Sequence[Points | None], line: Points) -> int | None:
-    """The ring that a closed stroke takes the place of; None for an open one."""
+def _redrawn(rings: Sequence[Floats | None], line: Floats) -> int | None:
+    """Return the number of the ring that a closed stroke replaces; None for an open stroke."""
     import shapely
 
     if len(line) < 3 or not is_closed_gesture(line):
@@ -180,8 +177,8 @@ def _redrawn(rings: Sequence[Points | None], line: Points) -> int | None:
     return found
 
 
-def _clean(line: Points, middle: Points, size: float) -> Points:
-    """The stroke without clumps, hooks and tremor."""
+def _clean(line: Floats, middle: Floats, size: float) -> Floats:
+    """Remove clumps, hooks and jitter from a stroke."""
     stroke = without_hooks(thinned((line - middle) / size))
     if len(stroke) < 2:
         return stroke
@@ -192,17 +189,17 @@ def _clean(line: Points, middle: Points, size: float) -> Points:
     return np.vstack([calm[: len(calm) // 2 + 1], stroke[-1:]])
 
 
-def _around(ring: Points) -> tuple[Points, Points]:
+def _around(ring: Floats) -> tuple[Floats, Floats]:
     closed = np.vstack([ring, ring[:1]])
     return closed, arc_length(closed)
 
 
-def _at(line: Points, arc: Points, where: Points) -> Points:
+def _at(line: Floats, arc: Floats, where: Floats) -> Floats:
     return np.column_stack([np.interp(where, arc, line[:, axis]) for axis in (0, 1)])
 
 
-def _best_way(ring: Points, stroke: Points) -> _Way | None:
-    """The cheapest of all ways: least cut off, least moved, nearest to what it replaces."""
+def _best_way(ring: Floats, stroke: Floats) -> _Way | None:
+    """Return the cheapest way: least cut off, least moved, nearest to what it replaces."""
     if len(stroke) < 2:
         return None
     closed, arc = _around(ring)
@@ -219,17 +216,17 @@ def _best_way(ring: Points, stroke: Points) -> _Way | None:
     return min(ways, key=lambda way: way.cost, default=None)
 
 
-def _joints(closed: Points, arc: Points, stroke: Points) -> list[_Joint]:
-    """Where the beginning of a stroke may meet a ring: at the nearest places, at crossings."""
+def _joints(closed: Floats, arc: Floats, stroke: Floats) -> list[_Joint]:
+    """Find where the beginning of a stroke may meet a ring: at the nearest places, at crossings."""
     begin, step = closed[:-1], np.diff(closed, axis=0)
     squared = np.maximum((step**2).sum(axis=1), 1e-300)
     share = np.clip(((stroke[0] - begin) * step).sum(axis=1) / squared, 0.0, 1.0)
     away = np.hypot(*(begin + share[:, None] * step - stroke[0]).T)
     near = (away <= np.roll(away, 1)) & (away < np.roll(away, -1)) & (away <= REACH)
-    feet = np.flatnonzero(near)
-    feet = feet[np.argsort(away[feet])][:MOST_JOINTS]
+    closest = np.flatnonzero(near)
+    closest = closest[np.argsort(away[closest])][:MOST_JOINTS]
     found = [
-        _Joint(0.0, float(arc[k] + share[k] * np.sqrt(squared[k])), float(away[k])) for k in feet
+        _Joint(0.0, float(arc[k] + share[k] * np.sqrt(squared[k])), float(away[k])) for k in closest
     ]
     met = crossings(stroke, closed)
     run = arc_length(stroke)
@@ -242,9 +239,9 @@ def _joints(closed: Points, arc: Points, stroke: Points) -> list[_Joint]:
 
 
 def _ways(
-    closed: Points, arc: Points, stroke: Points, run: Points, head: _Joint, tail: _Joint
+    closed: Floats, arc: Floats, stroke: Floats, run: Floats, head: _Joint, tail: _Joint
 ) -> Iterator[_Way]:
-    """Both stretches of the ring between two joints, each with what replacing it costs."""
+    """Yield both stretches of the ring between two joints, each with the cost of replacing it."""
     length = float(arc[-1])
     kept = _at(stroke, run, np.linspace(head.at, tail.at, COMPARED))
     for start, end, backwards in ((head.on, tail.on, False), (tail.on, head.on, True)):
@@ -256,8 +253,8 @@ def _ways(
         yield _Way(float(cost), head.at, tail.at, start, end, backwards)
 
 
-def _spliced(ring: Points, stroke: Points, way: _Way) -> Points:
-    """The ring with the stroke in it, its ends on the ring, the joints smooth."""
+def _spliced(ring: Floats, stroke: Floats, way: _Way) -> Floats:
+    """Put the stroke into the ring, its ends on the ring, the joints smooth."""
     closed, arc = _around(ring)
     run = arc_length(stroke)
     inner = (run > way.head) & (run < way.tail)
@@ -280,20 +277,20 @@ def _spliced(ring: Points, stroke: Points, way: _Way) -> Points:
     return _smooth_joints(whole, np.array([0.0, at]))
 
 
-def _brought(piece: Points, to: Points) -> Points:
-    """A line whose first point is moved to a place, the rest carried along less and less."""
+def _brought(piece: Floats, to: Floats) -> Floats:
+    """Move the first point of a line to a place; the rest follows less and less."""
     shift = to - piece[0]
     run = arc_length(piece)
     times, least = FADE
     reach = min(max(times * float(np.hypot(*shift)), least), 0.5 * float(run[-1]))
     t = np.clip(1.0 - run / max(reach, 1e-300), 0.0, 1.0)
-    moved: Points = piece + (t * t * (3.0 - 2.0 * t))[:, None] * shift
+    moved: Floats = piece + (t * t * (3.0 - 2.0 * t))[:, None] * shift
     moved[0] = to
     return moved
 
 
-def _smooth_joints(ring: Points, joints: Points) -> Points:
-    """A ring smoothed at those joints that turn little; corners stay."""
+def _smooth_joints(ring: Floats, joints: Floats) -> Floats:
+    """Smooth a ring at those joints that turn little; corners stay."""
     closed, arc = _around(ring)
     length = float(arc[-1])
     count = int(np.clip(np.ceil(6.0 * length / JOINT), 16, 20_000))

@@ -11,21 +11,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.resample import arc_length, resample
-
-__all__ = ["rubbed", "rubbed_ring", "softened"]
-
-Points = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 
 SPACING = 2e-3
 """Spacing of the samples that a ring is filtered on, as a share of the size."""
 
 MOST_SAMPLES = 20_000
-"""Of one ring: the rim of the finest certificate has a tenth of that."""
+"""Samples of one ring: the scalloped rim of a certificate has a tenth of that."""
 
 REACH = 0.06
 """A rub farther than this from every ring, share of the size, is meant for something else."""
@@ -46,8 +41,8 @@ BROAD = 90
 """Percentile of the distances between rub and ring that says how broadly the hand rubbed."""
 
 
-def rubbed_ring(rings: Sequence[Points | None], line: Points, size: float) -> int:
-    """The number of the ring that a stroke was rubbed along.
+def rubbed_ring(rings: Sequence[Floats | None], line: Floats, size: float) -> int:
+    """Return the number of the ring that a stroke was rubbed along.
 
     Parameters
     ----------
@@ -75,12 +70,13 @@ def rubbed_ring(rings: Sequence[Points | None], line: Points, size: float) -> in
     return int(np.argmin(far))
 
 
-def rubbed(ring: Points, line: Points, size: float) -> Points:
-    """A ring smoothed where a stroke was rubbed along it.
+def rubbed(ring: Floats, line: Floats, size: float) -> Floats:
+    """Smooth a ring where a stroke was rubbed along it.
 
     Parameters
     ----------
     ring : (n, 2) float array
+        A closed line; the first vertex is not repeated.
     line : (m, 2) float array
         The stroke. How far it strays from the ring says how coarse the smoothing is; how
         often it comes by, how strong.
@@ -97,11 +93,11 @@ def rubbed(ring: Points, line: Points, size: float) -> Points:
     fine = _fine(ring, size)
     step = _length(ring) / len(fine)
     path = resample(line, count=int(np.clip(arc_length(line)[-1] / step, 2, MOST_SAMPLES)))
-    away, feet = cKDTree(fine).query(path)
+    away, closest = cKDTree(fine).query(path)
     breadth = float(np.percentile(away, BROAD))
     brush = max(breadth, FINEST * size)
     touched = np.zeros(len(fine), bool)
-    touched[feet] = True
+    touched[closest] = True
     # Gaps that the hand left are closed, and a brush's width is added at both ends.
     covered = ~_grown(~_grown(touched, 2.0 * brush / step), brush / step)
     passes = float(np.clip(arc_length(path)[-1] / (step * max(covered.sum(), 1)), 1, MOST_PASSES))
@@ -109,12 +105,13 @@ def rubbed(ring: Points, line: Points, size: float) -> Points:
     return softened(ring, covered, sigma)
 
 
-def softened(ring: Points, covered: Mask, sigma: float) -> Points:
-    """A ring filtered where it is covered, the edges of that blended.
+def softened(ring: Floats, covered: Flags, sigma: float) -> Floats:
+    """Filter a ring where it is covered, and blend at the edges of that.
 
     Parameters
     ----------
     ring : (n, 2) float array
+        A closed line; the first vertex is not repeated.
     covered : (k,) bool array
         At k equal steps along the ring, from its first vertex.
     sigma : float
@@ -142,36 +139,36 @@ def softened(ring: Points, covered: Mask, sigma: float) -> Points:
     return points[np.argsort(where, kind="stable")]
 
 
-def _fine(ring: Points, size: float) -> Points:
+def _fine(ring: Floats, size: float) -> Floats:
     count = int(np.clip(np.ceil(_length(ring) / (SPACING * size)), 16, MOST_SAMPLES))
     return resample(ring, count=count, closed=True)
 
 
-def _length(ring: Points) -> float:
+def _length(ring: Floats) -> float:
     return float(arc_length(np.vstack([ring, ring[:1]]))[-1])
 
 
-def _grown(mask: Mask, steps: float) -> Mask:
-    """A cyclic mask grown by some steps to both sides."""
+def _grown(mask: Flags, steps: float) -> Flags:
+    """Grow a cyclic mask by some steps to both sides."""
     reach = int(min(steps, len(mask)))
     if reach == 0 or mask.all() or not mask.any():
         return mask
     return _gap(mask) <= reach
 
 
-def _gap(mask: Mask) -> NDArray[np.intp]:
-    """Steps from each place of a ring to the nearest one where the mask holds."""
+def _gap(mask: Flags) -> Indices:
+    """Count the steps from each place of a ring to the nearest one where the mask holds."""
     count = len(mask)
     marked = np.flatnonzero(mask)
     around = np.concatenate([marked - count, marked, marked + count])
     here = np.arange(count)
     place = np.searchsorted(around, here)
-    gap: NDArray[np.intp] = np.minimum(around[place] - here, here - around[place - 1])
+    gap: Indices = np.minimum(around[place] - here, here - around[place - 1])
     return gap
 
 
-def _faded(covered: Mask, steps: float) -> Points:
-    """1 where covered, falling smoothly to 0 over some steps beside it."""
+def _faded(covered: Flags, steps: float) -> Floats:
+    """Return 1 where covered, falling smoothly to 0 over some steps beside it."""
     if covered.all() or not covered.any():
         return covered.astype(np.float64)
     t = np.clip(1.0 - _gap(covered) / max(2.0 * steps, 1.0), 0.0, 1.0)

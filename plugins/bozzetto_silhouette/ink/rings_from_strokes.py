@@ -9,15 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.jitter_filter import filtered
 from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
-
-__all__ = ["rings_from_strokes", "specks", "thinned", "without_hooks"]
-
-Points = NDArray[np.float64]
 
 MOST_STROKES = 1_000
 """Strokes of one part; the nesting of their outlines is looked for pair by pair."""
@@ -25,10 +22,14 @@ MOST_STROKES = 1_000
 CLUMP = 2e-4
 """Samples closer than this to the one before are one sample."""
 
+MOST_SAMPLES = 10_000
+"""Samples that are kept of one line, and of one ring: with more of them a solid takes longer than
+five seconds. A hand draws a few hundred."""
+
 HOOK = 0.022
 """A hook at the start or end of a stroke is not longer than this."""
 HOOK_TURN = np.deg2rad(50.0)
-"""It turns away by more than this."""
+"""Turn of a hook: it is larger than this."""
 
 OWN_GAP = 0.5
 """A stroke whose ends are farther apart than this share of its length is not closed by
@@ -52,15 +53,15 @@ _REDRAW = "The outline crosses itself at the marked place. Draw it again, or lif
 
 def rings_from_strokes(
     strokes: Sequence[ArrayLike], *, tolerance: float | None = None
-) -> list[Points]:
-    """Closed simple rings that do not cross each other.
+) -> list[Floats]:
+    """Turn strokes into closed simple rings that do not cross each other.
 
     Parameters
     ----------
     strokes : sequence of (n, 2) array_like
         Samples, in any unit.
     tolerance : float, optional
-        Size of the tremor to be filtered, in the same unit; measured when not given.
+        Size of the jitter to be filtered, in the same unit; measured when not given.
 
     Returns
     -------
@@ -94,9 +95,9 @@ def rings_from_strokes(
     lines = [thinned((s - middle) / size) for s in given]
     lines = [s for s in lines if len(s) >= 2 and np.ptp(s, axis=0).max() > SMALLEST]
     rings = [_closed(chain) for chain in _chains([without_hooks(s) for s in lines])]
-    rings = [r for r in rings if len(r) >= 3]
+    rings = [r if len(r) <= MOST_SAMPLES else thinned(r) for r in rings if len(r) >= 3]
     noise = None if tolerance is None else tolerance / size
-    clean: list[Points] = []
+    clean: list[Floats] = []
     for ring in rings:
         simple, crossings = untangled(filtered(ring, noise))
         if len(crossings):
@@ -118,39 +119,49 @@ def rings_from_strokes(
 
 
 def specks(strokes: Sequence[ArrayLike]) -> int:
-    """How many strokes are too small beside the others to be part of an outline."""
+    """Count the strokes that are too small beside the others to be part of an outline."""
     given = [np.asarray(s, dtype=np.float64)[:, :2] for s in strokes]
     everything = np.concatenate(given)
     size = float(np.ptp(everything, axis=0).max())
     return sum(float(np.ptp(s, axis=0).max()) <= SMALLEST * size for s in given)
 
 
-def _places(points: Points, size: float, middle: Points) -> list[tuple[float, float]]:
+def _places(points: Floats, size: float, middle: Floats) -> list[tuple[float, float]]:
     return [(float(x), float(y)) for x, y in points * size + middle]
 
 
-def _arc(line: Points) -> Points:
-    """Arc length at the vertices of an open line (n, 2)."""
+def _arc(line: Floats) -> Floats:
+    """Return the arc length at the vertices of an open line (n, 2)."""
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
 
-def thinned(line: Points) -> Points:
-    """Drop samples that repeat or clump; the last sample stays."""
-    keep = [0]
-    for i in range(1, len(line)):
-        d = line[i] - line[keep[-1]]
-        if d[0] * d[0] + d[1] * d[1] > CLUMP * CLUMP:
-            keep.append(i)
+def thinned(line: Floats) -> Floats:
+    """Drop samples that repeat or clump, and of a very long line all but `MOST_SAMPLES`."""
+    clump = CLUMP
+    line = _without_clumps(line, clump)
+    while len(line) > MOST_SAMPLES:
+        clump *= 2.0
+        line = _without_clumps(line, clump)
+    return line
+
+
+def _without_clumps(line: Floats, clump: float) -> Floats:
+    """Drop samples closer than `clump` to the one kept before them."""
+    keep, (x, y), square = [0], line[0].tolist(), clump * clump
+    for number, (px, py) in enumerate(line.tolist()):
+        if (px - x) * (px - x) + (py - y) * (py - y) > square:
+            keep.append(number)
+            x, y = px, py
     return line[keep]
 
 
-def without_hooks(line: Points) -> Points:
+def without_hooks(line: Floats) -> Floats:
     """Cut hooks off both ends."""
     line = _hook_cut(line)
     return _hook_cut(line[::-1])[::-1]
 
 
-def _hook_cut(line: Points) -> Points:
+def _hook_cut(line: Floats) -> Floats:
     """Cut the start off up to the last sharp turn within `HOOK`.
 
     Only ink that is dense there can show a hook; the corners of a polygon given by its
@@ -181,7 +192,7 @@ def _hook_cut(line: Points) -> Points:
     return line[np.searchsorted(arc, cut) :]
 
 
-def _chains(lines: list[Points]) -> list[list[Points]]:
+def _chains(lines: list[Floats]) -> list[list[Floats]]:
     """Group strokes into closed chains, each stroke turned so that ends meet starts.
 
     Ends are matched greedily, the nearest pair first; the two ends of one stroke are a
@@ -222,8 +233,8 @@ def _chains(lines: list[Points]) -> list[list[Points]]:
     return chains
 
 
-def _cost_of_closing(line: Points) -> float:
-    """What it costs to join the two ends of one stroke; compare gaps between strokes."""
+def _cost_of_closing(line: Floats) -> float:
+    """Return the cost of joining the two ends of one stroke, comparable to gaps between strokes."""
     arcs = _arc(line)
     gap = float(np.hypot(*(line[0] - line[-1])))
     share = gap / max(float(arcs[-1]), 1e-12)
@@ -234,12 +245,12 @@ def _cost_of_closing(line: Points) -> float:
     return gap * (1.0 if share < OWN_GAP else 3.0)
 
 
-def _closed(chain: list[Points]) -> Points:
+def _closed(chain: list[Floats]) -> Floats:
     """Join the strokes of a chain, end to start, and the last to the first."""
     if len(chain) == 1 and np.array_equal(chain[0][0], chain[0][-1]):
         return chain[0][:-1]
     lines = list(chain)
-    bridges: list[Points] = []
+    bridges: list[Floats] = []
     for i in range(len(lines)):
         j = (i + 1) % len(lines)
         if i == j:
@@ -253,7 +264,7 @@ def _closed(chain: list[Points]) -> Points:
     return ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)]
 
 
-def _self_joint(line: Points) -> tuple[Points, Points]:
+def _self_joint(line: Floats) -> tuple[Floats, Floats]:
     """Close one stroke onto itself: its halves are joined like two strokes."""
     arc = _arc(line)
     gap = float(np.hypot(*(line[0] - line[-1])))
@@ -268,7 +279,7 @@ def _self_joint(line: Points) -> tuple[Points, Points]:
     return np.concatenate([head[:-1], tail]), bridge
 
 
-def _joint(a: Points, b: Points) -> tuple[Points, Points, Points]:
+def _joint(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
     """Trim the end of `a` and the start of `b` where they overlap; bridge what is left."""
     import shapely
 
@@ -309,16 +320,16 @@ def _joint(a: Points, b: Points) -> tuple[Points, Points, Points]:
     return a, b, _bridge(a, b)
 
 
-def _upto(line: Points, arc: Points, cut: float, end: Points) -> Points:
+def _upto(line: Floats, arc: Floats, cut: float, end: Floats) -> Floats:
     return np.vstack([line[: max(int(np.searchsorted(arc, cut)), 1)], end])
 
 
-def _from(line: Points, arc: Points, cut: float, start: Points) -> Points:
+def _from(line: Floats, arc: Floats, cut: float, start: Floats) -> Floats:
     return np.vstack([start, line[int(np.searchsorted(arc, cut, side="right")) :]])
 
 
-def _bridge(a: Points, b: Points) -> Points:
-    """Points that lead on from the end of `a` to the start of `b`, both excluded.
+def _bridge(a: Floats, b: Floats) -> Floats:
+    """Return points that lead from the end of `a` to the start of `b`, both excluded.
 
     A cubic that leaves and arrives in the direction of the ink, as long as that is roughly
     where it has to go; else nothing: a straight line.
@@ -341,7 +352,7 @@ def _bridge(a: Points, b: Points) -> Points:
     leave *= gap / np.hypot(*leave)
     arrive *= gap / np.hypot(*arrive)
     t = np.linspace(0.0, 1.0, max(int(np.ceil(gap / 0.006)), 3) + 1)[1:-1, None]
-    bridge: Points = (
+    bridge: Floats = (
         (1 + 2 * t) * (1 - t) ** 2 * a[-1]
         + t * (1 - t) ** 2 * leave
         + t**2 * (3 - 2 * t) * b[0]

@@ -1,17 +1,12 @@
-"""Where rings cross themselves or each other, and which crossings are only clumsiness."""
+"""Crossings of rings with themselves and each other; those of an unsteady hand are mended."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.ink.curves.closing import signed_area
 from bozzetto.ink.curves.intersections import self_crossings
-
-__all__ = ["rings_that_cross", "untangled"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
+from bozzetto_silhouette.arrays import Floats, Indices
 
 SMALL_LOOP = 6e-3
 """A loop whose area is below this share of the whole, and that is short, is cut off."""
@@ -26,7 +21,7 @@ trembled in a thin place."""
 FLAT = 1e-5
 """A ring thinner than this (standard deviation, share of the size) is a straight line."""
 
-TANGLE = 100
+MOST_CROSSINGS = 100
 """A ring that crosses itself more often is a scribble and is not mended: a trembling hand
 comes to a few dozen crossings, and mending takes a look at every loop in turn."""
 
@@ -34,8 +29,8 @@ SHOWN = 8
 """Most crossings that are pointed out."""
 
 
-def _crossings(ring: Points) -> tuple[Indices, Indices, Points]:
-    """Pairs of edges of a closed ring that cross, first < second, and where, (k, 2).
+def _crossings(ring: Floats) -> tuple[Indices, Indices, Floats]:
+    """Find pairs of edges of a closed ring that cross, first < second, and the places (k, 2).
 
     Edge i runs from vertex i to the next.
     """
@@ -45,8 +40,8 @@ def _crossings(ring: Points) -> tuple[Indices, Indices, Points]:
     return first.astype(np.intp), second.astype(np.intp), found.places
 
 
-def rings_that_cross(rings: list[Points]) -> Points:
-    """Places where different rings cross, (k, 2)."""
+def rings_that_cross(rings: list[Floats]) -> Floats:
+    """Return the places where different rings cross, (k, 2)."""
     import shapely
 
     lines = [shapely.LinearRing(r) for r in rings]
@@ -58,15 +53,15 @@ def rings_that_cross(rings: list[Points]) -> Points:
     return np.concatenate(found)
 
 
-def _length(line: Points) -> float:
+def _length(line: Floats) -> float:
     return float(np.hypot(*np.diff(line, axis=0).T).sum())
 
 
-def _area(ring: Points) -> float:
+def _area(ring: Floats) -> float:
     return abs(signed_area(ring))
 
 
-def untangled(ring: Points) -> tuple[Points | None, Points]:
+def untangled(ring: Floats) -> tuple[Floats | None, Floats]:
     """Cut off small loops and push apart walls that only touch; report real crossings.
 
     Parameters
@@ -87,7 +82,7 @@ def untangled(ring: Points) -> tuple[Points | None, Points]:
         first, second, places = _crossings(ring)
         if not len(first):
             break
-        if len(first) > TANGLE:
+        if len(first) > MOST_CROSSINGS:
             return ring, _some(places)
         loops = [
             np.vstack([p, ring[i + 1 : j + 1]])
@@ -126,11 +121,11 @@ def untangled(ring: Points) -> tuple[Points | None, Points]:
     return _repaired(ring)
 
 
-def _some(places: Points) -> Points:
+def _some(places: Floats) -> Floats:
     return places[:: -(-len(places) // SHOWN) or 1]
 
 
-def _repaired(ring: Points) -> tuple[Points | None, Points]:
+def _repaired(ring: Floats) -> tuple[Floats | None, Floats]:
     """Catch what is left: edges that fold back on their neighbours, or touch."""
     import shapely
 
@@ -150,7 +145,7 @@ def _repaired(ring: Points) -> tuple[Points | None, Points]:
     return coordinates, np.zeros((0, 2))
 
 
-def _pushed_apart(ring: Points, first: Indices, second: Indices) -> Points | None:
+def _pushed_apart(ring: Floats, first: Indices, second: Indices) -> Floats | None:
     """Separate two walls that overlap thinly between two crossings, or None.
 
     Crossings come in pairs: one wall wanders over the other and back. Between them, both
@@ -178,7 +173,7 @@ def _pushed_apart(ring: Points, first: Indices, second: Indices) -> Points | Non
     return result if done else None
 
 
-def _lay_apart(result: Points, ring: Points, one: Indices, two: Indices) -> None:
+def _lay_apart(result: Floats, ring: Floats, one: Indices, two: Indices) -> None:
     """Move two stretches onto either side of their middle line, in place."""
     import shapely
 

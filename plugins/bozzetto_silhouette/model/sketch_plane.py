@@ -16,8 +16,6 @@ from bozzetto.ink import Stroke
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
 
-__all__ = ["Sheet", "sheet_under"]
-
 Point = tuple[float, float, float]
 Array = NDArray[np.float64]
 
@@ -48,12 +46,12 @@ class Sheet:
 
     @property
     def placement(self) -> Placement:
-        """From the object frame to the world."""
+        """The placement from the object frame to the world."""
         columns = np.column_stack((self.right, self.up, self.normal))
         return Placement(tuple(float(v) for v in columns.ravel()), 1.0, self.origin)
 
     def from_pixels(self, pixels: ArrayLike, camera: Camera) -> Array:
-        """Canvas positions as seen through a camera, on the sheet; shape (n, 2), mm.
+        """Project canvas positions, seen through a camera, onto the sheet; shape (n, 2), mm.
 
         NaN where the line of sight misses the sheet.
         """
@@ -61,13 +59,13 @@ class Sheet:
         return np.column_stack((away @ self.right, away @ self.up))
 
     def to_world(self, points: ArrayLike) -> Array:
-        """Object-frame points, shape (n, 2) or (n, 3), in the world; shape (n, 3), mm."""
+        """Carry object-frame points, (n, 2) or (n, 3), into the world; shape (n, 3), mm."""
         given = np.asarray(points, float)
         frame = np.vstack((self.right, self.up, self.normal))[: given.shape[1]]
         return np.asarray(given @ frame + self.origin, np.float64)
 
     def turn(self, vectors: ArrayLike) -> Array:
-        """Object-frame directions in the world, shape (n, 3)."""
+        """Carry object-frame directions into the world, shape (n, 3)."""
         frame = np.vstack((self.right, self.up, self.normal))
         return np.asarray(np.asarray(vectors, float) @ frame, np.float64)
 
@@ -77,7 +75,7 @@ class Sheet:
 
 
 def sheet_under(stroke: Stroke, context: Context) -> Sheet:
-    """The plane on which a stroke lies.
+    """Return the plane on which a stroke lies.
 
     From the front it is the plane of symmetry, y = 0. From anywhere else it is the plane
     parallel to the screen through what is under the stroke's first point; where nothing is,

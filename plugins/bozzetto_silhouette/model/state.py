@@ -18,23 +18,6 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
 from bozzetto_silhouette.model.sketch_plane import Point, Sheet
 
-__all__ = [
-    "Color",
-    "Cut",
-    "Edit",
-    "Group",
-    "Kernel",
-    "Operation",
-    "Oversketch",
-    "Part",
-    "Picture",
-    "Removal",
-    "SilhouetteState",
-    "Smoothing",
-    "Surface",
-    "Turn",
-]
-
 Color = tuple[int, int, int]
 Operation = Literal["add", "merge", "carve", "intersect"]
 Surface = Literal["convolution", "variational", "inflation", "straight"]
@@ -80,7 +63,7 @@ Edit = Oversketch | Smoothing | Removal
 
 @dataclass(frozen=True)
 class Node:
-    """What parts and groups have in common.
+    """Properties that parts and groups share.
 
     Parameters
     ----------
@@ -157,11 +140,12 @@ class Part(Node):
         Surface,
         Parameter(
             "Surface",
-            help="What is put around the outline.",
+            help="How the shape gets its depth: round limbs; one smooth surface exactly through "
+            "the outline; blown up like a balloon; or straight through.",
             choices=(
-                ("convolution", "Round (convolution)"),
-                ("variational", "Interpolate exactly (variational)"),
-                ("inflation", "Inflate (membrane)"),
+                ("convolution", "Round"),
+                ("variational", "Interpolate exactly"),
+                ("inflation", "Inflate"),
                 ("straight", "Straight through"),
             ),
         ),
@@ -193,7 +177,7 @@ class Part(Node):
             0.0,
             1.0,
             step=0.05,
-            help="How much the pressure along the outline tells in the thickness.",
+            help="How much thicker the shape gets where the pen was pressed harder.",
         ),
     ] = 0.0
     kernel: Annotated[
@@ -201,7 +185,7 @@ class Part(Node):
         Parameter(
             "Kernel",
             advanced=True,
-            help="What is summed along the skeleton of a convolution surface.",
+            help="The function that makes limbs round; the default keeps thin ones thin.",
             choices=(
                 ("scalis", "Scale-invariant (default)"),
                 ("cauchy", "Cauchy"),
@@ -224,12 +208,12 @@ class Part(Node):
 
     @property
     def placement(self) -> Placement:
-        """From the part's object frame to the frame of its group."""
+        """The placement from the part's object frame to the frame of its group."""
         return self.pose.after(self.sheet.placement)
 
     @property
     def recipe(self) -> Part:
-        """What its shape in the object frame hangs on; equal recipes have equal shapes."""
+        """All that its shape in the object frame depends on; equal recipes have equal shapes."""
         plain = Part()
         return replace(
             self,
@@ -333,7 +317,7 @@ class SilhouetteState:
         Literal["hole", "apart"],
         Parameter(
             "Drawn inside",
-            help="What an outline becomes that is drawn inside another one on its sheet.",
+            help="Whether an outline drawn inside another one is a hole or a part of its own.",
             choices=(("hole", "A hole"), ("apart", "A part of its own")),
         ),
     ] = "hole"
@@ -352,20 +336,20 @@ class SilhouetteState:
         return tuple(node for node in self.nodes if isinstance(node, Part))
 
     def node(self, node_id: str) -> Part | Group:
-        """A node by its id; raises `KeyError`."""
+        """Return the node with an id; raise `KeyError` where there is none."""
         for node in self.nodes:
             if node.id == node_id:
                 return node
         raise KeyError(node_id)
 
     def with_node(self, node: Part | Group) -> SilhouetteState:
-        """With a node in the place of the one of its id, or at the end; it becomes chosen."""
+        """Replace the node with the same id, or append it; it becomes the chosen one."""
         return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
 
     def unused_id(self) -> str:
-        """An id that no node has."""
+        """Return an id that no node has."""
         return unused_id(self.nodes)
 
     def unused_name(self, stem: str = "Part") -> str:
-        """A name that no node has."""
+        """Return a name that no node has."""
         return unused_name(self.nodes, stem)

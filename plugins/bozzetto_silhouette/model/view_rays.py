@@ -18,8 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.view import Camera
 from bozzetto_silhouette.model.sketch_plane import Sheet
 
-__all__ = ["Sight", "sight_through"]
-
 Array = NDArray[np.float64]
 
 NEAREST = 0.02
@@ -32,7 +30,7 @@ the sheet is refused where the ink is read."""
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class ViewRays:
     """The lines of sight of one camera, in the object frame of a sheet.
 
     Attributes
@@ -47,22 +45,22 @@ class Sight:
     slant: Array
 
     def width(self, heights: ArrayLike) -> Array:
-        """How large the drawing appears at heights (n,), as a share of its size on the sheet."""
+        """Return the size of the drawing at heights (n,), as a share of that on the sheet."""
         return 1.0 - self.narrowing * np.asarray(heights, np.float64)
 
     def above(self, drawn: Array, heights: ArrayLike) -> Array:
-        """Where lines of sight through places on the sheet (n, 2) reach heights (n,); (n, 3)."""
+        """Follow lines of sight through places on the sheet (n, 2) to heights (n,); (n, 3)."""
         z = np.broadcast_to(np.asarray(heights, np.float64), (len(drawn),))
         across = self.width(z)[:, None] * drawn + z[:, None] * self.slant
         return np.column_stack([across, z])
 
     def drawn(self, points: Array) -> Array:
-        """Where points (n, 3) are seen on the sheet, (n, 2); they lie before the eye."""
+        """Return where points (n, 3), before the eye, are seen on the sheet, (n, 2)."""
         z = points[:, 2]
         return np.asarray((points[:, :2] - z[:, None] * self.slant) / self.width(z)[:, None])
 
     def before_eye(self, low: float, high: float) -> tuple[float, float]:
-        """The part of a range of heights that the eye can see; the sheet's own is in it."""
+        """Clip a range of heights to what the eye can see; the sheet's own height is in it."""
         if self.narrowing > 0.0:
             high = min(high, (1.0 - NEAREST) / self.narrowing)
         elif self.narrowing < 0.0:
@@ -70,8 +68,8 @@ class Sight:
         return low, high
 
 
-def sight_through(sheet: Sheet, camera: Camera) -> Sight:
-    """The lines of sight of a camera in the object frame of a sheet."""
+def view_rays_through(sheet: Sheet, camera: Camera) -> ViewRays:
+    """Return the lines of sight of a camera in the object frame of a sheet."""
     into = sheet.placement.inverse()
     if camera.kind == "orthographic":
         along, narrowing = into.directions(camera.axes[2])[0], 0.0
@@ -80,7 +78,7 @@ def sight_through(sheet: Sheet, camera: Camera) -> Sight:
         along = into.points(camera.eye)[0]
         height = _apart_from_zero(along[2], float(np.linalg.norm(along)))
         narrowing = 1.0 / height
-    return Sight(narrowing, along[:2] / height)
+    return ViewRays(narrowing, along[:2] / height)
 
 
 def _apart_from_zero(height: float, size: float) -> float:

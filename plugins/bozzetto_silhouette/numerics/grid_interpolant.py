@@ -5,11 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["BORDER", "Lattice", "on_nodes"]
-
-Points = NDArray[np.float64]
+from bozzetto_silhouette.arrays import Floats, Indices
 
 BORDER = 6
 """Nodes along the edge of a lattice where the spline is bent: it goes on there as in a mirror,
@@ -31,30 +28,30 @@ class Lattice:
     coefficients : (nx, ny) float array
     """
 
-    low: Points
+    low: Floats
     step: float
-    coefficients: Points
+    coefficients: Floats
 
     @classmethod
-    def through(cls, low: Points, step: float, values: Points) -> Lattice:
-        """The spline through values (nx, ny) at the nodes."""
+    def through(cls, low: Floats, step: float, values: Floats) -> Lattice:
+        """Fit the spline through values (nx, ny) at the nodes."""
         from scipy.ndimage import spline_filter
 
         return cls(low, step, spline_filter(values, order=3, mode="mirror"))
 
     @property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """The box (2, 2) within which what lies beyond the lattice is not felt."""
         last = np.array(self.coefficients.shape) - 1.0
         return self.low + self.step * np.stack([np.full(2, BORDER), last - BORDER])
 
-    def sample(self, xy: Points) -> tuple[Points, Points]:
-        """Values (n,) and gradients (n, 2) at points (n, 2) between the first and last node."""
+    def sample(self, xy: Floats) -> tuple[Floats, Floats]:
+        """Return values (n,) and gradients (n, 2) at points (n, 2) within the lattice."""
         parts = [self._sample(xy[i : i + _CHUNK]) for i in range(0, max(1, len(xy)), _CHUNK)]
         value, x, y = np.concatenate(parts, axis=1)
         return value, np.stack([x, y], axis=1)
 
-    def _sample(self, xy: Points) -> Points:
+    def _sample(self, xy: Floats) -> Floats:
         shape = np.array(self.coefficients.shape)
         at = (xy - self.low) / self.step
         cell = np.clip(np.floor(at).astype(np.intp), 0, shape - 2)
@@ -71,13 +68,13 @@ class Lattice:
         ])  # fmt: skip
 
 
-def _mirrored(index: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+def _mirrored(index: Indices, count: int) -> Indices:
     index = np.abs(index)
     return np.where(index >= count, 2 * (count - 1) - index, index)
 
 
-def _weights(t: Points) -> tuple[Points, Points]:
-    """The four uniform cubic B-splines over a cell and their slopes, (4, n) each."""
+def _weights(t: Floats) -> tuple[Floats, Floats]:
+    """Return the four uniform cubic B-splines over a cell and their slopes, (4, n) each."""
     s = 1.0 - t
     weights = np.stack([s**3, 4.0 - 6.0 * t**2 + 3.0 * t**3, 4.0 - 6.0 * s**2 + 3.0 * s**3, t**3])
     slopes = np.stack([-(s**2), 3.0 * t**2 - 4.0 * t, 4.0 * s - 3.0 * s**2, t**2])
@@ -85,15 +82,15 @@ def _weights(t: Points) -> tuple[Points, Points]:
 
 
 def on_nodes(
-    points: Points,
-    triangles: NDArray[np.intp],
-    values: Points,
-    gradients: Points,
-    low: Points,
+    points: Floats,
+    triangles: Indices,
+    values: Floats,
+    gradients: Floats,
+    low: Floats,
     step: float,
     shape: tuple[int, int],
-) -> Points:
-    """Values at the nodes of a lattice that lie in triangles, NaN at the others.
+) -> Floats:
+    """Interpolate at the nodes of a lattice that lie in triangles; NaN at the others.
 
     With barycentric coordinates b the value is the sum of b_i (v_i + g_i (p - p_i) / 2), which
     is exact where the function is quadratic.
@@ -101,8 +98,9 @@ def on_nodes(
     Parameters
     ----------
     points, values, gradients : (n, 2), (n,), (n, 2) float array
-        Of the function, at the corners.
+        Places of the corners, and the function there.
     triangles : (t, 3) int array
+        Indices of their corners.
     low, step, shape
         Node (i, j) lies at ``low + step * (i, j)``.
 
@@ -135,5 +133,5 @@ def on_nodes(
     return result
 
 
-def _cross(a: Points, b: Points) -> Points:
+def _cross(a: Floats, b: Floats) -> Floats:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

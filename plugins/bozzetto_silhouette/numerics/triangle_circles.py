@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["circumcircles", "covered_share", "incircles", "side_lengths"]
-
-Points = NDArray[np.float64]
+from bozzetto_silhouette.arrays import Floats
 
 
-def side_lengths(corners: Points) -> Points:
-    """Lengths (t, 3) of the sides opposite to each corner of triangles (t, 3, 2)."""
+def side_lengths(corners: Floats) -> Floats:
+    """Return the lengths (t, 3) of the sides opposite to each corner of triangles (t, 3, 2)."""
     opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
     return np.asarray(np.hypot(opposite[..., 0], opposite[..., 1]), np.float64)
 
 
-def circumcircles(corners: Points) -> tuple[Points, Points]:
-    """Centres (t, 2) and radii (t,) of the circles through the corners (t, 3, 2).
+def circumcircles(corners: Floats) -> tuple[Floats, Floats]:
+    """Return the centres (t, 2) and radii (t,) of the circles through the corners (t, 3, 2).
 
     A triangle without area has an infinite radius, around its first corner.
     """
@@ -31,8 +28,8 @@ def circumcircles(corners: Points) -> tuple[Points, Points]:
     return a + offset, np.where(flat, np.inf, np.hypot(*offset.T))
 
 
-def incircles(corners: Points) -> tuple[Points, Points]:
-    """Centres (t, 2) and radii (t,) of the circles that touch the three sides."""
+def incircles(corners: Floats) -> tuple[Floats, Floats]:
+    """Return the centres (t, 2) and radii (t,) of the circles that touch the three sides."""
     side = side_lengths(corners)
     perimeter = np.maximum(side.sum(axis=1), 1e-300)
     centre = (side[..., None] * corners).sum(axis=1) / perimeter[:, None]
@@ -40,8 +37,8 @@ def incircles(corners: Points) -> tuple[Points, Points]:
     return centre, np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / perimeter
 
 
-def covered_share(gap: Points, radius: Points, other: Points) -> Points:
-    """Share of discs of a radius that discs of another radius cover, `gap` apart; all (n,)."""
+def covered_share(gap: Floats, radius: Floats, other: Floats) -> Floats:
+    """Return the share of discs that discs of another radius cover, `gap` apart; all (n,)."""
     small, large = np.minimum(radius, other), np.maximum(radius, other)
     gap = np.clip(gap, large - small, large + small)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -6,16 +6,11 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.outline.signed_distance import ring_links
 
-__all__ = ["Rim", "corner_mask", "sample_rim", "tangent_radii"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
-
-_Ring = tuple[Points, Points, Indices, float]
+_Ring = tuple[Floats, Floats, Indices, float]
 """Points on a ring, their arc length, their vertex number or -1, and the ring's length."""
 
 CORNER_TURN = np.deg2rad(18.0)
@@ -56,16 +51,16 @@ class Rim:
         Radius of the largest ball inside that touches the outline here.
     """
 
-    points: Points
+    points: Floats
     after: Indices
     before: Indices
-    inward: Points
-    turn: Points
-    step: Points
-    radius: Points
+    inward: Floats
+    turn: Floats
+    step: Floats
+    radius: Floats
 
     @property
-    def rings(self) -> tuple[Points, ...]:
+    def rings(self) -> tuple[Floats, ...]:
         """The samples ring by ring."""
         ends = np.flatnonzero(self.after <= np.arange(len(self.points))) + 1
         return tuple(np.split(self.points, ends[:-1]))
@@ -78,8 +73,8 @@ class Rim:
         closed = [np.vstack([ring, ring[:1]]) for ring in self.rings]
         return bool(shapely.is_simple(shapely.MultiLineString(closed)))
 
-    def averaged(self, values: Points) -> Points:
-        """Values at the samples averaged along the outline, over `CALM` radii."""
+    def averaged(self, values: Floats) -> Floats:
+        """Average values at the samples along the outline, over `CALM` radii."""
         result = np.empty_like(values)
         ends = np.flatnonzero(self.after <= np.arange(len(values)))
         first = 0
@@ -94,16 +89,16 @@ class Rim:
         return result
 
 
-def corner_mask(ring: Points) -> NDArray[np.bool_]:
-    """Vertices of a closed ring (n, 2) that turn by more than `CORNER_TURN`."""
+def corner_mask(ring: Floats) -> Flags:
+    """Mark vertices of a closed ring (n, 2) that turn by more than `CORNER_TURN`."""
     edge = np.roll(ring, -1, axis=0) - ring
     back = np.roll(edge, 1, axis=0)
     turn = np.arctan2(back[:, 0] * edge[:, 1] - back[:, 1] * edge[:, 0], (back * edge).sum(axis=1))
     return np.asarray(np.abs(turn) > CORNER_TURN)
 
 
-def _frames(points: Points, after: Indices, before: Indices) -> tuple[Points, Points]:
-    """Inward unit normals and exterior angles at the vertices of rings."""
+def _frames(points: Floats, after: Indices, before: Indices) -> tuple[Floats, Floats]:
+    """Return inward unit normals and exterior angles at the vertices of rings."""
     edge = points[after] - points
     edge /= np.maximum(np.hypot(edge[:, 0], edge[:, 1]), 1e-300)[:, None]
     back = edge[before]
@@ -116,9 +111,9 @@ def _frames(points: Points, after: Indices, before: Indices) -> tuple[Points, Po
 
 
 def tangent_radii(
-    points: Points, inward: Points, limit: float, asked: Indices | None = None
-) -> Points:
-    """Radius of the largest ball on one side of the outline that touches it at each point.
+    points: Floats, inward: Floats, limit: float, asked: Indices | None = None
+) -> Floats:
+    """Return the radius of the largest ball on one side of the outline that touches each point.
 
     The shrinking ball of Ma, Bae and Choi, "3D medial axis point approximation using
     nearest neighbors and the normal field", 2012, in the plane.
@@ -162,7 +157,7 @@ def tangent_radii(
     return radius[asked]
 
 
-def _graded(values: Points, arc: Points, length: float, slope: float) -> Points:
+def _graded(values: Floats, arc: Floats, length: float, slope: float) -> Floats:
     """Lower `values` on a closed ring until they grow by at most `slope` per length."""
     a = np.concatenate([arc - length, arc, arc + length])
     v = np.tile(values, 3)
@@ -172,7 +167,7 @@ def _graded(values: Points, arc: Points, length: float, slope: float) -> Points:
     return np.minimum(ahead, back)[n : 2 * n]
 
 
-def smoothed(values: Points, arc: Points, length: float, width: Points) -> Points:
+def smoothed(values: Floats, arc: Floats, length: float, width: Floats) -> Floats:
     """Average of `values` on a closed ring over arcs of half width `width`, three times.
 
     Parameters
@@ -193,8 +188,8 @@ def smoothed(values: Points, arc: Points, length: float, width: Points) -> Point
     return values[:n]
 
 
-def _arc_sample(ring: Points, step: float) -> _Ring:
-    """Vertices of the ring plus points in between, no farther apart than `step`.
+def _arc_sample(ring: Floats, step: float) -> _Ring:
+    """Return the vertices of the ring and points in between, no farther apart than `step`.
 
     Returns points, arc length, the original vertex index or -1, and the ring's length.
     """
@@ -210,17 +205,17 @@ def _arc_sample(ring: Points, step: float) -> _Ring:
     return points, arc, np.where(part == 0, index, -1), float(length.sum())
 
 
-def _spread(arc: Points, spacing: float, corners: Indices) -> Indices:
-    """Samples of a ring about `spacing` apart where it has more, and all corners."""
+def _spread(arc: Floats, spacing: float, corners: Indices) -> Indices:
+    """Choose samples of a ring, about `spacing` apart where it has more, and all corners."""
     place = np.floor(arc / spacing)
     first = np.flatnonzero(np.diff(place, prepend=-1.0))
     return np.union1d(first, corners)
 
 
 def _radii(
-    points: Points, inward: Points, limit: float, dense: list[_Ring], asked: list[Indices]
-) -> Points:
-    """`tangent_radii` at the samples asked for, and in between by the arc."""
+    points: Floats, inward: Floats, limit: float, dense: list[_Ring], asked: list[Indices]
+) -> Floats:
+    """Return `tangent_radii` at the samples asked for, and interpolate by the arc in between."""
     firsts = np.cumsum([0] + [len(ring[0]) for ring in dense[:-1]])
     places = np.concatenate([at + first for at, first in zip(asked, firsts, strict=True)])
     known = tangent_radii(points, inward, limit, places)
@@ -232,7 +227,7 @@ def _radii(
 
 
 def sample_rim(
-    rings: tuple[Points, ...],
+    rings: tuple[Floats, ...],
     step: float,
     finest: float,
     *,

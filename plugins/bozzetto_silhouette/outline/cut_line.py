@@ -5,21 +5,17 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.smooth import smooth
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut
-from bozzetto_silhouette.model.view_rays import sight_through
+from bozzetto_silhouette.model.view_rays import view_rays_through
 from bozzetto_silhouette.outline.from_ink import points_on_sheet
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 
-__all__ = ["cut_side"]
-
-Points = NDArray[np.float64]
-
 CALM = 1.2e-2
-"""Width of the filter for tremor, as a share of the line's length."""
+"""Width of the filter for jitter, as a share of the line's length."""
 
 FEW = 12
 """A line of fewer samples is exact, not ink."""
@@ -37,14 +33,15 @@ ARC_STEP = np.deg2rad(6.0)
 """Largest step along the arc that closes a side, beyond the object."""
 
 
-def cut_side(cut: Cut, corners: Points | None) -> Outline:
-    """What falls away: the line goes straight on beyond the object, and is closed around a side.
+def cut_side(cut: Cut, corners: Floats | None) -> Outline:
+    """Return the side that falls away: the line, carried on beyond the object and closed around it.
 
     Both sides share the line to the last digit, so that what they take away adds up.
 
     Parameters
     ----------
     cut : Cut
+        Its line, and which side of it falls away.
     corners : (n, 3) float array, optional
         Points around the object, in the cut's object frame.
 
@@ -63,10 +60,10 @@ def cut_side(cut: Cut, corners: Points | None) -> Outline:
     (line, *_) = points_on_sheet(tuple(cut.strokes)[:1], cut.sheet)
     around = line
     if corners is not None:
-        sight = sight_through(cut.sheet, cut.strokes[0].camera)
-        low, high = sight.before_eye(float(corners[:, 2].min()), float(corners[:, 2].max()))
+        view_rays = view_rays_through(cut.sheet, cut.strokes[0].camera)
+        low, high = view_rays.before_eye(float(corners[:, 2].min()), float(corners[:, 2].max()))
         held = np.column_stack([corners[:, :2], np.clip(corners[:, 2], low, high)])
-        around = np.concatenate([line, sight.drawn(held)])
+        around = np.concatenate([line, view_rays.drawn(held)])
     middle = 0.5 * (around.min(axis=0) + around.max(axis=0))
     radius = ROOM * float(np.hypot(*(around - middle).T).max())
     if not float(np.hypot(*np.ptp(line, axis=0))) > 1e-6 * radius:
@@ -80,8 +77,8 @@ def cut_side(cut: Cut, corners: Points | None) -> Outline:
     return outline_from_rings([ring * radius + middle])
 
 
-def _calm(line: Points) -> Points:
-    """The line without tremor, in as few vertices as it needs."""
+def _calm(line: Floats) -> Floats:
+    """Remove the jitter from the line, and the vertices that it does not need."""
     from shapely import LineString, get_coordinates
 
     if len(line) < FEW:
@@ -92,8 +89,8 @@ def _calm(line: Points) -> Points:
     return np.asarray(get_coordinates(LineString(calm).simplify(FLAT * size)), np.float64)
 
 
-def _carried_on(line: Points) -> Points:
-    """The line with both ends carried on to the unit circle.
+def _carried_on(line: Floats) -> Floats:
+    """Carry both ends of the line on to the unit circle.
 
     They go on in the direction of the ink; where the line would cross itself, straight
     outwards.
@@ -108,24 +105,24 @@ def _carried_on(line: Points) -> Points:
     raise UserError("This line crosses itself. Draw the cut again, in one sweep across the shape.")
 
 
-def _directions(line: Points) -> tuple[Points, Points]:
-    """Where the end of a line may go on: as the ink goes, or outwards."""
+def _directions(line: Floats) -> tuple[Floats, Floats]:
+    """Return directions in which the end of a line may go on: as the ink goes, or outwards."""
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     start = np.array([np.interp((1.0 - END) * arc[-1], arc, axis) for axis in line.T])
     along, out = line[-1] - start, line[-1]
     return (along if along.any() else out), (out if out.any() else along)
 
 
-def _exit(start: Points, direction: Points) -> Points:
-    """Where a ray from inside the unit circle leaves it."""
+def _exit(start: Floats, direction: Floats) -> Floats:
+    """Return where a ray from inside the unit circle leaves it."""
     size = float(np.hypot(*direction))
     toward = direction / size if size > 0.0 else np.array([1.0, 0.0])
     half = float(start @ toward)
     return np.asarray(start + (np.sqrt(half**2 + 1.0 - start @ start) - half) * toward)
 
 
-def _arc(begin: float, end: float) -> Points:
-    """Inner points of the unit circle's arc, counter-clockwise from one angle to another."""
+def _arc(begin: float, end: float) -> Floats:
+    """Return inner points of the unit circle's arc, counter-clockwise between two angles."""
     turn = (end - begin) % (2.0 * np.pi)
     count = max(2, int(np.ceil(turn / ARC_STEP)) + 1)
     angle = begin + np.linspace(0.0, turn, count)[1:-1]

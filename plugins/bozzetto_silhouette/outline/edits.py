@@ -1,4 +1,4 @@
-"""What was drawn over an outline since it was drawn, in order.
+"""Edits of an outline: strokes drawn over it since it was drawn, in order.
 
 Rings keep their numbers through all edits: one that is gone leaves None in its place, and what
 was drawn over it later has no effect any more.
@@ -7,33 +7,32 @@ was drawn over it later has no effect any more.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.oversketch import drawn_over
 from bozzetto_silhouette.ink.ring_smoothing import rubbed
 from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
 from bozzetto_silhouette.model.state import Edit, Oversketch, Removal
 
-__all__ = ["Rings", "edited", "size_of"]
-
-Points = NDArray[np.float64]
-Rings = tuple[Points | None, ...]
+Rings = tuple[Floats | None, ...]
 
 
 def size_of(rings: Rings) -> float:
-    """Longest side of the box around rings, in their own unit."""
+    """Return the longest side of the box around rings, in their own unit."""
     there = [ring for ring in rings if ring is not None]
     return float(np.ptp(np.concatenate(there), axis=0).max()) if there else 0.0
 
 
-def edited(rings: Rings, edit: Edit, line: Points) -> Rings:
-    """The rings after one more edit.
+def edited(rings: Rings, edit: Edit, line: Floats) -> Rings:
+    """Apply one more edit to the rings.
 
     Parameters
     ----------
     rings : tuple of (n, 2) float arrays
+        None where a ring is gone.
     edit : Edit
+        What to do, and to which ring.
     line : (m, 2) float array
         The edit's stroke, in the frame of the rings.
 
@@ -63,12 +62,12 @@ def edited(rings: Rings, edit: Edit, line: Points) -> Rings:
     return result
 
 
-def _with(rings: Rings, number: int, ring: Points | None) -> Rings:
+def _with(rings: Rings, number: int, ring: Floats | None) -> Rings:
     return (*rings[:number], ring, *rings[number + 1 :])
 
 
-def _simple(ring: Points, size: float) -> Points:
-    """A smoothed ring without the small loops that thin limbs may have got."""
+def _simple(ring: Floats, size: float) -> Floats:
+    """Remove the small loops that smoothing may have made in thin limbs."""
     middle = ring[0]
     simple, places = untangled((ring - middle) / size)
     if simple is None or len(places):
@@ -80,8 +79,8 @@ def _simple(ring: Points, size: float) -> Points:
     return np.asarray(simple * size + middle, np.float64)
 
 
-def _without_lost(rings: Rings, old: Points, new: Points) -> Rings:
-    """Without the rings that lay inside a ring before it changed, and lie outside it now.
+def _without_lost(rings: Rings, old: Floats, new: Floats) -> Rings:
+    """Remove the rings that lay inside a ring before it changed, and lie outside it now.
 
     A hole in a piece that was cut off goes with that piece; it is no body of its own.
     """
@@ -89,7 +88,7 @@ def _without_lost(rings: Rings, old: Points, new: Points) -> Rings:
 
     before, after = Polygon(old).buffer(0), Polygon(new).buffer(0)
 
-    def lost(ring: Points) -> bool:
+    def lost(ring: Floats) -> bool:
         region = Polygon(ring).buffer(0)
         return bool(before.contains(region) and after.disjoint(region))
 

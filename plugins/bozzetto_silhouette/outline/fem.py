@@ -6,16 +6,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.outline.domain_mesh import Plan
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-__all__ = ["Elements", "factorised"]
-
-Points = NDArray[np.float64]
 
 SLIVER = 1e-14
 """Twice the area (in squares of the size) below which a triangle counts as having that area."""
@@ -38,8 +35,8 @@ class Elements:
     """
 
     plan: Plan
-    local: Points = field(repr=False)
-    mass: Points = field(repr=False)
+    local: Floats = field(repr=False)
+    mass: Floats = field(repr=False)
 
     @classmethod
     def of(cls, plan: Plan) -> Elements:
@@ -50,11 +47,11 @@ class Elements:
         twice = np.maximum(e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0], SLIVER)
         local = opposite @ opposite.transpose(0, 2, 1) / (2.0 * twice)[:, None, None]
         corners, shares = plan.triangles.ravel(), np.repeat(twice / 6.0, 3)
-        mass: Points = np.bincount(corners, shares, len(plan.points)).astype(np.float64)
+        mass: Floats = np.bincount(corners, shares, len(plan.points)).astype(np.float64)
         return cls(plan, local, mass)
 
-    def stiffness(self, weight: Points | None = None) -> csc_array[Any]:
-        """The matrix (n, n), each triangle multiplied by its weight (t,)."""
+    def stiffness(self, weight: Floats | None = None) -> csc_array[Any]:
+        """Assemble the matrix (n, n), each triangle multiplied by its weight (t,)."""
         from scipy.sparse import coo_array
 
         t, count = self.plan.triangles, len(self.plan.points)
@@ -65,7 +62,7 @@ class Elements:
 
 
 def factorised(matrix: csc_array[Any]) -> Any:
-    """A symmetric positive definite matrix, ready to ``solve``.
+    """Factorise a symmetric positive definite matrix; the result has ``solve``.
 
     Rows of points that no triangle uses (degenerate ink) do not make it singular.
     """

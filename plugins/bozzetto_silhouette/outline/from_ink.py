@@ -1,24 +1,20 @@
-"""From ink on a sheet to a checked outline, with mistakes pointed out where they were drawn."""
+"""A checked outline from ink on a sheet; mistakes are pointed out where they were drawn."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Oversketch, Part, Removal, Smoothing
 from bozzetto_silhouette.outline.edits import Rings, edited
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
-
-__all__ = ["outline_of", "points_on_sheet", "rings_of", "surrounds"]
-
-Array = NDArray[np.float64]
 
 _outlines: Memory[Outline] = Memory(limit=512)
 """The tool looks at an outline before the solver does, and at those of all parts at every
@@ -28,8 +24,8 @@ _rings: Memory[Rings] = Memory(limit=512)
 """After every edit: the next one begins there."""
 
 
-def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
-    """Every stroke's samples on the sheet, shape (n, 2) each, mm.
+def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Floats]:
+    """Project every stroke's samples onto the sheet, shape (n, 2) each, mm.
 
     Raises
     ------
@@ -45,7 +41,7 @@ def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
 
 
 def outline_of(part: Part) -> Outline:
-    """The closed rings that a part's ink describes, edits and all, in the part's object frame.
+    """Return the closed rings of a part's ink after all edits, in the part's object frame.
 
     Raises
     ------
@@ -64,7 +60,7 @@ def outline_of(part: Part) -> Outline:
 
 
 def rings_of(part: Part) -> Rings:
-    """The rings by their numbers, as edits name them, in the part's object frame.
+    """Return the rings by their numbers, as edits name them, in the part's object frame.
 
     Raises
     ------
@@ -86,7 +82,7 @@ def rings_of(part: Part) -> Rings:
 
 
 def _after(part: Part, before: Rings, count: int) -> Rings:
-    """The rings after so many edits, from those after one edit less."""
+    """Return the rings after so many edits, from those after one edit less."""
     edit = part.edits[count - 1] if count else None
     strokes = (edit.stroke,) if isinstance(edit, Oversketch | Smoothing) else tuple(part.strokes)
     lines = points_on_sheet(strokes, part.sheet)
@@ -102,7 +98,7 @@ def _after(part: Part, before: Rings, count: int) -> Rings:
         raise UserError(problem.message, places=[(x, y) for x, y in pixels]) from None
 
 
-def surrounds(outline: Outline, points: Array) -> bool:
+def surrounds(outline: Outline, points: Floats) -> bool:
     """Whether all points lie inside the outline (in a hole is outside)."""
     from shapely import contains_xy, prepare
 

@@ -11,21 +11,17 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.triangle_circles import circumcircles, incircles, side_lengths
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.signed_distance import RimDistance, ring_links
 from bozzetto_silhouette.outline.triangulation import Triangulation, constrained_delaunay
 
-__all__ = ["Skeleton", "chains", "chordal_axis", "simplified", "skeleton_of", "with_lone_balls"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
-
 STUB = 0.06
 """A leaf is pruned when its disc sticks out of a larger one by less than this share of the
-larger radius. (The paper compares with the neighbour on the axis; then the outcome hangs on
+larger radius. (The paper compares with the neighbour on the axis; then the outcome depends on
 how densely the axis is sampled.)"""
 
 INSCRIBED = 0.15
@@ -56,7 +52,7 @@ class Skeleton:
         Pairs of nodes.
     """
 
-    nodes: Points
+    nodes: Floats
     edges: Indices
 
     @property
@@ -64,21 +60,21 @@ class Skeleton:
         """Number of edges at each node, (n,)."""
         return np.bincount(self.edges.ravel(), minlength=len(self.nodes))
 
-    def transformed(self, scale: float, shift: Points) -> Skeleton:
-        """The skeleton of the outline scaled, then shifted."""
+    def transformed(self, scale: float, shift: Floats) -> Skeleton:
+        """Return the skeleton of the outline scaled, then shifted."""
         nodes = self.nodes * scale
         nodes[:, :2] += shift
         return Skeleton(nodes, self.edges)
 
-    def heights(self, xy: Points) -> Points:
-        """Height of the union of the balls above points (k, 2); 0 outside of all."""
+    def heights(self, xy: Floats) -> Floats:
+        """Return the height of the union of the balls above points (k, 2); 0 outside of all."""
         gap2 = ((xy[:, None, :] - self.nodes[None, :, :2]) ** 2).sum(axis=2)
-        best: Points = np.sqrt(np.maximum(self.nodes[:, 2] ** 2 - gap2, 0.0).max(axis=1))
+        best: Floats = np.sqrt(np.maximum(self.nodes[:, 2] ** 2 - gap2, 0.0).max(axis=1))
         return best
 
 
-def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Points, Points]:
-    """One ball for every triangle: centre (t, 2) and radius (t,).
+def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Floats, Floats]:
+    """Return one ball for every triangle: centre (t, 2) and radius (t,).
 
     The circumcentre is a point of the medial axis as long as its circle is inscribed. On
     sparse samples it may not be; then a sleeve takes the middle of its two chords, a
@@ -107,15 +103,11 @@ def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Points, Points
     return centre, radius
 
 
-def _merged(nodes: Points, edges: Indices, closer: float) -> tuple[Points, Indices]:
+def _merged(nodes: Floats, edges: Indices, closer: float) -> tuple[Floats, Indices]:
     """Contract edges shorter than `closer`; the larger ball of each cluster stays."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     a, b = edges.T
     short = np.hypot(*(nodes[a] - nodes[b])[:, :2].T) < closer
-    graph = coo_array((np.ones(short.sum()), (a[short], b[short])), shape=(len(nodes),) * 2)
-    count, label = connected_components(graph, directed=False)
+    count, label = connected_pieces(a[short], b[short], len(nodes))
     order = np.argsort(nodes[:, 2])
     keeper = np.zeros(count, dtype=np.intp)
     keeper[label[order]] = order
@@ -124,8 +116,8 @@ def _merged(nodes: Points, edges: Indices, closer: float) -> tuple[Points, Indic
     return nodes[keeper], links.astype(np.intp)
 
 
-def _hidden(nodes: Points) -> NDArray[np.bool_]:
-    """Balls that stick out of a larger one, itself not hidden, by less than `STUB`."""
+def _hidden(nodes: Floats) -> Flags:
+    """Mark balls that stick out of a larger one, itself not hidden, by less than `STUB`."""
     x, y, radius = nodes.T
     hidden = np.zeros(len(nodes), dtype=bool)
     # One ball at a time: a table of all pairs would not fit for a hundred thousand samples.
@@ -137,7 +129,7 @@ def _hidden(nodes: Points) -> NDArray[np.bool_]:
     return hidden
 
 
-def _pruned(nodes: Points, edges: Indices) -> Skeleton:
+def _pruned(nodes: Floats, edges: Indices) -> Skeleton:
     """Remove leaves and twigs that add nothing to the union of the balls."""
     hidden = _hidden(nodes).tolist()
     neighbours: list[set[int]] = [set() for _ in nodes]
@@ -167,7 +159,7 @@ def _pruned(nodes: Points, edges: Indices) -> Skeleton:
 
 
 def chordal_axis(outline: Outline) -> Skeleton:
-    """The pruned axis of an outline, one node for each triangle.
+    """Compute the pruned axis of an outline, one node for each triangle.
 
     Parameters
     ----------
@@ -216,8 +208,8 @@ def chains(skeleton: Skeleton) -> list[list[int]]:
     return chains
 
 
-def _douglas_peucker(chain: Points, tolerance: float) -> list[int]:
-    """Indices of the vertices kept of an open polyline (n, d)."""
+def _douglas_peucker(chain: Floats, tolerance: float) -> list[int]:
+    """Return the indices of the vertices kept of an open polyline (n, d)."""
     keep, stack = {0, len(chain) - 1}, [(0, len(chain) - 1)]
     while stack:
         a, b = stack.pop()
@@ -237,15 +229,15 @@ def _douglas_peucker(chain: Points, tolerance: float) -> list[int]:
     return sorted(keep)
 
 
-def _tip(row: Points, end: int, inwards: int) -> int:
-    """The node of a chain (n, 3) about `TIP` radii from its free end."""
+def _tip(row: Floats, end: int, inwards: int) -> int:
+    """Return the node of a chain (n, 3) about `TIP` radii from its free end."""
     away = np.hypot(*(row[:, :2] - row[end, :2]).T)[::inwards]
     far = int(np.argmax(away >= TIP * row[end, 2]))
     return end + inwards * far
 
 
 def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
-    """Fewer, longer edges: Douglas-Peucker in (x, y, r), then long edges split.
+    """Simplify an axis by Douglas-Peucker in (x, y, r), then split long edges.
 
     Parameters
     ----------
@@ -254,7 +246,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
     tolerance : float
         Allowed deviation in position and radius, in the unit of the skeleton.
     """
-    nodes: list[Points] = []
+    nodes: list[Floats] = []
     edges: list[tuple[int, int]] = []
     number: dict[int, int] = {}
 
@@ -296,16 +288,11 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
     return with_lone_balls(np.array(nodes), np.array(unique, dtype=np.intp).reshape(-1, 2))
 
 
-def with_lone_balls(nodes: Points, edges: Indices) -> Skeleton:
-    """A skeleton in which a short segment stands for every ball without one, as in a disc."""
+def with_lone_balls(nodes: Floats, edges: Indices) -> Skeleton:
+    """Return a skeleton with a short segment for every ball without one, as in a disc."""
     lone = np.setdiff1d(np.arange(len(nodes)), edges)
     shift = np.column_stack([0.1 * nodes[lone, 2], np.zeros((len(lone), 2))])
     longer = np.concatenate([nodes, nodes[lone] + shift])
     longer[lone] -= shift
     short = np.column_stack([lone, len(nodes) + np.arange(len(lone))])
     return Skeleton(longer, np.concatenate([edges, short]).astype(np.intp))
-
-
-def skeleton_of(outline: Outline, *, tolerance: float) -> Skeleton:
-    """Chordal axis of an outline, simplified; see `chordal_axis` and `simplified`."""
-    return simplified(chordal_axis(outline), tolerance)

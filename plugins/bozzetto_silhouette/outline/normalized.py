@@ -6,18 +6,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
-from bozzetto_silhouette.outline.boundary_sampling import Rim, sample_rim
+from bozzetto_silhouette.arrays import Floats
+from bozzetto_silhouette.outline.boundary_sampling import Rim, corner_mask, sample_rim
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chordal_axis, simplified
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.sketchco_skeleton import paper_skeleton
 
-__all__ = ["Frame", "SkeletonRule", "frame_of"]
-
-Points = NDArray[np.float64]
 SkeletonRule = Literal["exact", "paper"]
 
 SKELETON_STEPS = 230
@@ -26,6 +23,11 @@ SKELETON_STEPS = 230
 MOST_SAMPLES = 20_000
 """Samples of the outline beyond which the fit's tables would not fit into memory; a horse
 has three hundred."""
+
+INTRICATE = (
+    "This drawing is too intricate to swell in one piece. Simplify it, or build its parts one by "
+    "one."
+)
 
 SKELETON_TOLERANCE = 5e-3
 """Simplification of the skeleton, as a share of the longest side."""
@@ -62,10 +64,10 @@ class Frame:
 
     outline: Outline
     scale: float
-    origin: Points
+    origin: Floats
     inner: Outline
     rim: Rim
-    axis: Points
+    axis: Floats
     skeleton: Skeleton
 
 
@@ -96,16 +98,15 @@ def _framed(outline: Outline, rule: SkeletonRule) -> Frame:
     low, high = outline.bounds
     scale, origin = outline.size, 0.5 * (low + high)
     inner = outline.transformed(1.0 / scale, -origin / scale)
+    if sum(int(corner_mask(ring).sum()) for ring in inner.rings) > MOST_SAMPLES:
+        raise UserError(INTRICATE)  # every corner becomes a sample
     perimeter = sum(float(np.hypot(*(np.roll(r, -1, axis=0) - r).T).sum()) for r in inner.rings)
     step = min(perimeter / SKELETON_STEPS, 0.03)
     rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8)
     if not rim.simple:
         rim = sample_rim(inner.rings, step, step / 6.0, thinness=0.8, every_vertex=True)
     if len(rim.points) > MOST_SAMPLES:
-        raise UserError(
-            "This drawing is too intricate to swell in one piece. Simplify it, or build its "
-            "parts one by one."
-        )
+        raise UserError(INTRICATE)
     sampled = Outline(rim.rings, inner.parents)
     axis = chordal_axis(sampled)
     skeleton = simplified(axis, SKELETON_TOLERANCE) if rule == "exact" else _papers(sampled)
@@ -113,7 +114,7 @@ def _framed(outline: Outline, rule: SkeletonRule) -> Frame:
 
 
 def _papers(outline: Outline) -> Skeleton:
-    """The paper's skeleton; one of very many nodes without those that hardly tell."""
+    """Return the paper's skeleton; one of very many nodes is simplified."""
     skeleton, tolerance = paper_skeleton(outline), FINEST_TOLERANCE
     thinned = skeleton
     while len(thinned.nodes) > MOST_NODES and tolerance <= SKELETON_TOLERANCE:

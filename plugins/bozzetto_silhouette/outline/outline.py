@@ -1,7 +1,7 @@
 """The drawn outline as a value: closed rings, nested by the even-odd rule.
 
 An `Outline` is what the rest of the modeler works on. How pen strokes become one
-is told in `bozzetto_silhouette.ink.rings_from_strokes`; `outline_from_strokes` is its front door.
+is described in `bozzetto_silhouette.ink.rings_from_strokes`; call `outline_from_strokes`.
 """
 
 from __future__ import annotations
@@ -12,16 +12,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.ink.curves.closing import signed_area
+from bozzetto_silhouette.arrays import Floats
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
-
-Points = NDArray[np.float64]
-
-__all__ = ["Outline", "Points", "outline_from_rings", "outline_from_strokes"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +34,7 @@ class Outline:
         For a hole, the index of the outer ring around it; for an outer ring, -1.
     """
 
-    rings: tuple[Points, ...]
+    rings: tuple[Floats, ...]
     parents: tuple[int, ...]
 
     @property
@@ -46,7 +43,7 @@ class Outline:
         return tuple(i for i, parent in enumerate(self.parents) if parent < 0)
 
     def holes_of(self, outer: int) -> tuple[int, ...]:
-        """Indices of the holes inside the outer ring with index `outer`."""
+        """Return the indices of the holes inside the outer ring with index `outer`."""
         return tuple(i for i, parent in enumerate(self.parents) if parent == outer)
 
     @property
@@ -60,7 +57,7 @@ class Outline:
         return len(self.rings) - self.components
 
     @cached_property
-    def bounds(self) -> tuple[Points, Points]:
+    def bounds(self) -> tuple[Floats, Floats]:
         """Lower and upper corner of the box around all rings, each (2,)."""
         points = np.concatenate(self.rings)
         return points.min(axis=0), points.max(axis=0)
@@ -83,12 +80,12 @@ class Outline:
         return sum(signed_area(ring) for ring in self.rings)
 
     def transformed(self, scale: float, shift: ArrayLike) -> Outline:
-        """The same outline at ``scale * (x, y) + shift``; `scale` is positive."""
+        """Return the same outline at ``scale * (x, y) + shift``; `scale` is positive."""
         shift = np.asarray(shift, dtype=np.float64)
         return Outline(tuple(_frozen(r * scale + shift) for r in self.rings), self.parents)
 
     def polygon(self) -> MultiPolygon:
-        """The same region as a shapely geometry."""
+        """Return the same region as a shapely geometry."""
         import shapely
 
         return shapely.MultiPolygon(
@@ -96,7 +93,7 @@ class Outline:
         )
 
 
-def _frozen(points: Any) -> Points:
+def _frozen(points: Any) -> Floats:
     array = np.array(points, dtype=np.float64, order="C")
     array.setflags(write=False)
     return array
@@ -106,7 +103,7 @@ COINCIDENT = 1e-6
 """Vertices closer than this share of the size are one: nothing can be meshed in between."""
 
 
-def _without_repeats(ring: Points, closer: float) -> Points:
+def _without_repeats(ring: Floats, closer: float) -> Floats:
     """Drop vertices that repeat the one before; the closing repetition as well."""
     while len(ring) > 2:
         gap = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T)
@@ -149,7 +146,7 @@ def outline_from_rings(rings: Sequence[ArrayLike]) -> Outline:
             j for j, other in enumerate(solids)
             if j != i and other.area > solid.area and other.contains(probe)
         ])  # fmt: skip
-    result: list[Points] = []
+    result: list[Floats] = []
     parents: list[int] = []
     for i in sorted(range(len(clean)), key=lambda k: -abs(solids[k].area)):
         if len(inside[i]) % 2:
@@ -169,10 +166,10 @@ def outline_from_rings(rings: Sequence[ArrayLike]) -> Outline:
 def outline_from_strokes(
     strokes: Sequence[ArrayLike], *, tolerance: float | None = None
 ) -> Outline:
-    """Pen strokes to filtered, closed, nested rings.
+    """Turn pen strokes into filtered, closed, nested rings.
 
     Gaps are closed, overlapping ends trimmed at their crossing, hooks cut off, repeated
-    samples dropped, tremor filtered without rounding corners, and an outline drawn in
+    samples dropped, jitter filtered without rounding corners, and an outline drawn in
     several strokes is joined, whatever their order and direction. Exact polygons pass
     through unchanged.
 
@@ -181,7 +178,7 @@ def outline_from_strokes(
     strokes : sequence of (n, 2) array_like
         Samples of each stroke, in canvas units (any unit).
     tolerance : float, optional
-        Deviation from the ink that counts as tremor, in the same unit. By default it is
+        Deviation from the ink that counts as jitter, in the same unit. By default it is
         measured on the ink itself.
 
     Returns

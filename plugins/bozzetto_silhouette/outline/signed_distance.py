@@ -1,4 +1,4 @@
-"""Exact signed distance and foot points on a densely sampled outline."""
+"""Exact signed distance and closest points on a densely sampled outline."""
 
 from __future__ import annotations
 
@@ -6,12 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Feet", "RimDistance", "ring_links", "scanline_inside"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 
 _CANDIDATES = 4
 """Rim vertices looked at around a query; their segments hold the foot point as long as
@@ -19,7 +15,7 @@ the lengths of neighbouring segments change gradually."""
 
 
 def ring_links(counts: list[int]) -> tuple[Indices, Indices]:
-    """Successor and predecessor of every vertex when rings are stored one after another.
+    """Return successor and predecessor of every vertex of rings stored one after another.
 
     Parameters
     ----------
@@ -37,8 +33,8 @@ def ring_links(counts: list[int]) -> tuple[Indices, Indices]:
 
 
 @dataclass(frozen=True)
-class Feet:
-    """Foot points of queries on the rim.
+class ClosestPoints:
+    """Closest points on the rim, one for each query.
 
     Attributes
     ----------
@@ -50,9 +46,9 @@ class Feet:
         Position of the foot on that segment, 0 to 1.
     """
 
-    distance: Points
+    distance: Floats
     segment: Indices
-    along: Points
+    along: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +63,12 @@ class RimDistance:
         Successor of every vertex.
     """
 
-    points: Points
+    points: Floats
     after: Indices
     _tree: Any = field(init=False, repr=False)
     _before: Indices = field(init=False, repr=False)
-    _edge: Points = field(init=False, repr=False)
-    _length2: Points = field(init=False, repr=False)
+    _edge: Floats = field(init=False, repr=False)
+    _length2: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         from scipy.spatial import cKDTree
@@ -85,8 +81,8 @@ class RimDistance:
         object.__setattr__(self, "_edge", edge)
         object.__setattr__(self, "_length2", np.maximum((edge**2).sum(axis=1), 1e-300))
 
-    def __call__(self, xy: Points, *, reach: float = np.inf) -> Feet:
-        """Feet of points (n, 2); farther than `reach` only the sign is not to be trusted.
+    def __call__(self, xy: Floats, *, reach: float = np.inf) -> ClosestPoints:
+        """Find the closest points to points (n, 2); beyond `reach` the sign cannot be trusted.
 
         Points without any rim vertex within `reach` get a distance of ``inf``.
         """
@@ -106,7 +102,7 @@ class RimDistance:
         best = distance2.argmin(axis=1)
         row = np.arange(len(xy))
         segment, along = segment[row, best], along[row, best]
-        # At a vertex the side is told by the sum of the two unit normals, which in the
+        # At a vertex the side is given by the sum of the two unit normals, which in the
         # plane is the angle-weighted pseudo-normal of Baerentzen and Aanaes (2005).
         left = np.stack([-self._edge[:, 1], self._edge[:, 0]], axis=1)
         left /= np.sqrt(self._length2)[:, None]
@@ -117,13 +113,13 @@ class RimDistance:
         side = np.where((away[row, best] * normal).sum(axis=1) >= 0.0, 1.0, -1.0)
         distance = np.sqrt(distance2[row, best]) * side
         distance[missing] = np.inf
-        return Feet(distance, segment, along)
+        return ClosestPoints(distance, segment, along)
 
 
 def scanline_inside(
-    points: Points, after: Indices, low: Points, step: Points, shape: tuple[int, int]
-) -> NDArray[np.bool_]:
-    """Even-odd inside test on a lattice, by counting crossings along its rows.
+    points: Floats, after: Indices, low: Floats, step: Floats, shape: tuple[int, int]
+) -> Flags:
+    """Test by even-odd which nodes of a lattice lie inside, counting crossings along its rows.
 
     Parameters
     ----------
@@ -150,5 +146,5 @@ def scanline_inside(
     column = np.clip(np.ceil(column), 0, shape[0]).astype(np.intp)
     crossings = np.zeros((shape[0] + 1, shape[1]), dtype=np.int32)
     np.add.at(crossings, (column, row), 1)
-    inside: NDArray[np.bool_] = np.cumsum(crossings[:-1], axis=0) % 2 == 1
+    inside: Flags = np.cumsum(crossings[:-1], axis=0) % 2 == 1
     return inside

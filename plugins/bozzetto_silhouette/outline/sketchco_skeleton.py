@@ -14,25 +14,20 @@ from __future__ import annotations
 import heapq
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.numerics.triangle_circles import circumcircles, covered_share, incircles
 from bozzetto_silhouette.outline.medial_axis import Skeleton, with_lone_balls
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.signed_distance import RimDistance, ring_links
 from bozzetto_silhouette.outline.triangulation import Triangulation, constrained_delaunay
 
-__all__ = ["paper_skeleton"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
-
 REDUNDANT = 0.85
 """Share of a disc that a neighbour's has to cover for the centre to be dropped."""
 
 
 def paper_skeleton(outline: Outline) -> Skeleton:
-    """The skeleton of a sampled outline by the paper's rules.
+    """Compute the skeleton of a sampled outline by the paper's rules.
 
     Parameters
     ----------
@@ -52,8 +47,8 @@ def paper_skeleton(outline: Outline) -> Skeleton:
     return with_lone_balls(np.concatenate(nodes), np.concatenate(links))
 
 
-def _balls(mesh: Triangulation, distance: RimDistance) -> Points:
-    """One ball for every triangle: x, y and radius, (t, 3)."""
+def _balls(mesh: Triangulation, distance: RimDistance) -> Floats:
+    """Return one ball for every triangle: x, y and radius, (t, 3)."""
     corners = mesh.points[mesh.triangles]
     around, wide = circumcircles(corners)
     inside, narrow = incircles(corners)
@@ -66,7 +61,7 @@ def _balls(mesh: Triangulation, distance: RimDistance) -> Points:
     return np.column_stack([centre, np.where(outer, wide, narrow)])
 
 
-def _without_redundant(nodes: Points, edges: Indices) -> tuple[Points, Indices]:
+def _without_redundant(nodes: Floats, edges: Indices) -> tuple[Floats, Indices]:
     """Contract covered nodes into the neighbour that covers them most, smallest first.
 
     The neighbour has to cover what was contracted into them before, too: else one node would
@@ -105,11 +100,11 @@ def _without_redundant(nodes: Points, edges: Indices) -> tuple[Points, Indices]:
     return nodes[alive], number[np.array(pairs, dtype=np.intp).reshape(-1, 2)].astype(np.intp)
 
 
-def _least_covered(discs: Points, others: Points) -> Points:
-    """For each of the other balls (k, 3) the least share of any disc (n, 3) that it covers."""
+def _least_covered(discs: Floats, others: Floats) -> Floats:
+    """Return for each of the other balls (k, 3) the least share of any disc (n, 3) it covers."""
     one, two = discs[:, None, :], others[None, :, :]
     gap = np.hypot(one[..., 0] - two[..., 0], one[..., 1] - two[..., 1])
     shape = gap.shape
     radius, other = np.broadcast_to(one[..., 2], shape), np.broadcast_to(two[..., 2], shape)
-    least: Points = covered_share(gap, radius, other).min(axis=0)
+    least: Floats = covered_share(gap, radius, other).min(axis=0)
     return least

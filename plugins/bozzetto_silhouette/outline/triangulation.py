@@ -5,14 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.outline.signed_distance import ring_links
-
-__all__ = ["Triangulation", "constrained_delaunay"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,14 +29,14 @@ class Triangulation:
         The count of chords tells the kind: 1 terminal, 2 sleeve, 3 junction.
     """
 
-    points: Points
+    points: Floats
     triangles: Indices
     chords: Indices
     across: Indices
     sides: Indices
 
 
-def constrained_delaunay(outer: Points, holes: tuple[Points, ...] = ()) -> Triangulation:
+def constrained_delaunay(outer: Floats, holes: tuple[Floats, ...] = ()) -> Triangulation:
     """Triangulate one outer ring with its holes.
 
     Parameters

@@ -6,21 +6,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement, Rig
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.medial_axis import Skeleton
 from bozzetto_silhouette.outline.normalized import frame_of
 from bozzetto_silhouette.rigging.joint_extraction import Joints, joints_of, most_central
 from bozzetto_silhouette.solids.placements import placement_of
-
-__all__ = ["Armature", "Limbs", "armature_of"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 NEAR = 0.1
 """Parts touch when their balls are nearer than this share of the smaller ball's radius."""
@@ -54,19 +49,19 @@ class Limbs:
     part: str
     placement: Placement
     flatness: float
-    nodes: Points
+    nodes: Floats
     parents: Indices
     cuts: Indices
-    paths: tuple[Points, ...]
+    paths: tuple[Floats, ...]
     first: int
 
     @property
-    def places(self) -> Points:
+    def places(self) -> Floats:
         """Joints in the model's frame, (n, 3), mm."""
         return _lifted(self.placement, self.nodes)
 
     @property
-    def radii(self) -> Points:
+    def radii(self) -> Floats:
         """Of the balls around them, (n,), mm."""
         return np.asarray(self.nodes[:, 2] * self.placement.scale)
 
@@ -93,18 +88,18 @@ class Armature:
     """
 
     rig: Rig
-    radii: Points
+    radii: Floats
     limbs: tuple[Limbs, ...]
     rigid: frozenset[str]
 
     def limbs_of(self, joint: int) -> Limbs:
-        """What a joint is in, by its number in the rig."""
+        """Return the limbs that a joint is in, by its number in the rig."""
         return next(one for one in reversed(self.limbs) if one.first <= joint)
 
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """A piece of a part before it hangs on anything."""
+    """A piece of a part before it is attached to another."""
 
     part: Part
     placement: Placement
@@ -112,11 +107,11 @@ class _Piece:
     skeleton: Skeleton
 
     @property
-    def places(self) -> Points:
+    def places(self) -> Floats:
         return _lifted(self.placement, self.joints.nodes)
 
     @property
-    def radii(self) -> Points:
+    def radii(self) -> Floats:
         return np.asarray(self.joints.nodes[:, 2] * self.placement.scale)
 
     @property
@@ -129,15 +124,16 @@ _armatures: Memory[Armature | None] = Memory(limit=64)
 
 
 def armature_of(state: SilhouetteState) -> Armature | None:
-    """The joints of all parts that add to the shape; None where there are none.
+    """Return the joints of all parts that add to the shape; None where there are none.
 
-    The largest piece has its root at its thickest joint. Every other one hangs on the largest
-    of those it touches: there, its joint nearest to one of that piece becomes its root. What
+    The largest piece has its root at its thickest joint. Every other one is attached to the
+    largest of those it touches: its joint nearest to one of that piece becomes its root. What
     touches nothing has a root of its own.
 
     Parameters
     ----------
     state : SilhouetteState
+        The tree of nodes.
 
     Raises
     ------
@@ -193,13 +189,13 @@ def _armature_of(state: SilhouetteState) -> Armature | None:
 
 
 def _skeleton_of(part: Part) -> Skeleton:
-    """The skeleton of a part's solid, in the object frame."""
+    """Return the skeleton of a part's solid, in the object frame."""
     frame = frame_of(outline_of(part), part.skeleton)
     return frame.skeleton.transformed(frame.scale, frame.origin)
 
 
 def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
-    """The visible parts that add to the shape: what comes first in a group always does."""
+    """Return the visible parts that add to the shape: what comes first in a group always does."""
     first = True
     for node in state.nodes:
         if node.within != within or not node.visible:
@@ -213,7 +209,7 @@ def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
             yield node
 
 
-def _lifted(placement: Placement, nodes: Points) -> Points:
+def _lifted(placement: Placement, nodes: Floats) -> Floats:
     return placement.points(np.column_stack([nodes[:, :2], np.zeros(len(nodes))]))
 
 
@@ -231,7 +227,7 @@ def _touch(one: _Piece, other: _Piece) -> bool:
 
 
 def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
-    """The joints of a piece as a tree; loops are cut where they are thinnest."""
+    """Order the joints of a piece as a tree; loops are cut where they are thinnest."""
     nodes, links = piece.joints.nodes, piece.joints.links
     axis = {(a, b): path for (a, b), path in zip(links.tolist(), piece.joints.paths, strict=True)}
     axis |= {(b, a): path[::-1] for (a, b), path in axis.items()}
@@ -281,7 +277,7 @@ def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
 
 
 def _names(runs: list[tuple[str, int]]) -> tuple[str, ...]:
-    """Names like Part 1, Part 1.2, Part 1.3: all different, whatever parts are called."""
+    """Return names like Part 1, Part 1.2, Part 1.3: all different, whatever parts are called."""
     taken: dict[str, None] = {}
     counts: dict[str, int] = {}
     for name, count in runs:

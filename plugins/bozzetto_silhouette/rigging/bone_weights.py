@@ -3,9 +3,9 @@
 A bone is the stretch between a joint and its parent, and turns with the parent. At a joint a
 point follows the bones on both sides alike; the change takes a radius to either side. Beyond
 a free end it follows the last bone. So all bones at a junction agree there, and which of them
-a point belongs to matters only where limbs have parted. That is told by the gap to the nearest
-ball on the axis of the limb, which bends where the bone is straight: with x the point, c the
-ball's centre and r its radius,
+a point belongs to matters only where limbs have parted. The gap to the
+nearest ball on the axis of the limb decides there, for the axis bends where the bone is straight:
+with x the point, c the ball's centre and r its radius,
 
     |x - c| - r,
 
@@ -19,13 +19,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.rigging.armature import Limbs
 
-__all__ = ["Bones", "Gaps", "eased"]
-
 Array = NDArray[np.floating]
-Floats = NDArray[np.float32]
-Points = NDArray[np.float64]
+Singles = NDArray[np.float32]
 
 LEAK = 0.35
 """How much farther than the nearest a bone may be and still have a say, in radii of the thinner
@@ -35,14 +33,14 @@ THINNEST = 1e-3
 """Radii and lengths below this share of the largest radius count as that: points have none."""
 
 
-def eased(x: Array) -> Floats:
-    """From 0 to 1 with no slope at either end; beyond them level."""
+def eased(x: Array) -> Singles:
+    """Ease from 0 to 1 with no slope at either end; constant beyond them."""
     x = np.clip(x, 0.0, 1.0)
     return np.asarray(x * x * (3.0 - 2.0 * x), np.float32)
 
 
 class Gaps(NamedTuple):
-    """How far n points are from the nearest ball of each of m bones.
+    """Distances of n points from the nearest ball of each of m bones.
 
     Attributes
     ----------
@@ -50,16 +48,16 @@ class Gaps(NamedTuple):
         From the ball's surface, negative inside it; and the ball's radius.
     """
 
-    gap: Floats
-    radius: Floats
+    gap: Singles
+    radius: Singles
 
     def nearest(self) -> Gaps:
-        """Of the nearest bone, (n,)."""
+        """Return the distance to the nearest bone, (n,)."""
         own, row = self.gap.argmin(axis=0), np.arange(self.gap.shape[1])
         return Gaps(self.gap[own, row], self.radius[own, row])
 
     def widths(self, nearest: Gaps) -> Array:
-        """How much farther than the nearest each bone may be.
+        """Return how much farther than the nearest each bone may be.
 
         Far outside of all balls, as in a spike that the skeleton left out, gaps differ more.
         """
@@ -78,12 +76,12 @@ class _Axis(NamedTuple):
         Of the pieces.
     """
 
-    nodes: Floats
-    lengths: Floats
+    nodes: Singles
+    lengths: Singles
 
     @classmethod
-    def of(cls, path: Points, least: float) -> _Axis:
-        """From x, y and radius along it, (n, 3); nothing is shorter or thinner than `least`."""
+    def of(cls, path: Floats, least: float) -> _Axis:
+        """Make a bone from x, y and radius along it, (n, 3), at least `least` long and thick."""
         steps = np.hypot(*np.diff(path[:, :2], axis=0).T)
         kept = path[np.concatenate([[True], steps[:-1] > least, [True]])]
         radii = np.maximum(kept[:, 2], least)
@@ -91,8 +89,8 @@ class _Axis(NamedTuple):
         nodes = np.column_stack([kept[:, :2], radii])
         return cls(nodes.astype(np.float32), lengths.astype(np.float32))
 
-    def nearest(self, x: Floats, y: Floats, square: Floats) -> Gaps:
-        """The nearest ball to each of n points.
+    def nearest(self, x: Singles, y: Singles, square: Singles) -> Gaps:
+        """Find the nearest ball to each of n points.
 
         Parameters
         ----------
@@ -112,8 +110,8 @@ class _Axis(NamedTuple):
         return found
 
 
-def _projected(x: Floats, y: Floats, ux: Floats, uy: Floats, length: Floats) -> Floats:
-    """How far along a stretch in a unit direction places are, as seen from its start; 0 to 1."""
+def _projected(x: Singles, y: Singles, ux: Singles, uy: Singles, length: Singles) -> Singles:
+    """Return how far along a stretch in a unit direction places lie; 0 to 1."""
     return np.clip((x * ux + y * uy) / length, np.float32(0.0), np.float32(1.0))
 
 
@@ -138,8 +136,8 @@ class Bones:
         self._lengths = np.maximum(np.hypot(across[:, 0], across[:, 1]), np.float32(least))
         self._degrees = np.bincount(self._links.ravel(), minlength=count)
 
-    def shares(self, points: Points) -> tuple[Floats, Gaps]:
-        """How much each joint moves points.
+    def shares(self, points: Floats) -> tuple[Singles, Gaps]:
+        """Return how much each joint moves points.
 
         Parameters
         ----------
@@ -187,8 +185,8 @@ class Bones:
         shares /= total
         return np.ascontiguousarray(shares.T), Gaps(scale * nearest.gap, scale * nearest.radius)
 
-    def _part(self, bone: int, along: Floats) -> Floats:
-        """The part of a joint's say that each bone has there: together they have one."""
+    def _part(self, bone: int, along: Singles) -> Singles:
+        """Divide a joint's weight among the bones that meet there; the shares sum to one."""
         part = np.ones_like(along)
         for joint, away in zip(self._links[bone], (along, 1.0 - along), strict=True):
             others = 1.0 - 1.0 / self._degrees[joint]
@@ -196,8 +194,8 @@ class Bones:
             part -= others * (1.0 - eased(2.0 * reach))
         return np.maximum(part, THINNEST)
 
-    def _split(self, bone: int, along: Floats) -> list[tuple[int, Floats]]:
-        """Which joints a bone's places follow, and how much; sum 1."""
+    def _split(self, bone: int, along: Singles) -> list[tuple[int, Singles]]:
+        """Return which joints a bone's places follow, and how much; sum 1."""
         a, b = (int(joint) for joint in self._links[bone])
         at_a = self._change(bone, a, along)
         at_b = self._change(bone, b, 1.0 - along)
@@ -219,8 +217,8 @@ class Bones:
                 split.append((joint, say))
         return split
 
-    def _change(self, bone: int, joint: int, away: Floats) -> Floats:
-        """How far the change at a joint has come: one half at it, 0 a radius away from it."""
+    def _change(self, bone: int, joint: int, away: Singles) -> Singles:
+        """Return the progress of the change at a joint: one half at it, 0 a radius away from it."""
         if self._degrees[joint] == 1:
             return np.zeros_like(away)
         length = self._lengths[bone]

@@ -7,14 +7,11 @@ limb, keeping the lengths of its bones (FABRIK: Aristidou and Lasenby, 2011).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["least_turn", "limb_of", "reached"]
-
-Array = NDArray[np.float64]
+from bozzetto_silhouette.arrays import Faces, Floats
 
 ROUNDS = 30
-"""How often a limb is gone over, back and forth."""
+"""Passes over a limb, back and forth."""
 
 BEND = 1e-3
 """Sideways share of a straight limb's length that lets it fold."""
@@ -23,8 +20,8 @@ STRAIGHT = 1e-12
 """Sine of an angle that is none."""
 
 
-def limb_of(parents: NDArray[np.int32], number: int) -> list[int]:
-    """The joints that move when one is dragged, from the one that stays to the dragged one."""
+def limb_of(parents: Faces, number: int) -> list[int]:
+    """Return the joints that move with a dragged one, from the fixed one to the dragged one."""
     children = np.bincount(parents[parents >= 0], minlength=len(parents))
     row = [int(parents[number]), number]
     while children[number] == 0 and parents[row[0]] >= 0:
@@ -35,8 +32,8 @@ def limb_of(parents: NDArray[np.int32], number: int) -> list[int]:
     return row
 
 
-def reached(row: Array, target: Array, sideways: Array) -> Array:
-    """Places of a row of joints whose first stays, whose last is at the target, or towards it."""
+def reached(row: Floats, target: Floats, sideways: Floats) -> Floats:
+    """Place a row of joints whose first stays and whose last is at the target, or towards it."""
     lengths = np.linalg.norm(np.diff(row, axis=0), axis=1)
     first = row[0].copy()
     towards = target - first
@@ -57,15 +54,15 @@ def reached(row: Array, target: Array, sideways: Array) -> Array:
     return places
 
 
-def _at_length(start: Array, towards: Array, length: float) -> Array:
-    """The place at a distance from one place towards another."""
+def _at_length(start: Floats, towards: Floats, length: float) -> Floats:
+    """Return the place at a distance from one place towards another."""
     away = towards - start
     size = float(np.linalg.norm(away))
     return np.asarray(start + away * (length / size)) if size > 0.0 else start
 
 
-def least_turn(old: Array, new: Array, spare: Array) -> Array:
-    """The rotation by the least angle from one direction to another, (3, 3).
+def least_turn(old: Floats, new: Floats, spare: Floats) -> Floats:
+    """Return the rotation by the least angle from one direction to another, (3, 3).
 
     Half a turn is about `spare`; directions without length turn nothing.
     """
@@ -79,7 +76,7 @@ def least_turn(old: Array, new: Array, spare: Array) -> Array:
     return _matrix(axis / sine * np.arctan2(sine, cosine))
 
 
-def _matrix(vector: Array) -> Array:
+def _matrix(vector: Floats) -> Floats:
     from scipy.spatial.transform import Rotation
 
     return np.asarray(Rotation.from_rotvec(vector).as_matrix())

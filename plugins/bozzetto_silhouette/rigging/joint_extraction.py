@@ -1,4 +1,4 @@
-"""From the skeleton of a part to joints for animators: few, and where limbs bend.
+"""Joints for animators from the skeleton of a part: few, and where limbs bend.
 
 The skeleton that the surface is built around has a node wherever that takes one. Here it is
 read as limbs between ends and junctions: limbs that hardly stick out of the body are dropped,
@@ -13,15 +13,11 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chains
 
-__all__ = ["Joints", "joints_of", "most_central"]
-
-Points = NDArray[np.float64]
-
-PROUD = 0.5
+STANDOFF = 0.5
 """A limb is one if it sticks out of the ball that it starts in by more than this share of that
 ball's radius. The corners of a square (0.41) are none."""
 
@@ -40,7 +36,7 @@ SHORTEST = 0.12
 bends in a few places, not in forty."""
 
 ALIKE = 0.95
-"""Radii that are at least this share of the largest are as good: else the tremor of the hand
+"""Radii that are at least this share of the largest are as good: else the jitter of the hand
 would choose among them."""
 
 BOW = 0.75
@@ -70,10 +66,10 @@ class Joints:
         x, y and radius of the axis along each link, from its first joint to its second.
     """
 
-    nodes: Points
-    links: NDArray[np.intp]
-    thickness: Points
-    paths: tuple[Points, ...]
+    nodes: Floats
+    links: Indices
+    thickness: Floats
+    paths: tuple[Floats, ...]
 
 
 @dataclass(eq=False)
@@ -86,7 +82,7 @@ class _Limb:
         x, y and radius along it, from `start` to `end`.
     """
 
-    path: Points
+    path: Floats
     start: int
     end: int
 
@@ -95,11 +91,11 @@ class _Limb:
         return float(np.hypot(*np.diff(self.path[:, :2], axis=0).T).sum())
 
     def turned(self) -> _Limb:
-        """The same from the other end."""
+        """Return the same limb from its other end."""
         return _Limb(self.path[::-1], self.end, self.start)
 
     def beyond(self, size: float) -> float:
-        """How far its end sticks out of the ball at its start; above 1 it is a limb.
+        """Return how far its end sticks out of the ball at its start; above 1 it is a limb.
 
         Parameters
         ----------
@@ -107,12 +103,12 @@ class _Limb:
             Longest side of the part.
         """
         away = np.hypot(*(self.path[:, :2] - self.path[0, :2]).T) + self.path[:, 2]
-        least = max(PROUD * self.path[0, 2], SMALLEST * size)
+        least = max(STANDOFF * self.path[0, 2], SMALLEST * size)
         return float((away.max() - self.path[0, 2]) / least)
 
 
 def joints_of(skeleton: Skeleton) -> list[Joints]:
-    """The joints of a part, one graph for each piece of its skeleton, the largest first.
+    """Find the joints of a part, one graph for each piece of its skeleton, the largest first.
 
     Parameters
     ----------
@@ -128,7 +124,7 @@ def joints_of(skeleton: Skeleton) -> list[Joints]:
 
 
 def _pieces(limbs: list[_Limb]) -> list[list[_Limb]]:
-    """The limbs sorted by which hang together."""
+    """Group the limbs that are connected."""
     pieces: list[tuple[set[int], list[_Limb]]] = []
     for limb in limbs:
         ends, members = {limb.start, limb.end}, [limb]
@@ -144,7 +140,7 @@ def _pieces(limbs: list[_Limb]) -> list[list[_Limb]]:
 
 
 def _degrees(limbs: list[_Limb]) -> dict[int, int]:
-    """How many limbs start at each end or junction; a ring counts twice."""
+    """Count the limbs that start at each end or junction; a ring counts twice."""
     found: dict[int, int] = {}
     for limb in limbs:
         for end in (limb.start, limb.end):
@@ -153,7 +149,7 @@ def _degrees(limbs: list[_Limb]) -> dict[int, int]:
 
 
 def _proud(limbs: list[_Limb], size: float) -> list[_Limb]:
-    """Without the limbs that hardly stick out, the least of them first."""
+    """Remove the limbs that hardly stick out, the least of them first."""
     limbs = list(limbs)
     while True:
         degrees = _degrees(limbs)
@@ -171,7 +167,7 @@ def _proud(limbs: list[_Limb], size: float) -> list[_Limb]:
 
 
 def _through(limbs: list[_Limb], node: int) -> list[_Limb]:
-    """Where only two limbs are left at a junction they become one."""
+    """Join limbs where only two are left at a junction."""
     here = [limb for limb in limbs if node in (limb.start, limb.end)]
     if len(here) != 2 or any(limb.start == limb.end for limb in here):
         return limbs
@@ -183,7 +179,7 @@ def _through(limbs: list[_Limb], node: int) -> list[_Limb]:
 
 
 def _joined(limbs: list[_Limb]) -> list[_Limb]:
-    """With junctions that lie within one another made one, at the place of the larger."""
+    """Merge junctions that lie within one another, at the place of the larger."""
     limbs = list(limbs)
     while True:
         degrees = _degrees(limbs)
@@ -200,8 +196,8 @@ def _joined(limbs: list[_Limb]) -> list[_Limb]:
         limbs = [_led(limb, gone, kept, place) for limb in limbs if limb is not near]
 
 
-def _led(limb: _Limb, gone: int, kept: int, place: Points) -> _Limb:
-    """A limb led on from a junction that goes to the one that stays."""
+def _led(limb: _Limb, gone: int, kept: int, place: Floats) -> _Limb:
+    """Lead a limb on from a junction that goes to the one that stays."""
     path, start, end = limb.path, limb.start, limb.end
     if start == gone:
         path, start = np.concatenate([place, path]), kept
@@ -211,7 +207,7 @@ def _led(limb: _Limb, gone: int, kept: int, place: Points) -> _Limb:
 
 
 def _parted(limbs: list[_Limb]) -> list[_Limb]:
-    """One limb alone is parted where it is thickest, so that there can be a root there."""
+    """Split a limb that is alone where it is thickest, to have a root there."""
     (only,) = limbs if len(limbs) == 1 else (None,)
     if only is None or only.start == only.end:
         return limbs
@@ -226,24 +222,24 @@ def _parted(limbs: list[_Limb]) -> list[_Limb]:
     ]
 
 
-def most_central(radii: Points, away: Points) -> int:
-    """Which of the thickest places, nearly equal ones, is the least far away from the middle."""
+def most_central(radii: Floats, away: Floats) -> int:
+    """Choose, among places nearly as thick as the thickest, the one nearest to the middle."""
     return int(np.where(radii >= ALIKE * radii.max(), away, np.inf).argmin())
 
 
 def _share(limb: _Limb) -> float:
-    """Length in radii of the larger end."""
+    """Return the length in radii of the larger end."""
     return limb.length / max(float(limb.path[[0, -1], 2].max()), 1e-300)
 
 
 def _graph(limbs: list[_Limb], size: float) -> Joints:
-    """Joints at ends, junctions and in between, of a part with its longest side."""
+    """Make joints at ends, junctions and in between, of a part with its longest side."""
     degrees = _degrees(limbs)
     number: dict[int, int] = {}
-    nodes: list[Points] = []
-    links: dict[tuple[int, int], tuple[float, Points]] = {}
+    nodes: list[Floats] = []
+    links: dict[tuple[int, int], tuple[float, Floats]] = {}
 
-    def node_of(end: int, place: Points) -> int:
+    def node_of(end: int, place: Floats) -> int:
         if end not in number:
             number[end] = len(nodes)
             nodes.append(place)
@@ -278,8 +274,8 @@ def _graph(limbs: list[_Limb], size: float) -> Joints:
 
 def _between(
     limb: _Limb, degrees: dict[int, int], size: float, least: int
-) -> tuple[list[Points], list[tuple[float, Points]]]:
-    """Joints between the ends of a limb; the smallest radius and the axis of each stretch.
+) -> tuple[list[Floats], list[tuple[float, Floats]]]:
+    """Return the joints within a limb, and the smallest radius and the axis of each stretch.
 
     A limb with one free end gets its first joint where it leaves the ball of its junction.
     The rest are evenly spread, a stretch being `SPACING` radii long; and one in each bend.
@@ -311,14 +307,15 @@ def _between(
     return list(ends[1:-1]), stretches
 
 
-def _with_bends(cuts: list[float], at: Points, places: Points, slack: float) -> list[float]:
-    """Stops along a limb and, in between, those where its axis lies too far beside a bone.
+def _with_bends(cuts: list[float], at: Floats, places: Floats, slack: float) -> list[float]:
+    """Add stops along a limb where its axis lies too far beside a bone.
 
     Parameters
     ----------
     cuts : list of float
         Ascending, as lengths along the limb.
     at : (n,) float array
+        Samples of the axis, as lengths along the limb.
     places : (n, 3) float array
         x, y and radius of the axis there.
     slack : float

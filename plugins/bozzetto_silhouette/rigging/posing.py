@@ -1,7 +1,7 @@
 """Posing: joints that were turned, joints that are dragged, and the skin that follows.
 
 A free end draws its whole limb along, up to where that leaves the body (`inverse_kinematics`). Any
-other joint turns the bone that it ends, and with it all that hangs on the joint before.
+other joint turns the bone that it ends, and with it all joints beyond it.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from bozzetto.geometry import Mesh, Placement, Rig, Skin
 from bozzetto.plugin import Drag, Memory
 from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
 from bozzetto_silhouette.appearance.surface_look import Painted
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.sketch_plane import Point
 from bozzetto_silhouette.model.state import SilhouetteState, Turn
@@ -25,21 +26,8 @@ from bozzetto_silhouette.rigging.inverse_kinematics import least_turn, limb_of, 
 from bozzetto_silhouette.rigging.skinning import followed
 from bozzetto_silhouette.solids.body import Body
 
-__all__ = [
-    "JOINT",
-    "Posed",
-    "joints_layer",
-    "posed",
-    "posed_scene",
-    "rig_facts",
-    "rig_of",
-    "skinned",
-]
-
-Array = NDArray[np.float64]
-
 JOINT = "joint:"
-"""What the handles of joints begin with; their number in the rig follows."""
+"""Beginning of the names of joints' handles; their number in the rig follows."""
 
 SAME = 0.5
 """A turn belongs to a joint that is nearer to its place than this share of the radius there:
@@ -57,7 +45,7 @@ class Posed(NamedTuple):
     mesh, shown : Mesh
         For files and for the screen.
     skin : Skin or None
-        What `mesh` hangs on; None without joints.
+        The joints and weights of `mesh`; None without joints.
     """
 
     mesh: Mesh
@@ -80,11 +68,11 @@ _weights: Memory[tuple[NDArray[np.uint16], NDArray[np.float32]]] = Memory(limit=
 """By the nodes of the state and the body."""
 
 _rests: Memory[_Rest] = Memory(limit=16)
-"""What was shown last, by the nodes of the state: a drag does not change them."""
+"""The shape shown last, by the nodes of the state: a drag does not change them."""
 
 
 def rig_of(state: SilhouetteState) -> Rig | None:
-    """The rig of a state as it was turned; None without joints.
+    """Return the rig of a state with its turned joints; None without joints.
 
     Turns whose joint is not there (the ink was changed) wait until it is there again.
     """
@@ -98,14 +86,16 @@ def skinned(
     look: Painted,
     checkpoint: Checkpoint = ignore,
 ) -> Posed:
-    """A shape as its joints were turned, and what it hangs on.
+    """Return a shape in the pose of its turned joints, and its skin weights.
 
     Parameters
     ----------
     state : SilhouetteState
+        What was drawn, and how its joints were turned.
     body, look : Body, Painted
         The shape at rest.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
     """
     armature = armature_of(state)
     if armature is None:
@@ -125,13 +115,13 @@ def skinned(
 
 
 def rig_facts(rig: Rig) -> dict[str, Any]:
-    """How many joints there are, and between which of them loops were cut."""
+    """Return the number of joints, and the pairs of joints between which loops were cut."""
     cuts = [] if rig.cuts is None else rig.cuts.tolist()
     return {"joints": len(rig.joints), "cuts": [[rig.names[a], rig.names[b]] for a, b in cuts]}
 
 
 def joints_layer(state: SilhouetteState) -> Layer | None:
-    """Bones as lines and joints as handles; None without joints."""
+    """Return bones as lines and joints as handles; None without joints."""
     rig = rig_of(state)
     if rig is None:
         return None
@@ -152,7 +142,7 @@ def joints_layer(state: SilhouetteState) -> Layer | None:
 
 
 def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
-    """The state after a joint was dragged parallel to the screen.
+    """Return the state after a joint was dragged parallel to the screen.
 
     Raises
     ------
@@ -164,9 +154,9 @@ def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
     digits = drag.handle.removeprefix(JOINT)
     number = int(digits) if digits.isdecimal() and digits.isascii() else -1
     if armature is None or rig is None or not 0 <= number < len(rig.joints):
-        raise UserError("This joint is not there any more. Take hold of another one.")
+        raise UserError("This joint is not there any more. Drag another one.")
     if rig.parents[number] < 0:
-        raise UserError("Everything hangs on this joint. Drag another one.")
+        raise UserError("All other joints follow this one. Drag another one.")
     rotations, places = rig.posed()
     axes = drag.camera.axes
     target = drag.camera.on_plane(drag.path.points[-1:], places[number], axes[2])[0]
@@ -188,7 +178,7 @@ def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
 
 
 def posed_scene(state: SilhouetteState, drag: Drag) -> Scene:
-    """What `posed` would show: the shape that was there before, moved by its skin alone."""
+    """Return a scene of what `posed` would give: the shape from before, moved by its skin alone."""
     try:
         after = posed(state, drag)
     except UserError:
@@ -201,8 +191,8 @@ def posed_scene(state: SilhouetteState, drag: Drag) -> Scene:
     return Scene(tuple(layers))
 
 
-def _turn_of(armature: Armature, joint: int, matrix: Array) -> Turn:
-    """A joint turned by a rotation in the model's frame."""
+def _turn_of(armature: Armature, joint: int, matrix: Floats) -> Turn:
+    """Return the turn of a joint by a rotation in the model's frame."""
     from scipy.spatial.transform import Rotation
 
     limbs = armature.limbs_of(joint)
@@ -213,13 +203,13 @@ def _turn_of(armature: Armature, joint: int, matrix: Array) -> Turn:
     return Turn(_triple(place), (w, x, y, z), limbs.part)
 
 
-def _carried_axis(placement: Placement, axis: Array) -> Array:
-    """The axis of a rotation seen from another frame: a mirror also reverses its sense."""
+def _carried_axis(placement: Placement, axis: Floats) -> Floats:
+    """Carry the axis of a rotation into another frame: a mirror also reverses its sense."""
     return np.asarray((-1.0 if placement.mirrors else 1.0) * placement.directions(axis)[0])
 
 
 def _matched(armature: Armature, turns: tuple[Turn, ...]) -> dict[int, int]:
-    """Which joint has which turn: the nearest pairs first, each once."""
+    """Match joints and turns: the nearest pairs first, each once."""
     if not turns:
         return {}
     joints = armature.rig.joints
@@ -243,7 +233,7 @@ def _matched(armature: Armature, turns: tuple[Turn, ...]) -> dict[int, int]:
 
 
 def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
-    """The rig with the turns of the joints that are there."""
+    """Return the rig with the turns of the joints that it has."""
     matched = _matched(armature, turns)
     if not matched:
         return armature.rig
@@ -260,6 +250,6 @@ def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
     return replace(armature.rig, turns=quaternions)
 
 
-def _triple(values: Array) -> Point:
+def _triple(values: Floats) -> Point:
     x, y, z = (float(v) for v in values)
     return x, y, z

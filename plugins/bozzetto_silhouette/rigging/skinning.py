@@ -1,4 +1,4 @@
-"""What every vertex follows: weights of joints, smooth across the surface.
+"""Skinning: weights of joints for every vertex, smooth across the surface.
 
 A vertex follows the bones of the part that it came from (`bones`); at a seam between two parts
 both have half a say.
@@ -12,16 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.rigging.armature import Armature
 from bozzetto_silhouette.rigging.bone_weights import Bones, Gaps, eased
 from bozzetto_silhouette.solids.body import Body
 
-__all__ = ["followed"]
-
-Floats = NDArray[np.float32]
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
+Singles = NDArray[np.float32]
 
 SEAM = 0.5
 """How far parts blend into each other at a seam, in largest radii of the thinner one."""
@@ -45,24 +42,26 @@ class Table(NamedTuple):
     """
 
     joints: Indices
-    shares: Floats
+    shares: Singles
 
 
-Follower = Callable[[Points], Table]
-"""What points of one part follow; (n, 3), in the model's frame."""
+Follower = Callable[[Floats], Table]
+"""Gives the joints that points (n, 3) of one part, in the model's frame, follow."""
 
 
 def followed(
     armature: Armature, body: Body, checkpoint: Checkpoint = ignore
-) -> tuple[NDArray[np.uint16], Floats]:
-    """Joints and weights of a body's vertices.
+) -> tuple[NDArray[np.uint16], Singles]:
+    """Assign joints and weights to the vertices of a body.
 
     Parameters
     ----------
     armature : Armature
         In the body's frame.
     body : Body
+        The whole shape.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
 
     Returns
     -------
@@ -86,7 +85,7 @@ def followed(
 
 
 def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int) -> Follower:
-    """How the vertices of one part move.
+    """Return a function that says how points of one part follow its joints.
 
     With bones of its own, by those. A part that adds to the shape without bones, as one that
     goes straight through, follows as a whole what it is nearest to. The walls of what was cut
@@ -105,8 +104,8 @@ def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int
     return lambda points: Table(joint, np.ones((len(points), 1), np.float32))
 
 
-def _mixed(bones: Sequence[Bones], points: Points) -> Table:
-    """Shares of the joints of several pieces: of those that are near."""
+def _mixed(bones: Sequence[Bones], points: Floats) -> Table:
+    """Mix the shares of the joints of several pieces, of those that are near."""
     found = [one.shares(points) for one in bones]
     joints = [one.limbs.first + np.arange(len(one.limbs.nodes)) for one in bones]
     if len(found) == 1:
@@ -119,8 +118,8 @@ def _mixed(bones: Sequence[Bones], points: Points) -> Table:
     return Table(np.concatenate(joints), np.concatenate(shares, axis=1))
 
 
-def _strongest(table: Table) -> tuple[NDArray[np.uint16], Floats]:
-    """The joints with the largest shares, (n, 4), and their weights.
+def _strongest(table: Table) -> tuple[NDArray[np.uint16], Singles]:
+    """Return the joints with the largest shares, (n, 4), and their weights.
 
     What the fifth has is taken off the others, so that nothing jumps where two joints change
     places in this row.
@@ -146,7 +145,7 @@ def _sew(
     body: Body,
     followers: Sequence[Follower],
     joints: NDArray[np.uint16],
-    weights: Floats,
+    weights: Singles,
 ) -> None:
     """Mix what vertices near a seam follow with what the part beyond it follows, in place.
 
@@ -160,7 +159,7 @@ def _sew(
         return
     pairs, which = np.unique(across[seam], axis=0, return_inverse=True)
     middles = body.vertices[edges[seam]].mean(axis=1)
-    said: list[tuple[Indices, Points, Table]] = []
+    said: list[tuple[Indices, Floats, Table]] = []
     for number, pair in enumerate(pairs.tolist()):
         here = middles[which.ravel() == number]
         width = SEAM * min(_thickness(armature, body.sources[owner]) for owner in pair)
@@ -181,8 +180,8 @@ def _sew(
     joints[rows], weights[rows] = _strongest(Table(np.arange(count), shares))
 
 
-def _near(points: Points, others: Points, width: float) -> tuple[Indices, Points]:
-    """Which points have another within a width, and how far it is."""
+def _near(points: Floats, others: Floats, width: float) -> tuple[Indices, Floats]:
+    """Find the points that have another one within a width, and its distance."""
     from scipy.spatial import cKDTree
 
     low, high = others.min(axis=0) - width, others.max(axis=0) + width
@@ -192,6 +191,6 @@ def _near(points: Points, others: Points, width: float) -> tuple[Indices, Points
 
 
 def _thickness(armature: Armature, part: str) -> float:
-    """The largest radius of a part; of all parts for one without bones."""
+    """Return the largest radius of a part; of all parts for one without bones."""
     own = [limbs.radii.max() for limbs in armature.limbs if limbs.part == part]
     return float(max(own, default=armature.radii.max()))

@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement
+from bozzetto_silhouette.arrays import Faces, Floats, Indices
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 
@@ -17,10 +17,8 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
     from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
+    from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 
-__all__ = ["Body"]
-
-Points = NDArray[np.float64]
 
 VERTEX = 320
 """Bytes that a vertex takes in manifold3d's own copy of the mesh."""
@@ -28,7 +26,7 @@ VERTEX = 320
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """What parts and groups are put together from.
+    """A closed solid: a part, a group, or all of them combined.
 
     Attributes
     ----------
@@ -53,19 +51,22 @@ class Body:
         What a variational surface interpolates; such surfaces blend by what they interpolate.
     known : Manifold, optional
         The same mesh as manifold3d sees it, where it is at hand.
+    solid : SilhouetteSolid, optional
+        For a part by itself: its solid, in the part's object frame.
     """
 
-    vertices: Points
-    faces: NDArray[np.int32]
-    normals: Points
-    origins: NDArray[np.int32]
+    vertices: Floats
+    faces: Faces
+    normals: Floats
+    origins: Faces
     sources: tuple[str, ...]
     implicit: Implicit
     radius: float
     step: float
-    creases: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, np.intp))
+    creases: Indices = field(default_factory=lambda: np.zeros(0, np.intp))
     constraints: Constraints | None = None
     known: Manifold | None = None
+    solid: SilhouetteSolid | None = None
 
     @cached_property
     def manifold(self) -> Manifold:
@@ -73,16 +74,16 @@ class Body:
         return as_manifold(self.vertices, self.faces) if self.known is None else self.known
 
     @cached_property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """Corners of the box around the mesh, (2, 3)."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
     def __sizeof__(self) -> int:
-        """What it takes besides its arrays, bytes: mostly the mesh as manifold3d sees it."""
+        """Return the bytes besides its arrays: mostly the copy of the mesh in manifold3d."""
         return object.__sizeof__(self) + VERTEX * len(self.vertices)
 
     def placed(self, placement: Placement) -> Body:
-        """The body moved, turned, scaled or mirrored."""
+        """Return the body moved, turned, scaled or mirrored."""
         if placement.is_identity:
             return self
         return replace(

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_silhouette.arrays import Faces, Flags, Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.sewing import vertex_normals
@@ -23,9 +23,6 @@ from bozzetto_silhouette.solids.variational_csg import variational_combined
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["combined"]
-
-Points = NDArray[np.float64]
 
 _DIFFERENCE = 0.04
 """Width of the difference quotients for normals, as a share of the reach."""
@@ -41,7 +38,7 @@ def combined(
     blend: float,
     checkpoint: Checkpoint = ignore,
 ) -> Body | None:
-    """One body of two.
+    """Combine two bodies into one.
 
     Parameters
     ----------
@@ -52,6 +49,7 @@ def combined(
     blend : float
         Radius of the blend as a share of the smaller `radius` of the two; 0 is a sharp crease.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
 
     Returns
     -------
@@ -95,7 +93,7 @@ def _boolean(first: Body, second: Body, operation: Operation) -> Manifold:
 
 
 def _apart(first: Body, second: Body, operation: Operation) -> Body | None:
-    """What two bodies become whose boxes do not touch."""
+    """Combine two bodies whose boxes do not touch."""
     if operation == "carve":
         return first
     if operation == "intersect":
@@ -115,7 +113,7 @@ def _apart(first: Body, second: Body, operation: Operation) -> Body | None:
 
 
 def _sharp(first: Body, second: Body, operation: Operation, whole: Manifold) -> Body:
-    """The body of a boolean, with what its vertices were before."""
+    """Make a body of a boolean's mesh; normals and origins come from the vertices before it."""
     mesh = whole.to_mesh64()
     vertices = np.array(mesh.vert_properties, np.float64)[:, :3]
     faces = np.array(mesh.tri_verts).astype(np.int32)
@@ -160,8 +158,8 @@ def _blended(sharp: Body, fillet: Fillet, known: Manifold) -> Body:
     )
 
 
-def _found(vertices: Points, before: Points) -> NDArray[np.intp]:
-    """Index of each vertex among those before, -1 for new ones; booleans keep coordinates."""
+def _found(vertices: Floats, before: Floats) -> Indices:
+    """Find the index of each vertex among those before, -1 for new ones."""
     keys = before @ _KEY
     order = np.argsort(keys, kind="stable")
     at = np.minimum(np.searchsorted(keys[order], vertices @ _KEY), len(before) - 1)
@@ -169,10 +167,8 @@ def _found(vertices: Points, before: Points) -> NDArray[np.intp]:
     return np.where((before[index] == vertices).all(axis=1), index, -1)
 
 
-def _spread(
-    origins: NDArray[np.int32], new: NDArray[np.bool_], faces: NDArray[np.int32]
-) -> NDArray[np.int32]:
-    """Origins of new vertices taken from neighbours, as far as there are any."""
+def _spread(origins: Faces, new: Flags, faces: Faces) -> Faces:
+    """Take the origins of new vertices from neighbours, as far as there are any."""
     origins = np.where(new, np.int32(-1), origins)
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     while True:
@@ -182,17 +178,15 @@ def _spread(
         origins[a[open_ends]] = origins[b[open_ends]]
 
 
-def _crease_normals(
-    vertices: Points, faces: NDArray[np.int32], on_crease: NDArray[np.intp]
-) -> Points:
-    """Means over the faces around some vertices."""
+def _crease_normals(vertices: Floats, faces: Faces, on_crease: Indices) -> Floats:
+    """Return the mean normals of the faces around some vertices."""
     chosen = np.zeros(len(vertices), dtype=bool)
     chosen[on_crease] = True
     return vertex_normals(vertices, faces[chosen[faces].any(axis=1)])[on_crease]
 
 
-def _normals_of(solid: Composite, points: Points) -> Points:
-    """Unit normals, outwards, by differences of the value at the corners of a tetrahedron."""
+def _normals_of(solid: Composite, points: Floats) -> Floats:
+    """Return unit normals, outwards, by differences of the value at a tetrahedron's corners."""
     width = _DIFFERENCE * solid.sides(points).reach[:, None, None]
     corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)
     values = solid.value(corners).reshape(-1, 4)

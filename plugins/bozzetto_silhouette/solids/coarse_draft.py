@@ -19,8 +19,6 @@ from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.polygonize import Surface, extract
 from bozzetto_silhouette.solids.traversal import put_together
 
-__all__ = ["draft_surface"]
-
 
 class _Draft(NamedTuple):
     """A solid as a function of space, and its largest inscribed radius."""
@@ -30,11 +28,12 @@ class _Draft(NamedTuple):
 
 
 def draft_surface(state: SilhouetteState, cells: int) -> Surface | None:
-    """The surface of all nodes that are switched on; None for nothing.
+    """Polygonize all nodes that are switched on; None for nothing.
 
     Parameters
     ----------
     state : SilhouetteState
+        The tree of nodes.
     cells : int
         Along the longest side of the whole.
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from bozzetto.plugin import Memory
-from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import combined
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.traversal import put_together
-
-__all__ = ["tree_body"]
-
 
 _joined: Memory[Body | None] = Memory(limit=256)
 """By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
@@ -24,10 +22,31 @@ _moved: Memory[Body] = Memory(limit=16)
 """Groups where they were moved to."""
 
 
+class Tree(NamedTuple):
+    """The nodes that are switched on, combined.
+
+    Attributes
+    ----------
+    body : Body or None
+        In the model's frame; None for nothing.
+    solids : dict of str to SilhouetteSolid
+        The solid of every part in its object frame, by the id of the part; without those that
+        go straight through.
+    """
+
+    body: Body | None
+    solids: dict[str, SilhouetteSolid]
+
+
 def tree_body(
     state: SilhouetteState, resolution: int, checkpoint: Checkpoint = ignore
 ) -> Body | None:
-    """The body of all nodes that are switched on, in the model's frame; None for nothing.
+    """Return the body of all nodes that are switched on, in the model's frame; None for nothing."""
+    return evaluated(state, resolution, checkpoint).body
+
+
+def evaluated(state: SilhouetteState, resolution: int, checkpoint: Checkpoint = ignore) -> Tree:
+    """Put all nodes that are switched on together.
 
     Raises
     ------
@@ -35,7 +54,8 @@ def tree_body(
         If a part's ink is no outline; the message begins with the name of the part.
     """
     making = _Making(max(1, len(state.parts)), resolution, checkpoint)
-    return put_together(state, making.part, making.moved, making.joined)
+    body = put_together(state, making.part, making.moved, making.joined)
+    return Tree(body, making.solids)
 
 
 @dataclass
@@ -46,13 +66,18 @@ class _Making:
     resolution: int
     checkpoint: Checkpoint
     begun: int = 0
-    told: float = 0.0
+    shown: float = 0.0
+    solids: dict[str, SilhouetteSolid] = field(default_factory=dict)
 
     def part(self, part: Part, before: Body | None) -> Body:
         self.begun += 1
         if before is not None and acts_on(part):
             return straight_body(part, before.bounds, self.resolution)
-        return body_of(part, self.resolution, self._step)
+        body = body_of(part, self.resolution, self._step)
+        if body.solid is not None:
+            # Held from here on: the bodies of a large tree may push it out of the memory.
+            self.solids[part.id] = body.solid
+        return body
 
     def moved(self, body: Body, group: Group) -> Body:
         return _moved.recall((body, group.pose), lambda: body.placed(group.pose))
@@ -66,5 +91,5 @@ class _Making:
     def _step(self, fraction: float, words: str) -> None:
         # A leaf and what is made of it are both a part's work: the bar never goes back.
         share = (self.begun - 1 + fraction) / self.parts
-        self.told = max(self.told, min(1.0, share))
-        self.checkpoint(self.told, words)
+        self.shown = max(self.shown, min(1.0, share))
+        self.checkpoint(self.shown, words)

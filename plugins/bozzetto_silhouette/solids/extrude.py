@@ -11,15 +11,15 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.model.state import Cut, Part
-from bozzetto_silhouette.model.view_rays import Sight, sight_through
+from bozzetto_silhouette.model.view_rays import ViewRays, view_rays_through
 from bozzetto_silhouette.outline.boundary_sampling import sample_rim
 from bozzetto_silhouette.outline.cut_line import cut_side
 from bozzetto_silhouette.outline.domain_mesh import Plan, plan_of
@@ -27,10 +27,6 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.signed_distance import RimDistance
 from bozzetto_silhouette.solids.body import Body
-
-__all__ = ["Sweep", "acts_on", "corners_of", "straight_body"]
-
-Points = NDArray[np.float64]
 
 CLEARANCE = 0.15
 """How far the sweep reaches beyond what it acts on, as a share of the longest side of both:
@@ -70,29 +66,29 @@ class Sweep:
     ----------
     rim : RimDistance
         The outline on the sheet.
-    sight : Sight
+    view_rays : ViewRays
     low, high : float
         Heights of the caps.
     """
 
     rim: RimDistance
-    sight: Sight
+    view_rays: ViewRays
     low: float
     high: float
 
     @property
-    def bounds(self) -> Points:
+    def bounds(self) -> Floats:
         """The box around both caps."""
-        caps = [self.sight.above(self.rim.points, z) for z in (self.low, self.high)]
+        caps = [self.view_rays.above(self.rim.points, z) for z in (self.low, self.high)]
         corners = np.concatenate(caps)
         return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
-    def value(self, points: Points) -> Points:
-        """Values at points (n, 3)."""
+    def value(self, points: Floats) -> Floats:
+        """Return the values at points (n, 3)."""
         return self.sample(points).value
 
-    def sample(self, points: Points) -> Sample:
-        """Values and gradients at points (n, 3)."""
+    def sample(self, points: Floats) -> Sample:
+        """Return the values and gradients at points (n, 3)."""
         wall, slope, _ = self._wall(points)
         z = points[:, 2]
         below_high, above_low = self.high - z, z - self.low
@@ -109,25 +105,25 @@ class Sweep:
         ) / value[edge, None]
         return Sample(value, gradient)
 
-    def _wall(self, points: Points) -> Sample:
-        """Distance from the walls, which beyond the caps go on upright."""
+    def _wall(self, points: Floats) -> Sample:
+        """Return the distance from the walls, which go on upright beyond the caps."""
         held = points.copy()
         held[:, 2] = np.clip(points[:, 2], self.low, self.high)
-        seen = self.sight.drawn(held)
-        feet = self.rim(seen)
+        seen = self.view_rays.drawn(held)
+        closest = self.rim(seen)
         rim, after = self.rim.points, self.rim.after
-        start = rim[feet.segment]
-        edge = rim[after[feet.segment]] - start
-        foot = start + feet.along[:, None] * edge
+        start = rim[closest.segment]
+        edge = rim[after[closest.segment]] - start
+        foot = start + closest.along[:, None] * edge
         left = np.column_stack([-edge[:, 1], edge[:, 0]])
         left /= np.maximum(np.hypot(left[:, 0], left[:, 1]), 1e-300)[:, None]
-        distance = feet.distance[:, None]
+        distance = closest.distance[:, None]
         # Near the rim the direction to the foot is only rounding.
         far = np.abs(distance) > 1e-9 * self._size
         away = np.where(far, (seen - foot) / np.where(far, distance, 1.0), left)
-        lean = (away * (self.sight.narrowing * foot - self.sight.slant)).sum(axis=1)
+        lean = (away * (self.view_rays.narrowing * foot - self.view_rays.slant)).sum(axis=1)
         steep = np.sqrt(1.0 + lean**2)
-        value = feet.distance * self.sight.width(held[:, 2]) / steep
+        value = closest.distance * self.view_rays.width(held[:, 2]) / steep
         return Sample(value, np.column_stack([away, lean]) / steep[:, None])
 
     @property
@@ -140,8 +136,8 @@ def acts_on(part: Part) -> bool:
     return part.surface == "straight" and part.operation in ("carve", "intersect")
 
 
-def straight_body(part: Part, around: Points | None, resolution: int) -> Body:
-    """The body of a part that goes straight through, in the frame of the part's group.
+def straight_body(part: Part, around: Floats | None, resolution: int) -> Body:
+    """Return the body of a part that goes straight through, in the frame of the part's group.
 
     Parameters
     ----------
@@ -166,12 +162,12 @@ def straight_body(part: Part, around: Points | None, resolution: int) -> Body:
     )
 
 
-def _swept(part: Part, around: Points | None, resolution: int) -> Body:
+def _swept(part: Part, around: Floats | None, resolution: int) -> Body:
     corners = None
     if around is not None:
         corners = part.placement.inverse().points(corners_of(around))
     outline = cut_side(part, corners) if isinstance(part, Cut) else outline_of(part)
-    sight = sight_through(part.sheet, part.strokes[0].camera)
+    view_rays = view_rays_through(part.sheet, part.strokes[0].camera)
     radius = _inscribed_radius(outline)
     size = outline.size
     if corners is not None:
@@ -180,12 +176,12 @@ def _swept(part: Part, around: Points | None, resolution: int) -> Body:
     plan = _plan(outline, step)
     if corners is None:
         half = part.inflation * radius
-        low, high = sight.before_eye(-half, half)
+        low, high = view_rays.before_eye(-half, half)
     else:
         z = corners[:, 2]
         reach = CLEARANCE * size
-        low, high = sight.before_eye(min(z.min(), 0.0) - reach, max(z.max(), 0.0) + reach)
-    vertices, faces = _prism(plan, sight, low, high, WALL_PITCH * size / resolution)
+        low, high = view_rays.before_eye(min(z.min(), 0.0) - reach, max(z.max(), 0.0) + reach)
+    vertices, faces = _prism(plan, view_rays, low, high, WALL_PITCH * size / resolution)
     soundness = soundness_of(vertices, faces, outline)
     if not soundness.ok:
         raise UserError(
@@ -198,15 +194,15 @@ def _swept(part: Part, around: Points | None, resolution: int) -> Body:
         vertex_normals(vertices, faces),
         np.zeros(len(vertices), np.int32),
         (part.id,),
-        Sweep(RimDistance(plan.points[:rim], plan.after), sight, low, high),
+        Sweep(RimDistance(plan.points[:rim], plan.after), view_rays, low, high),
         radius,
         step,
     )
     return body.placed(part.placement)
 
 
-def corners_of(box: Points) -> Points:
-    """The eight corners of a box (2, 3); (8, 3)."""
+def corners_of(box: Floats) -> Floats:
+    """Return the eight corners (8, 3) of a box (2, 3)."""
     grid = np.meshgrid(*box.T, indexing="ij")
     return np.stack([axis.ravel() for axis in grid], axis=1)
 
@@ -221,7 +217,7 @@ def _inscribed_radius(outline: Outline) -> float:
 
 
 def _plan(outline: Outline, step: float) -> Plan:
-    """The inside of an outline in triangles, `step` apart in the thick places.
+    """Triangulate the inside of an outline, `step` apart in the thick places.
 
     Every drawn vertex is kept: both sides of a cut then have the same wall.
     """
@@ -234,9 +230,9 @@ def _plan(outline: Outline, step: float) -> Plan:
 
 
 def _prism(
-    plan: Plan, sight: Sight, low: float, high: float, pitch: float
-) -> tuple[Points, NDArray[np.int32]]:
-    """Two caps and the walls between them, oriented outwards.
+    plan: Plan, view_rays: ViewRays, low: float, high: float, pitch: float
+) -> tuple[Floats, Faces]:
+    """Make two caps and the walls between them, oriented outwards.
 
     Rows of the walls lie from the bottom to the top; the caps' rims are the first and the
     last of them.
@@ -244,8 +240,8 @@ def _prism(
     rim, count = len(plan.after), len(plan.points)
     rows = max(1, int(np.ceil(min((high - low) / pitch, MOST_ROWS))))
     heights = np.linspace(low, high, rows + 1)
-    rings = [sight.above(plan.points[:rim], z) for z in heights[1:-1]]
-    bottom, top = (sight.above(plan.points, z) for z in (low, high))
+    rings = [view_rays.above(plan.points[:rim], z) for z in heights[1:-1]]
+    bottom, top = (view_rays.above(plan.points, z) for z in (low, high))
     vertices = np.concatenate([bottom, top, *rings])
     starts = [0, *(2 * count + rim * k for k in range(rows - 1)), count]
     here, there = np.arange(rim), plan.after

@@ -1,7 +1,7 @@
 """The fillet: around the crease of a sharp mesh the surface of the blended solid.
 
-The sharp mesh has the topology and all detail. Only where the blend tells are its triangles
-made anew, fine enough for the fillet, and moved onto the zero set of the blended solid. Where
+The sharp mesh has the topology and all detail. Only where the blend matters are its triangles
+remeshed, fine enough for the fillet, and moved onto the zero set of the blended solid. Where
 that fails the blend is held back, in the function as in the mesh, and tried again.
 """
 
@@ -11,11 +11,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.plugin import Memory
+from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite, Sides, signature
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import (
     Patch,
     collapsed,
@@ -26,17 +27,11 @@ from bozzetto_silhouette.numerics.isotropic_remeshing import (
     unit,
 )
 
-__all__ = ["Fillet", "filleted"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
-Mask = NDArray[np.bool_]
-
 _ATTEMPTS = 5
 """How often a crease is tried, each time with less of the blend where the last one failed."""
 
 _RETREAT = 0.4
-"""What is left of the blend at a place that failed, each time."""
+"""Share of the blend that is left at a place that failed, each time."""
 
 _LEAST = 0.1
 """Shares of the blend below this are not tried: there the crease stays sharp."""
@@ -70,8 +65,8 @@ _COLLAPSES = 2
 _FLIPS = 1
 """Rounds of flipping edges before every relaxation."""
 
-_TELLING = 1e-3
-"""What the blend adds, as a share of the reach, from which on vertices are set free."""
+_NOTICEABLE = 1e-3
+"""Least amount that the blend adds, as a share of the reach, where vertices are set free."""
 
 _NEWTON = 3
 """Steps of Newton's method at the end of the last stage; the others need not be exact."""
@@ -98,7 +93,7 @@ _COMBINGS = 6
 """Relaxations of what is around such faces in every round."""
 
 _LEFT = 0.02
-"""What may be left of the blended value at a vertex, as a share of the reach."""
+"""Largest blended value that may be left at a vertex, as a share of the reach."""
 
 _OVERTURNED = -0.2
 """Cosine between a face and the gradient below which it counts as turned over."""
@@ -120,10 +115,10 @@ class Fillet(NamedTuple):
         whole of it found no place.
     """
 
-    vertices: Points
+    vertices: Floats
     faces: Indices
     parents: Indices
-    moved: Mask
+    moved: Flags
     solid: Composite
 
 
@@ -133,13 +128,13 @@ whatever was done to the rest of the tree."""
 
 
 def filleted(
-    vertices: Points,
+    vertices: Floats,
     faces: Indices,
     solid: Composite,
     step: float,
     checkpoint: Checkpoint = ignore,
 ) -> Fillet:
-    """The mesh of the sharp operation brought onto the blended solid.
+    """Bring the mesh of the sharp operation onto the blended solid.
 
     Every crease is done by itself. Where its fillet finds no place, as where it would be larger
     than what it joins, it is tried with less around there, and at last stays sharp there.
@@ -153,6 +148,7 @@ def filleted(
     step : float
         Spacing of the finer of the two meshes.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
     """
     near = _in_place(solid, vertices)
     crease = _creases(near, vertices, faces)
@@ -173,8 +169,8 @@ def filleted(
     return _set_in(vertices, faces[of_face < 0], parts, solid)
 
 
-def _in_order(vertices: Points, faces: Indices) -> tuple[Indices, Indices]:
-    """Some faces by themselves, in an order that hangs on their places alone.
+def _in_order(vertices: Floats, faces: Indices) -> tuple[Indices, Indices]:
+    """Return some faces by themselves, in an order that depends on their places alone.
 
     Returns
     -------
@@ -194,14 +190,14 @@ def _in_order(vertices: Points, faces: Indices) -> tuple[Indices, Indices]:
 
 
 def _set_in(
-    vertices: Points, rest: Indices, parts: list[tuple[Indices, Fillet]], solid: Composite
+    vertices: Floats, rest: Indices, parts: list[tuple[Indices, Fillet]], solid: Composite
 ) -> Fillet:
-    """What is left of a mesh, and fillets, each of some vertices (by number) of it."""
+    """Put fillets, each of some vertices (by number) of a mesh, into the rest of that mesh."""
     count = len(vertices)
     rows: list[Indices] = [rest]
-    points: list[Points] = [vertices]
+    points: list[Floats] = [vertices]
     parents: list[Indices] = [np.arange(count)]
-    taming = solid.taming
+    limiter = solid.limiter
     for numbers, part in parts:
         number = numbers[part.parents]
         number[part.moved] = count + np.arange(part.moved.sum())
@@ -209,22 +205,22 @@ def _set_in(
         rows.append(number[part.faces])
         points.append(part.vertices[part.moved])
         parents.append(numbers[part.parents[part.moved]])
-        taming = taming.joined(part.solid.taming)
+        limiter = limiter.joined(part.solid.limiter)
     every, parent = np.concatenate(rows), np.concatenate(parents)
-    place: Points = np.concatenate(points)
+    place: Floats = np.concatenate(points)
     used = np.zeros(count, dtype=bool)
     used[every] = True
     rank = np.cumsum(used) - 1
     moved = np.arange(count) >= len(vertices)
     return Fillet(
-        place[used], rank[every], parent[used], moved[used], replace(solid, taming=taming)
+        place[used], rank[every], parent[used], moved[used], replace(solid, limiter=limiter)
     )
 
 
 def _made(
-    vertices: Points, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
+    vertices: Floats, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
 ) -> Fillet:
-    """The fillet of a mesh that is nothing but the surroundings of one crease."""
+    """Make the fillet of a mesh that is only the surroundings of one crease."""
     may = _creases(solid, vertices, faces) >= 0
     for attempt in range(_ATTEMPTS):
         checkpoint(0.4 + 0.5 * attempt / _ATTEMPTS, "blend")
@@ -238,8 +234,8 @@ def _made(
     return Fillet(vertices, faces, np.arange(len(vertices)), unmoved, solid)
 
 
-def _in_place(solid: Composite, vertices: Points) -> Composite:
-    """The solid as it is where the blend tells, which is faster to ask."""
+def _in_place(solid: Composite, vertices: Floats) -> Composite:
+    """Reduce the solid to what matters where it is blended: that is faster to evaluate."""
     felt = vertices[solid.felt(vertices)]
     if not len(felt):
         return solid
@@ -247,27 +243,21 @@ def _in_place(solid: Composite, vertices: Points) -> Composite:
     return solid.within(box, _BEYOND * solid.reach)
 
 
-def _creases(solid: Composite, vertices: Points, faces: Indices) -> Indices:
-    """For every vertex that the blend may move the number of its crease, else -1."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
+def _creases(solid: Composite, vertices: Floats, faces: Indices) -> Indices:
+    """Return for every vertex that the blend may move the number of its crease, else -1."""
     felt = np.flatnonzero(solid.felt(vertices))
     may = np.zeros(len(vertices), dtype=bool)
-    may[felt] = _told(solid, solid.sides(vertices[felt]))
+    may[felt] = _blend_matters(solid, solid.sides(vertices[felt]))
     for _ in range(_RINGS):
         may[faces[may[faces].any(axis=1)]] = True
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     inner = may[a] & may[b]
-    links = coo_array(
-        (np.ones(inner.sum(), np.int32), (a[inner], b[inner])), shape=(len(vertices),) * 2
-    )
-    _, number = connected_components(links, directed=False)
+    _, number = connected_pieces(a[inner], b[inner], len(vertices))
     return np.where(may, number, -1)
 
 
-def _patch(vertices: Points, faces: Indices) -> Patch:
-    """A mesh with no vertex free yet."""
+def _patch(vertices: Floats, faces: Indices) -> Patch:
+    """Return a mesh as a patch with no vertex free yet."""
     count = len(vertices)
     return Patch(
         vertices,
@@ -279,23 +269,23 @@ def _patch(vertices: Points, faces: Indices) -> Patch:
     )
 
 
-def _rounded(patch: Patch, may: Mask, solid: Composite, step: float) -> Patch:
-    """The patch moved onto the blended solid, by stages.
+def _rounded(patch: Patch, may: Flags, solid: Composite, step: float) -> Patch:
+    """Move the patch onto the blended solid, by stages.
 
     `may` tells of every vertex of the mesh whether it can be set free.
     """
     for share in _STAGES:
         stage = solid.scaled(share)
         sides = stage.sides(patch.vertices)
-        held = solid.taming.share(patch.vertices) < _LEAST
+        held = solid.limiter.share(patch.vertices) < _LEAST
         patch = replace(
             patch,
-            free=patch.free | (_told(stage, sides) & may[patch.parents] & ~held),
+            free=patch.free | (_blend_matters(stage, sides) & may[patch.parents] & ~held),
             spacing=np.maximum(_FINENESS / share * sides.reach, _FINEST * step),
         )
         patch = split(patch)
         for _ in range(_SMOOTHINGS):
-            patch = _bettered(stage, patch, step)
+            patch = _improved(stage, patch, step)
         for _ in range(_NEWTON if share == _STAGES[-1] else 1):
             patch = _projected(stage, patch)
         if np.mean(patch.facing() < _OVERTURNED) > _HOPELESS:
@@ -303,15 +293,15 @@ def _rounded(patch: Patch, may: Mask, solid: Composite, step: float) -> Patch:
     for _ in range(_REPAIRS):
         if patch.facing().min(initial=1.0) > 0.0:
             break
-        patch = _bettered(solid, patch, step)
+        patch = _improved(solid, patch, step)
         for _ in range(_COMBINGS):
             patch = relaxed(patch, _near_folds(patch))
         patch = _projected(solid, patch)
     return patch
 
 
-def _near_folds(patch: Patch) -> Mask:
-    """Vertices of faces turned over, and those around them."""
+def _near_folds(patch: Patch) -> Flags:
+    """Mark the vertices of faces turned over, and those around them."""
     near = np.zeros(len(patch.vertices), dtype=bool)
     near[patch.faces[patch.facing() < 0.0]] = True
     for _ in range(_RINGS):
@@ -319,21 +309,21 @@ def _near_folds(patch: Patch) -> Mask:
     return near
 
 
-def _bettered(solid: Composite, patch: Patch, step: float) -> Patch:
-    """Projected, without slivers, and relaxed."""
+def _improved(solid: Composite, patch: Patch, step: float) -> Patch:
+    """Project the patch, collapse its slivers, and relax it."""
     patch = collapsed(_projected(solid, patch), _SLIVER, _SLIVER * step, _COLLAPSES)
     return relaxed(flipped_edges(patch, _FLIPS))
 
 
-def _told(solid: Composite, sides: Sides) -> Mask:
-    """Where the blend makes a difference."""
+def _blend_matters(solid: Composite, sides: Sides) -> Flags:
+    """Return where the blend makes a difference, (n,)."""
     added = np.abs(solid.blended(sides).value - solid.sharp(sides))
-    told: Mask = added > _TELLING * sides.reach
-    return told
+    matters: Flags = added > _NOTICEABLE * sides.reach
+    return matters
 
 
 def _projected(solid: Composite, patch: Patch) -> Patch:
-    """Free vertices after a damped step of Newton's method; normals from the gradient."""
+    """Move free vertices by a damped Newton step; normals come from the gradient."""
     sides = solid.sides(patch.vertices)
     value, gradient, _ = solid.blended(sides)
     square = np.maximum(dot(gradient, gradient), _FLATTEST**2)
@@ -345,8 +335,8 @@ def _projected(solid: Composite, patch: Patch) -> Patch:
     )
 
 
-def _bad(solid: Composite, patch: Patch) -> Mask:
-    """Vertices that did not arrive, or of faces that are turned over."""
+def _bad(solid: Composite, patch: Patch) -> Flags:
+    """Mark vertices that did not arrive, or belong to faces turned over."""
     sides = solid.sides(patch.vertices)
     reach = np.maximum(sides.reach, _LEFT * solid.reach)
     bad = patch.free & ~(np.abs(solid.blended(sides).value) <= _LEFT * reach)
@@ -355,11 +345,11 @@ def _bad(solid: Composite, patch: Patch) -> Mask:
     return bad
 
 
-def _held_back(solid: Composite, places: Points, step: float, retreat: float) -> Composite:
-    """The solid with a share of its blend around places (n, 3)."""
-    left = solid.taming.share(places)
+def _held_back(solid: Composite, places: Floats, step: float, retreat: float) -> Composite:
+    """Return the solid with only a share of its blend around places (n, 3)."""
+    left = solid.limiter.share(places)
     whole = solid.sides(places).reach / np.maximum(left, 1e-300)
     share = retreat * left
     share[share < _LEAST] = _NONE
     radii = np.maximum(_AROUND * whole, 2.0 * step)
-    return replace(solid, taming=solid.taming.also(places, radii, share))
+    return replace(solid, limiter=solid.limiter.also(places, radii, share))

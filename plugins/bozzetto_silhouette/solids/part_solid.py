@@ -1,4 +1,4 @@
-"""From a part's recipe to its solid, remembered; and to a body that can be combined."""
+"""The solid of a part, remembered by its recipe, and the body that can be combined."""
 
 from __future__ import annotations
 
@@ -8,20 +8,18 @@ import numpy as np
 
 from bozzetto.plugin import Memory
 from bozzetto_silhouette.inflation.heightfield import Relief
-from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling, Swelling
-from bozzetto_silhouette.inflation.membrane import InflationSwelling
+from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
+from bozzetto_silhouette.inflation.membrane import MembraneHeights
 from bozzetto_silhouette.inflation.pen_pressure import PenPressure
 from bozzetto_silhouette.inflation.profile import profile_of
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore, solidify
 from bozzetto_silhouette.inflation.thickness import InTurn, Thickness, Uniform
-from bozzetto_silhouette.inflation.variational import VariationalSwelling
+from bozzetto_silhouette.inflation.variational import VariationalHeights
 from bozzetto_silhouette.model.state import Part
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.extrude import straight_body
 from bozzetto_silhouette.solids.surface_constraints import constraints_on
-
-__all__ = ["body_of", "solid_of"]
 
 _solids: Memory[SilhouetteSolid] = Memory(limit=256)
 _rests: Memory[Body] = Memory(limit=256)
@@ -33,7 +31,7 @@ _bodies: Memory[Body] = Memory(limit=256)
 
 
 def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> SilhouetteSolid:
-    """The solid of a part in its object frame, at a resolution.
+    """Return the solid of a part in its object frame, at a resolution; remembered.
 
     Raises
     ------
@@ -45,7 +43,7 @@ def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Si
         return solidify(
             outline_of(part),
             resolution=resolution,
-            swelling=_swelling(part),
+            height_model=_height_model(part),
             thickness=_thickness(part),
             rule=part.skeleton,
             checkpoint=checkpoint,
@@ -55,7 +53,7 @@ def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Si
 
 
 def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Body:
-    """The same as a body, in the frame of the part's group; a slab where it goes straight."""
+    """Return a part as a body, in the frame of its group; a slab where it goes straight through."""
     if part.surface == "straight":
         return straight_body(part, None, resolution)
     rest = _rests.recall(
@@ -68,7 +66,7 @@ def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Bod
 
 
 def _at_rest(part: Part, solid: SilhouetteSolid) -> Body:
-    """A part's body in its object frame: the same for all that were drawn alike."""
+    """Return a part's body in its object frame: the same for all parts drawn alike."""
     relief = Relief(solid)
     return Body(
         solid.vertices,
@@ -80,15 +78,16 @@ def _at_rest(part: Part, solid: SilhouetteSolid) -> Body:
         float(solid.skeleton.nodes[:, 2].max()),
         solid.step,
         constraints=constraints_on(solid, relief) if part.surface == "variational" else None,
+        solid=solid,
     )
 
 
-def _swelling(part: Part) -> Swelling:
+def _height_model(part: Part) -> HeightModel:
     if part.surface == "variational":
-        return VariationalSwelling()
+        return VariationalHeights()
     if part.surface == "inflation":
-        return InflationSwelling()
-    return ConvolutionSwelling(part.softness, part.kernel)
+        return MembraneHeights()
+    return ConvolutionHeights(part.softness, part.kernel)
 
 
 def _thickness(part: Part) -> Thickness:

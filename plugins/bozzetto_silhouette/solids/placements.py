@@ -1,4 +1,4 @@
-"""Where the parts are: moved since they were drawn, in groups that were moved, under the pen.
+"""Placements of the parts: moved since they were drawn, in groups that were moved too.
 
 Everything the pen does to a part is done where the part stands now and kept where it was drawn:
 strokes are carried back by `stroke_in`, outlines are carried out by `placement_of`.
@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
@@ -18,25 +18,10 @@ from bozzetto.plugin import Memory, switched_on
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.part_solid import body_of
-
-__all__ = [
-    "carried",
-    "distances_under",
-    "drawn_profile",
-    "drawn_rings",
-    "groups_around",
-    "is_shown",
-    "on_sheet",
-    "outlined_parts",
-    "placement_of",
-    "shown_parts",
-    "stroke_in",
-]
-
-Array = NDArray[np.float64]
 
 PICKED_CELLS = 64
 """Resolution of the solids that the pen is held against: that of the preview, which has been
@@ -47,7 +32,7 @@ _meshes: Memory[Mesh] = Memory(limit=64)
 
 
 def groups_around(state: SilhouetteState, node: Part | Group) -> list[Group]:
-    """The groups that a node is in, the innermost first."""
+    """Return the groups that a node is in, the innermost first."""
     groups = {other.id: other for other in state.nodes if isinstance(other, Group)}
     found: list[Group] = []
     within = node.within
@@ -59,7 +44,7 @@ def groups_around(state: SilhouetteState, node: Part | Group) -> list[Group]:
 
 
 def carried(state: SilhouetteState, node: Part | Group) -> Placement:
-    """Where a node was moved since it was drawn, groups and all, in the model's frame."""
+    """Return the motion of a node since it was drawn, groups included, in the model's frame."""
     moved = node.pose
     for group in groups_around(state, node):
         moved = group.pose.after(moved)
@@ -67,7 +52,7 @@ def carried(state: SilhouetteState, node: Part | Group) -> Placement:
 
 
 def placement_of(state: SilhouetteState, part: Part) -> Placement:
-    """From a part's object frame to the model's frame."""
+    """Return the placement from a part's object frame to the model's frame."""
     return carried(state, part).after(part.sheet.placement)
 
 
@@ -77,17 +62,17 @@ def is_shown(state: SilhouetteState, node: Part | Group) -> bool:
 
 
 def shown_parts(state: SilhouetteState) -> tuple[Part, ...]:
-    """The parts that can be seen and touched, in the order of the tree."""
+    """Return the parts that can be seen and touched, in the order of the tree."""
     return tuple(node for node in switched_on(state.nodes) if isinstance(node, Part))
 
 
 def outlined_parts(state: SilhouetteState) -> tuple[Part, ...]:
-    """Those of them that have a closed outline; the line of a cut is open."""
+    """Return the shown parts that have a closed outline; the line of a cut is open."""
     return tuple(part for part in shown_parts(state) if not isinstance(part, Cut))
 
 
 def stroke_in(state: SilhouetteState, part: Part, stroke: Stroke) -> Stroke:
-    """A stroke drawn over a part as it stands now, carried to where the part was drawn.
+    """Carry a stroke drawn over a part as it stands now to where the part was drawn.
 
     Raises
     ------
@@ -98,8 +83,8 @@ def stroke_in(state: SilhouetteState, part: Part, stroke: Stroke) -> Stroke:
     return stroke if moved.is_identity else stroke.moved(moved.inverse())
 
 
-def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Array:
-    """A stroke drawn over a part as it stands now, on the part's sheet; shape (n, 2), mm.
+def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Floats:
+    """Project a stroke drawn over a part as it stands now onto the part's sheet; (n, 2), mm.
 
     NaN where the line of sight misses the sheet.
     """
@@ -107,8 +92,8 @@ def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Array:
     return part.sheet.from_pixels(there.points, there.camera)
 
 
-def drawn_rings(state: SilhouetteState, part: Part) -> list[Array]:
-    """The rings of a part's outline where they stand now; (n, 3) each, mm, model's frame.
+def drawn_rings(state: SilhouetteState, part: Part) -> list[Floats]:
+    """Return the rings of a part's outline where they stand now; (n, 3) each, mm, model's frame.
 
     Raises
     ------
@@ -122,8 +107,8 @@ def drawn_rings(state: SilhouetteState, part: Part) -> list[Array]:
     ]
 
 
-def drawn_profile(state: SilhouetteState, part: Part) -> list[Array]:
-    """The strokes of a part's profile where the part stands now; (n, 3) each, mm, model's frame.
+def drawn_profile(state: SilhouetteState, part: Part) -> list[Floats]:
+    """Return a profile's strokes where its part stands now; (n, 3) each, mm, model's frame.
 
     They lie in the plane upright on the sheet, through the middle of the part, that the hand
     looked at; what was drawn out of sight of it is left out.
@@ -143,12 +128,21 @@ def drawn_profile(state: SilhouetteState, part: Part) -> list[Array]:
     return found
 
 
-def distances_under(state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera) -> Array:
-    """How far before the eye a part's surface lies under canvas positions.
+def distances_under(
+    state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera
+) -> Floats:
+    """Measure how far before the eye a part's surface lies under canvas positions.
 
     Parameters
     ----------
+    state : SilhouetteState
+        The parts as they stand now.
+    part : Part
+        The one that is looked at.
     pixels : (n, 2) array_like
+        Canvas positions.
+    camera : Camera
+        What they are seen through.
 
     Returns
     -------

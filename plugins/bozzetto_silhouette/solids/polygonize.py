@@ -13,21 +13,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Faces, Flags, Floats
 from bozzetto_silhouette.implicit.implicit_solid import Implicit
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 
-__all__ = ["Surface", "extract"]
-
-Points = NDArray[np.float64]
-Faces = NDArray[np.int32]
 Nodes = NDArray[np.int64]
 
 BLOCK = 16
 """Cells along the edge of the largest blocks. Larger ones save nothing more."""
 
 SLACK = 1.15
-"""What values that are not quite distances are forgiven."""
+"""Tolerance for values that are not exactly distances."""
 
 NEAREST_CORNER = 0.866 * SLACK
 """Farthest that a place in a block can be from the nearest corner, in edges of the block."""
@@ -36,7 +33,7 @@ MEAN_CORNER = 1.122 * SLACK
 """The same for the mean of the distances from all eight corners, greatest at a corner."""
 
 MOST_NODES = 12_000_000
-"""Nodes of the lattice, all told: 48 MB. Beyond it the step is made coarser."""
+"""Nodes of the whole lattice: 48 MB. Beyond it the step is made coarser."""
 
 CHUNK = 16_384
 """Points evaluated between two checkpoints."""
@@ -64,19 +61,20 @@ class Surface(NamedTuple):
         Unit, outwards.
     """
 
-    vertices: Points
+    vertices: Floats
     faces: Faces
-    normals: Points
+    normals: Floats
 
 
 def extract(
-    implicit: Implicit, bounds: Points, step: float, checkpoint: Checkpoint = ignore
+    implicit: Implicit, bounds: Floats, step: float, checkpoint: Checkpoint = ignore
 ) -> Surface:
-    """The zero surface of an implicit solid inside a box, closed at the box's border.
+    """Extract the zero surface of an implicit solid inside a box, closed at the box's border.
 
     Parameters
     ----------
     implicit : Implicit
+        The solid.
     bounds : (2, 3) float array
         The box. The lattice is a cell wider on every side; what sticks out is cut off.
     step : float
@@ -107,9 +105,9 @@ def extract(
 
 
 def _narrow_band(
-    implicit: Implicit, origin: Points, step: float, blocks: Nodes, checkpoint: Checkpoint
+    implicit: Implicit, origin: Floats, step: float, blocks: Nodes, checkpoint: Checkpoint
 ) -> NDArray[np.float32]:
-    """Values in cells on the lattice's nodes, exact where the surface may be; border negative."""
+    """Return values in cells at the nodes: exact near the surface, negative at the border."""
     shape = BLOCK * blocks + 1
     strides = np.array([shape[1] * shape[2], shape[2], 1])
     lattice = np.full(int(np.prod(shape)), np.nan, np.float32)
@@ -151,7 +149,7 @@ def _narrow_band(
     return grid
 
 
-def _evaluated(implicit: Implicit, points: Points, checkpoint: Checkpoint) -> Points:
+def _evaluated(implicit: Implicit, points: Floats, checkpoint: Checkpoint) -> Floats:
     values = np.empty(len(points))
     for first in range(0, len(points), CHUNK):
         checkpoint(0.5, "surface")
@@ -162,13 +160,13 @@ def _evaluated(implicit: Implicit, points: Points, checkpoint: Checkpoint) -> Po
 
 def _polished(
     implicit: Implicit,
-    vertices: Points,
+    vertices: Floats,
     faces: Faces,
     step: float,
-    border: NDArray[np.bool_],
+    border: Flags,
     checkpoint: Checkpoint,
-) -> tuple[Points, Points]:
-    """Vertices brought onto the zero surface, but for those on the border; and normals."""
+) -> tuple[Floats, Floats]:
+    """Move vertices onto the zero surface, except those on the border; return normals, too."""
     gradient = np.zeros_like(vertices)
     for turn in range(NEWTON_ROUNDS + 1):
         for first in range(0, len(vertices), CHUNK):

@@ -11,17 +11,12 @@ distances are measured in local radii; and outside each a normal constraint.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.implicit.implicit_solid import Implicit
 from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
 from bozzetto_silhouette.implicit.variational import SPACING, apart
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
-
-__all__ = ["constraints_on"]
-
-Points = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 RIM_POINTS = 90
 """Constraints on the rim, at most."""
@@ -45,11 +40,12 @@ something else is near."""
 
 
 def constraints_on(solid: SilhouetteSolid, implicit: Implicit) -> Constraints:
-    """Constraints on and outside a solid.
+    """Return constraints on and outside a solid.
 
     Parameters
     ----------
     solid : SilhouetteSolid
+        The part as a mesh.
     implicit : Implicit
         The same solid as a function of space.
 
@@ -76,8 +72,8 @@ def constraints_on(solid: SilhouetteSolid, implicit: Implicit) -> Constraints:
     return Constraints(points[keep], values[keep], size)
 
 
-def _farthest(points: Points, scale: Points, rim: int) -> Indices:
-    """Vertices far apart in their own radii: of the first `rim`, then of all."""
+def _farthest(points: Floats, scale: Floats, rim: int) -> Indices:
+    """Choose vertices far apart in their own radii: of the first `rim`, then of all."""
     gap = np.full(len(points), np.inf)
     chosen: list[int] = []
     for candidates, most in ((rim, RIM_POINTS), (len(points), ALL_POINTS)):

@@ -1,4 +1,4 @@
-"""In which order the nodes of the tree are put together, whatever stands for their solids."""
+"""The order in which the nodes of the tree are combined, for any type of solid."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from typing import TypeVar
 
 from bozzetto.errors import UserError
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
-
-__all__ = ["put_together"]
 
 Solid = TypeVar("Solid")
 
@@ -21,14 +19,15 @@ def put_together(
     joined: Callable[[Solid, Solid, Part | Group], Solid | None],
     within: str = "",
 ) -> Solid | None:
-    """The nodes of a group that are switched on, from the first to the last; None for nothing.
+    """Combine the nodes of a group that are switched on, from first to last; None for nothing.
 
     The first node is the shape that the others act on, whatever its own operation. Where it
-    is switched off, or nothing is left, the next node that adds begins anew.
+    is switched off, or nothing is left, the next node that adds is the first.
 
     Parameters
     ----------
     state : SilhouetteState
+        The tree of nodes.
     part : callable
         A part by itself, in the frame of its group; gets what comes before it, None for
         nothing.

@@ -16,9 +16,9 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto_silhouette.arrays import Faces, Flags, Floats, Indices
 from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
 from bozzetto_silhouette.implicit.variational import (
     SPACING,
@@ -28,13 +28,9 @@ from bozzetto_silhouette.implicit.variational import (
 )
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.polygonize import Surface, extract
-
-__all__ = ["variational_combined"]
-
-Points = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 BAND = 0.3
 """Half width of the band around the crease, in blend radii: the widest blend, two radii, still
@@ -49,7 +45,7 @@ FEWEST = 12
 is narrowed."""
 
 ROOM = 0.08
-"""How far the surface may swell out of the box of the bodies, as a share of its diagonal."""
+"""Margin of the surface beyond the box of the bodies, as a share of its diagonal."""
 
 COARSER = 1.4
 """Cells of the extraction in steps of the finer body: Newton's method and normals from the
@@ -61,8 +57,8 @@ FINEST = 1 / 160
 HELD = 4.0
 """A component holds a constraint that lies within so many cells of it."""
 
-EXORCISMS = 3
-"""Rounds in which blobs that hold no constraint are driven out."""
+BLOB_ROUNDS = 3
+"""Rounds in which blobs that hold no constraint are removed."""
 
 
 def variational_combined(
@@ -72,7 +68,7 @@ def variational_combined(
     blend: float,
     checkpoint: Checkpoint = ignore,
 ) -> Body | None:
-    """One variational body of two.
+    """Combine two variational bodies into one.
 
     Parameters
     ----------
@@ -83,6 +79,7 @@ def variational_combined(
     blend : float
         Radius of the blend as a share of the smaller `radius` of the two.
     checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
 
     Returns
     -------
@@ -112,24 +109,9 @@ def variational_combined(
         return None
     if operation == "carve" and not theirs.any():
         return first
-    if operation == "merge":
-        values = np.maximum(one.values, depth), np.maximum(other.values, other_depth)
-    else:
-        values = np.minimum(one.values, -depth), np.minimum(-other.values, other_depth)
-    points = np.concatenate([one.points[mine], other.points[theirs]])
-    value = np.concatenate([values[0][mine], values[1][theirs]])
-    part = np.repeat([0, 1], [int(mine.sum()), int(theirs.sum())])
-    # What lies on the surface goes first: of two that are too close the earlier one stays.
-    order = np.argsort(np.abs(value), kind="stable")
-    keep = order[apart(points[order], SPACING * size)]
-    points, value, part = points[keep], value[keep], part[keep]
-    both = (first,) if operation == "carve" else (first, second)
-    corners = np.concatenate([body.bounds for body in both])
-    bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
-    bounds += ROOM * float(np.linalg.norm(bounds[1] - bounds[0])) * np.array([[-1.0], [1.0]])
-    step = max(
-        COARSER * min(first.step, second.step), FINEST * float((bounds[1] - bounds[0]).max())
-    )
+    points, value, part = _joined(operation, one, other, depth, other_depth, mine, theirs)
+    bounds = _bounds((first,) if operation == "carve" else (first, second))
+    step = max(COARSER * min(first.step, second.step), FINEST * float(np.ptp(bounds, axis=0).max()))
     held, mesh = _surface(points, value, bounds, step, checkpoint)
     if not len(mesh.faces):
         return None
@@ -157,15 +139,46 @@ def variational_combined(
     )
 
 
+def _joined(
+    operation: str,
+    one: Constraints,
+    other: Constraints,
+    depth: Floats,
+    other_depth: Floats,
+    mine: Flags,
+    theirs: Flags,
+) -> tuple[Floats, Floats, Indices]:
+    """Return the constraints that stay: points, values, and whose (0 or 1) they were."""
+    if operation == "merge":
+        values = np.maximum(one.values, depth), np.maximum(other.values, other_depth)
+    else:
+        values = np.minimum(one.values, -depth), np.minimum(-other.values, other_depth)
+    points = np.concatenate([one.points[mine], other.points[theirs]])
+    value = np.concatenate([values[0][mine], values[1][theirs]])
+    part = np.repeat([0, 1], [int(mine.sum()), int(theirs.sum())])
+    # What lies on the surface goes first: of two that are too close the earlier one stays.
+    order = np.argsort(np.abs(value), kind="stable")
+    keep = order[apart(points[order], SPACING * min(one.size, other.size))]
+    return points[keep], value[keep], part[keep]
+
+
+def _bounds(bodies: tuple[Body, ...]) -> Floats:
+    """Return the box of some bodies with room for the surface to bulge, (2, 3)."""
+    corners = np.concatenate([body.bounds for body in bodies])
+    box = np.stack([corners.min(axis=0), corners.max(axis=0)])
+    margin = ROOM * float(np.linalg.norm(box[1] - box[0]))
+    return box + margin * np.array([[-1.0], [1.0]])
+
+
 def _kept(
     operation: str,
     one: Constraints,
     other: Constraints,
-    depth: Points,
-    other_depth: Points,
+    depth: Floats,
+    other_depth: Floats,
     band: float,
 ) -> tuple[Flags, Flags]:
-    """Which constraints stay; the band is narrowed where it would swallow a body."""
+    """Mark the constraints that stay; the band is narrowed where it would hide a body."""
     narrowest = min(band, NARROWEST * min(one.size, other.size))
     side = -other_depth if operation == "carve" else other_depth
     while True:
@@ -189,19 +202,19 @@ def _kept(
 
 
 def _surface(
-    points: Points, value: Points, bounds: Points, step: float, checkpoint: Checkpoint
+    points: Floats, value: Floats, bounds: Floats, step: float, checkpoint: Checkpoint
 ) -> tuple[VariationalSurface, Surface]:
-    """The function through the constraints and its surface, without blobs far from them."""
-    for turn in range(EXORCISMS):
+    """Return the function through the constraints and its surface, without blobs far from them."""
+    for turn in range(BLOB_ROUNDS):
         checkpoint(0.2, "solve")
         held = interpolated(points, value, bounds)
         mesh = extract(held, bounds, step, checkpoint)
         if not len(mesh.faces):
             return held, mesh
         mesh, blobs = _without_blobs(mesh, points[value == 0.0], HELD * step)
-        if not len(blobs) or turn == EXORCISMS - 1:
+        if not len(blobs) or turn == BLOB_ROUNDS - 1:
             break
-        # Where a blob was the function is told to have the sign of its surroundings.
+        # Where a blob was the function gets the sign of its surroundings.
         from scipy.spatial import cKDTree
 
         middles, signs = blobs[:, :3], blobs[:, 3]
@@ -211,16 +224,13 @@ def _surface(
     return held, mesh
 
 
-def _without_blobs(mesh: Surface, on: Points, reach: float) -> tuple[Surface, Points]:
-    """The mesh without the components that hold no constraint; their middles and signs, (k, 4)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+def _without_blobs(mesh: Surface, on: Floats, reach: float) -> tuple[Surface, Floats]:
+    """Drop components without constraints; return the mesh, their middles and signs (k, 4)."""
     from scipy.spatial import cKDTree
 
     vertices, faces, normals = mesh
     a, b = faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
-    links = coo_array((np.ones(len(a)), (a, b)), shape=(len(vertices),) * 2)
-    count, label = connected_components(links, directed=False)
+    count, label = connected_pieces(a, b, len(vertices))
     gap, nearest = cKDTree(vertices).query(on, distance_upper_bound=reach)
     held = np.zeros(count, bool)
     held[label[np.asarray(nearest)[np.isfinite(gap)]]] = True
@@ -237,10 +247,8 @@ def _without_blobs(mesh: Surface, on: Points, reach: float) -> tuple[Surface, Po
     return Surface(vertices[stays], kept, normals[stays]), blobs
 
 
-def _origins(
-    first: Body, second: Body, points: Points, part: NDArray[np.intp], vertices: Points
-) -> NDArray[np.int32]:
-    """For every vertex the source of the vertex of its own body that is nearest."""
+def _origins(first: Body, second: Body, points: Floats, part: Indices, vertices: Floats) -> Faces:
+    """Return for every vertex the source of the nearest vertex of its own body."""
     from scipy.spatial import cKDTree
 
     origins = np.empty(len(vertices), np.int32)

@@ -1,4 +1,4 @@
-"""What the pen can do, one tool in a module."""
+"""The tools. Imports everything below."""
 
 from __future__ import annotations
 
@@ -11,17 +11,16 @@ from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.tools.draw_profile import DrawProfile
 from bozzetto_silhouette.tools.extrude import Extrude
 from bozzetto_silhouette.tools.mirror import MirrorCopy
-from bozzetto_silhouette.tools.oversketch import SketchOver
+from bozzetto_silhouette.tools.outline_edits import SketchOver, Smooth
 from bozzetto_silhouette.tools.paint import Paint
 from bozzetto_silhouette.tools.project_picture import ProjectPicture
-from bozzetto_silhouette.tools.smooth import Smooth
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
 
 __all__ = ["DrawOutline", "all_tools"]
 
 
 def all_tools() -> tuple[Tool[Any], ...]:
-    """The tools in the order of the rail, most used first."""
+    """Return the tools in the order of the rail, most used first."""
     return (
         DrawOutline(),
         SketchOver(),

@@ -15,12 +15,10 @@ from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.rigging.posing import JOINT, posed, posed_scene
 from bozzetto_silhouette.solids.coarse_draft import draft_surface
 from bozzetto_silhouette.solids.placements import carried, groups_around
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.view.drag_motion import moved, resized, settled, turned
 from bozzetto_silhouette.view.handles import ARRANGE, grip_of, handles_layer
 from bozzetto_silhouette.view.picking import touched_part
-
-__all__ = ["Arrange", "placed_anew"]
 
 Moved = TypeVar("Moved", bound=Part | Group)
 
@@ -28,7 +26,7 @@ LIVE_CELLS = 48
 """Resolution of the shape while a part is dragged."""
 
 
-class Arrange(TellsOfJoints):
+class Arrange(PoseAwareTool):
     """Tap a part to choose it, drag its handles; beside all parts nothing is chosen."""
 
     id = ARRANGE
@@ -38,7 +36,7 @@ class Arrange(TellsOfJoints):
     gesture: Literal["ink", "tap", "drag"] = "drag"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The whole shape as it would be, coarse; it stands in for the shape shown."""
+        """Show the whole shape as it would be, coarsely, in place of the shape shown."""
         if not isinstance(gesture, Drag):
             return Scene()
         if gesture.handle.startswith(JOINT):
@@ -87,11 +85,11 @@ class Arrange(TellsOfJoints):
             motion = turned(grip.middle, camera, start, end, stepped=gesture.shift)
         else:
             motion = resized(grip.middle, camera, start, end)
-        return state.with_node(placed_anew(state, node, motion))
+        return state.with_node(after_motion(state, node, motion))
 
 
-def placed_anew(state: SilhouetteState, node: Moved, motion: Placement) -> Moved:
-    """A node after a motion in the model's frame.
+def after_motion(state: SilhouetteState, node: Moved, motion: Placement) -> Moved:
+    """Return a node after a motion in the model's frame.
 
     Raises
     ------
@@ -107,7 +105,7 @@ def placed_anew(state: SilhouetteState, node: Moved, motion: Placement) -> Moved
 
 
 def _chosen(state: SilhouetteState, part: Part) -> str:
-    """What a tap on a part chooses: its outermost group, at the next tap what is in that."""
+    """Return what a tap on a part chooses: its outermost group, at the next tap what is in that."""
     chain = [part, *groups_around(state, part)]
     ids = [node.id for node in chain]
     deeper = ids.index(state.selected) - 1 if state.selected in ids else -1

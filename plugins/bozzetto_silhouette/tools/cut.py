@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
@@ -13,31 +12,27 @@ from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import sheet_under
 from bozzetto_silhouette.model.state import Cut, Part, SilhouetteState
-from bozzetto_silhouette.tools.carve_check import check_that_it_carves
 from bozzetto_silhouette.tools.cut_preview import cut_preview
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.insert_node import landed
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.insert_node import check_that_it_carves, insert_node
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.tools.through_preview import trace_of
 from bozzetto_silhouette.view.picking import shape_seen
-
-__all__ = ["DrawCut"]
 
 LOOKS = 96
 """Lines of sight along the line."""
 
 
-class DrawCut(TellsOfJoints):
+class DrawCut(PoseAwareTool):
     """An open line cuts straight through; what falls away can be changed afterwards."""
 
     id = "cut"
     title = "Cut"
     icon = "icons/cut.svg"
     hint = "Draw a line right across the shape; the smaller side falls away."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """Where the cut would run, carried on at its ends, and what would fall away."""
+        """Show where the cut would run, carried on at its ends, and what would fall away."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         stroke = gesture.strokes[-1]
@@ -71,7 +66,7 @@ class DrawCut(TellsOfJoints):
         cut = _cut(state, stroke, context)
         choices = (cut, replace(cut, side="right"))
         chosen = max(choices, key=lambda one: check_that_it_carves(state, state.with_node(one)))
-        return landed(state, chosen, _under(state, stroke))
+        return insert_node(state, chosen, _under(state, stroke))
 
 
 def _cut(state: SilhouetteState, stroke: Stroke, context: Context) -> Cut:
@@ -88,7 +83,7 @@ def _cut(state: SilhouetteState, stroke: Stroke, context: Context) -> Cut:
 
 
 def _under(state: SilhouetteState, stroke: Stroke) -> list[Part]:
-    """The parts that a line is drawn over."""
+    """Return the parts that a line is drawn over."""
     touch = shape_seen(state)
     if touch is None:
         return []

@@ -1,37 +1,33 @@
-"""What a cut would do, shown while its line is drawn: where it runs, and what falls away."""
+"""Preview of a cut while its line is drawn: where it runs, and what falls away."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh
 from bozzetto.ink.curves.resample import resample
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.model.state import Cut
-from bozzetto_silhouette.model.view_rays import sight_through
+from bozzetto_silhouette.model.view_rays import view_rays_through
 from bozzetto_silhouette.outline.cut_line import cut_side
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.solids.extrude import corners_of
 from bozzetto_silhouette.tools.through_preview import trace_of
 from bozzetto_silhouette.view.picking import Touch
 
-__all__ = ["cut_preview"]
-
-Array = NDArray[np.float64]
-
 LOOKS = 160
 """Lines of sight along the side's outline."""
 
 TINT = 0.5
-"""How opaque the tint of what falls away is."""
+"""Opacity of the tint of what falls away."""
 
-PROUD = 2e-3
-"""How far it stands off the surface that it tints, as a share of the size."""
+STANDOFF = 2e-3
+"""Distance of the tint from the surface, as a share of the size."""
 
 
 def cut_preview(cut: Cut, touch: Touch) -> Scene:
-    """The line of a cut on a shape, carried on at its ends, and the smaller side tinted.
+    """Show the line of a cut on a shape, carried on at its ends, and tint the smaller side.
 
     Parameters
     ----------
@@ -57,7 +53,7 @@ def cut_preview(cut: Cut, touch: Touch) -> Scene:
         return line
     used, corners = np.unique(faces, return_inverse=True)
     body = touch.body
-    off = PROUD * float(np.ptp(body.bounds, axis=0).max())
+    off = STANDOFF * float(np.ptp(body.bounds, axis=0).max())
     mesh = Mesh(
         (body.vertices[used] + off * body.normals[used]).astype(np.float32),
         corners.reshape(faces.shape).astype(np.int32),
@@ -66,19 +62,19 @@ def cut_preview(cut: Cut, touch: Touch) -> Scene:
     return line + Scene((Layer("preview", (Shaded(mesh, "accent", TINT, pickable=False),)),))
 
 
-def _falling(cut: Cut, touch: Touch, local: Array, side: Outline) -> NDArray[np.int32]:
-    """The faces of a shape on the side of a cut that has less volume, (k, 3).
+def _falling(cut: Cut, touch: Touch, local: Floats, side: Outline) -> Faces:
+    """Return the faces of a shape on the side of a cut that has less volume, (k, 3).
 
     Tetrahedra from a place on the cut add up to the volume of a side, as far as the cut is
     flat: its own face has none with that place.
     """
     import shapely
 
-    sight = sight_through(cut.sheet, cut.strokes[0].camera)
+    view_rays = view_rays_through(cut.sheet, cut.strokes[0].camera)
     corners = local[touch.body.faces]
     middles = corners.mean(axis=1)
-    low, high = sight.before_eye(float(middles[:, 2].min()), float(middles[:, 2].max()))
-    seen = sight.drawn(np.column_stack([middles[:, :2], np.clip(middles[:, 2], low, high)]))
+    low, high = view_rays.before_eye(float(middles[:, 2].min()), float(middles[:, 2].max()))
+    seen = view_rays.drawn(np.column_stack([middles[:, :2], np.clip(middles[:, 2], low, high)]))
     polygon = side.polygon()
     shapely.prepare(polygon)
     inside = shapely.contains_xy(polygon, seen[:, 0], seen[:, 1])

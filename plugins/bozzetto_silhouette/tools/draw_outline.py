@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
@@ -17,33 +16,30 @@ from bozzetto_silhouette.model.state import Edit, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, rings_of, surrounds
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, stroke_in
 from bozzetto_silhouette.tools.erase import erased, without
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
-
-__all__ = ["DrawOutline", "meets_itself"]
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 
 OPEN_GAP = 0.2
 """Gap between the ends of an outline, as a part of its diagonal, up to which a stroke counts
 as meant to be closed."""
 
 
-class DrawOutline(TellsOfJoints):
+class DrawOutline(PoseAwareTool):
     """One closed outline makes a part; drawn inside a part on its sheet, a hole in it."""
 
     id = "draw"
     title = "Draw outline"
     icon = "icons/draw.svg"
     hint = "Draw a closed outline; inside a shape it becomes a hole."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The shape swelling under the pen, from the ink so far."""
-        from bozzetto_silhouette.inflation.live_preview import swollen
+        """Show the shape that the ink so far inflates to."""
+        from bozzetto_silhouette.inflation.live_preview import inflated_scene
 
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         sheet = sheet_under(gesture.strokes[0], context)
         points = np.concatenate([sheet.from_pixels(s.points, s.camera) for s in gesture.strokes])
-        return swollen(points, sheet) if np.isfinite(points).all() else Scene()
+        return inflated_scene(points, sheet) if np.isfinite(points).all() else Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Add a part or a hole.
@@ -81,7 +77,7 @@ def meets_itself(strokes: tuple[Stroke, ...]) -> bool:
 
 
 def _nested(state: SilhouetteState, new: Part) -> SilhouetteState:
-    """The state with a new part.
+    """Add a new part to the state.
 
     Inside another one on a parallel sheet it is a hole; it takes in those that it is drawn
     around as its holes; anywhere else it stands for itself. Parts are where they have been
@@ -111,13 +107,13 @@ def _faces_as(state: SilhouetteState, part: Part, new: Part) -> bool:
 
 
 def _as_seen(state: SilhouetteState, part: Part) -> tuple[Stroke, ...]:
-    """A part's ink where the part stands now."""
+    """Return a part's ink where the part stands now."""
     moved = carried(state, part)
     return tuple(s if moved.is_identity else s.moved(moved) for s in part.strokes)
 
 
 def _taken_in(state: SilhouetteState, taken: list[Part], new: Part) -> Part:
-    """The first of some parts with an outline around them; they all become its holes.
+    """Return the first of some parts with an outline around them; they all become its holes.
 
     The rings keep their order, so that edits find theirs again.
     """
@@ -134,7 +130,7 @@ def _taken_in(state: SilhouetteState, taken: list[Part], new: Part) -> Part:
 
 
 def _renumbered(state: SilhouetteState, first: Part, other: Part, edit: Edit, count: int) -> Edit:
-    """An edit of one part as an edit of another, among whose rings its rings come later."""
+    """Turn an edit of one part into an edit of another, whose own rings come first."""
     if isinstance(edit, Removal):
         return replace(edit, ring=edit.ring + count)
     moved = carried(state, other)

@@ -3,33 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Context, Gesture, Ink
-from bozzetto.scene import Scene
 from bozzetto_silhouette.inflation.profile import understood
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.placements import shown_parts, stroke_in
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
-
-__all__ = ["DrawProfile"]
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 
 
-class DrawProfile(TellsOfJoints):
+class DrawProfile(PoseAwareTool):
     """The ink becomes the profile of the chosen part, in place of the one that it had."""
 
     id = "profile"
     title = "Profile"
     icon = "icons/profile.svg"
     hint = "Turn the view to the side, then draw how thick the chosen part is."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
-
-    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The ink says it all."""
-        return Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Give the chosen part a profile.
@@ -51,7 +42,7 @@ class DrawProfile(TellsOfJoints):
 
 
 def _meant(state: SilhouetteState) -> Part:
-    """The chosen part, or the only one.
+    """Return the chosen part, or the only one.
 
     Raises
     ------

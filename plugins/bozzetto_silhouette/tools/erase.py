@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import rings_of
 from bozzetto_silhouette.solids.placements import (
@@ -19,10 +19,6 @@ from bozzetto_silhouette.solids.placements import (
     placement_of,
     shown_parts,
 )
-
-__all__ = ["erased", "without"]
-
-Array = NDArray[np.float64]
 
 LOOKS = 9
 """Samples of the eraser's path that are looked at."""
@@ -35,7 +31,7 @@ PROFILE_REACH = 8.0
 
 
 def erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:
-    """Without what most of the eraser's path lies over.
+    """Remove what most of the eraser's path lies over.
 
     That is a cut or the profile of the chosen part, if the path runs along it; else the newest part
     whose surface is under it; else the hole that it is in. What is switched off stays.
@@ -68,7 +64,7 @@ def erased(state: SilhouetteState, eraser: Stroke) -> SilhouetteState:
 
 
 def without(state: SilhouetteState, gone: set[str]) -> SilhouetteState:
-    """Without some nodes; what was chosen stays chosen unless it is among them."""
+    """Remove some nodes; what was chosen stays chosen unless it is among them."""
     nodes = tuple(node for node in state.nodes if node.id not in gone)
     chosen = "" if state.selected in gone else state.selected
     return replace(state, nodes=nodes, selected=chosen)
@@ -83,14 +79,14 @@ def _along_profile(state: SilhouetteState, part: Part, path: Stroke) -> bool:
     return _runs_along(path, lines)
 
 
-def _line_of(state: SilhouetteState, cut: Part) -> list[Array]:
-    """The strokes of a cut where it stands now; (n, 3) each."""
+def _line_of(state: SilhouetteState, cut: Part) -> list[Floats]:
+    """Return the strokes of a cut where it stands now; (n, 3) each."""
     place = placement_of(state, cut)
     flat = [cut.sheet.from_pixels(stroke.points, stroke.camera) for stroke in cut.strokes]
     return [place.points(np.column_stack([line, np.zeros(len(line))])) for line in flat]
 
 
-def _runs_along(path: Stroke, lines: list[Array]) -> bool:
+def _runs_along(path: Stroke, lines: list[Floats]) -> bool:
     """Whether most of a path lies by one of some lines (n, 3), as they are seen."""
     import shapely
 
@@ -105,7 +101,7 @@ def _runs_along(path: Stroke, lines: list[Array]) -> bool:
 
 
 def _hole_around(state: SilhouetteState, part: Part, path: Stroke) -> int | None:
-    """The number of the ring, inside another, that most of a path lies in."""
+    """Return the number of the ring, inside another, that most of a path lies in."""
     import shapely
 
     points = on_sheet(state, part, path)

@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes
@@ -20,19 +18,20 @@ from bozzetto.ink.curves.resample import resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
-from bozzetto_silhouette.tools.carve_check import NOTHING, check_that_it_carves, volume_left
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.insert_node import landed
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.insert_node import (
+    NOTHING,
+    check_that_it_carves,
+    insert_node,
+    volume_left,
+)
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.tools.through_preview import parts_at, trace_of
 from bozzetto_silhouette.view.picking import Touch, shape_seen
-
-__all__ = ["Extrude"]
-
-Array = NDArray[np.float64]
 
 RING_SAMPLES = 64
 
@@ -78,25 +77,24 @@ class _Base:
         What it lies on.
     """
 
-    points: Array
-    middle: Array
-    outwards: Array
+    points: Floats
+    middle: Floats
+    outwards: Floats
     room: float
     parts: tuple[Part, ...]
 
 
-class Extrude(TellsOfJoints):
+class Extrude(PoseAwareTool):
     """Two strokes: where something grows, and what grows there."""
 
     id = "extrude"
     title = "Extrude"
     icon = "icons/extrude.svg"
     hint = "Draw a ring on the shape, then the outline of what grows out of it or into it."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The ring on the surface, and what the second stroke swells to so far."""
-        from bozzetto_silhouette.inflation.live_preview import swollen
+        """Show the ring on the surface, and the shape that the second stroke inflates to so far."""
+        from bozzetto_silhouette.inflation.live_preview import inflated_scene
 
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
@@ -109,7 +107,7 @@ class Extrude(TellsOfJoints):
             if not more:
                 return shown
             strokes, sheet = _drawn_so_far(state, _base(state, ring), more[0])
-            return shown + swollen(np.concatenate(points_on_sheet(strokes, sheet)), sheet)
+            return shown + inflated_scene(np.concatenate(points_on_sheet(strokes, sheet)), sheet)
         except UserError:
             return Scene()
 
@@ -142,7 +140,7 @@ class Extrude(TellsOfJoints):
             check_that_it_carves(state, after)
         elif volume_left(after) <= (1.0 + NOTHING) * volume_left(state):
             raise UserError("This lies inside the shape. Draw it outwards from the ring.")
-        return landed(state, part, base.parts)
+        return insert_node(state, part, base.parts)
 
 
 def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
@@ -163,13 +161,13 @@ def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
     return _Base(points, middle, outwards, room, tuple(parts_at(state, touch, points)))
 
 
-def _loop(stroke: Stroke) -> Array:
-    """A ring as it was drawn, closed, in pixels."""
+def _loop(stroke: Stroke) -> Floats:
+    """Return a ring as it was drawn, closed, in pixels."""
     return resample(close_stroke(stroke.points), count=RING_SAMPLES, closed=True)
 
 
-def _room(touch: Touch, points: Array, middle: Array, outwards: Array) -> float:
-    """How far the shape goes on inwards from the middle of the ring."""
+def _room(touch: Touch, points: Floats, middle: Floats, outwards: Floats) -> float:
+    """Measure how far the shape goes on inwards from the middle of the ring."""
     depth = (points - middle) @ outwards
     start = middle + (depth.min() - 1e-3 * np.ptp(points, axis=0).max()) * outwards
     found = touch.hits(Rays(start[None], -outwards[None]))
@@ -177,7 +175,7 @@ def _room(touch: Touch, points: Array, middle: Array, outwards: Array) -> float:
 
 
 def _facing(base: _Base, camera: Camera) -> Sheet:
-    """The plane parallel to the screen through the base."""
+    """Return the plane parallel to the screen through the base."""
     right, up, _ = camera.axes
     return Sheet(_point(base.middle), _point(right), _point(up))
 
@@ -185,7 +183,7 @@ def _facing(base: _Base, camera: Camera) -> Sheet:
 def _drawn_so_far(
     state: SilhouetteState, base: _Base, stroke: Stroke
 ) -> tuple[Sequence[Stroke], Sheet]:
-    """The outline of what grows, with its root as soon as the stroke has come back."""
+    """Return the outline of what grows, with its root as soon as the stroke has come back."""
     try:
         part = _grown(state, base, stroke)
     except UserError:
@@ -194,7 +192,7 @@ def _drawn_so_far(
 
 
 def _grown(state: SilhouetteState, base: _Base, stroke: Stroke) -> Part:
-    """What the second stroke describes, on the plane parallel to the screen through the base."""
+    """Return the part that the second stroke describes, on the plane parallel to the screen."""
     camera = stroke.camera
     right, up, _ = camera.axes
     sheet = _facing(base, camera)
@@ -233,7 +231,7 @@ def _grown(state: SilhouetteState, base: _Base, stroke: Stroke) -> Part:
     )
 
 
-def _check_ends(line: Array, ring: Array, width: float) -> None:
+def _check_ends(line: Floats, ring: Floats, width: float) -> None:
     from shapely import MultiPoint, Point
 
     hull = MultiPoint(ring).convex_hull
@@ -249,14 +247,16 @@ def _check_ends(line: Array, ring: Array, width: float) -> None:
         )
 
 
-def _root_stroke(line: Array, middle: Array, root: Array, sheet: Sheet, camera: Camera) -> Stroke:
-    """Half an ellipse from the end of a line to its start, as far as `root` beyond."""
+def _root_stroke(
+    line: Floats, middle: Floats, root: Floats, sheet: Sheet, camera: Camera
+) -> Stroke:
+    """Return half an ellipse from the end of a line to its start, as far as `root` beyond."""
     angle = np.linspace(0.0, np.pi, ROOT_STEPS + 1)
     places = middle + np.outer(np.cos(angle), line[-1] - middle) + np.outer(np.sin(angle), root)
     pixels, _ = camera.project(sheet.to_world(places))
     return Stroke(pixels[:, 0], pixels[:, 1], camera, tool="imported")
 
 
-def _point(values: Array) -> tuple[float, float, float]:
+def _point(values: Floats) -> tuple[float, float, float]:
     x, y, z = (float(v) for v in values)
     return x, y, z

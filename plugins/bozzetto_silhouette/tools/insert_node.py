@@ -1,23 +1,51 @@
-"""Where what the pen does to a shape goes in the tree: into the group of what it acts on."""
+"""A new node that cuts or grows: the group that it goes into, and whether it changes the shape."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
 
+from bozzetto.errors import UserError
+from bozzetto_silhouette.inflation.manifold_check import volume_of
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.solids.placements import carried, groups_around
-from bozzetto_silhouette.tools.carve_check import volume_left
-
-__all__ = ["landed"]
+from bozzetto_silhouette.view.picking import shape_seen
 
 ALIKE = 1e-3
 """Difference between two changes of the volume, as a share of either, up to which they are the
 same: meshes of one solid differ by less."""
 
+NOTHING = 1e-6
+"""Share of the volume that counts as nothing."""
 
-def landed(state: SilhouetteState, node: Part, touched: Iterable[Part]) -> SilhouetteState:
-    """The state with a new node, drawn in the model's frame, that belongs to some parts.
+
+def volume_left(state: SilhouetteState) -> float:
+    """Return the volume of the whole shape, mm³; 0 where there is none."""
+    touch = shape_seen(state)
+    return 0.0 if touch is None else volume_of(touch.body.vertices, touch.body.faces)
+
+
+def check_that_it_carves(before: SilhouetteState, after: SilhouetteState) -> float:
+    """Return the volume that is left, mm³.
+
+    Raises
+    ------
+    UserError
+        If there was nothing before, or nothing was taken away, or nothing is left.
+    """
+    whole = volume_left(before)
+    if not whole > 0.0:
+        raise UserError("There is nothing to cut yet. Draw a shape first.")
+    left = volume_left(after)
+    if left >= (1.0 - NOTHING) * whole:
+        raise UserError("This passes the shape by. Draw it over the shape.")
+    if left <= NOTHING * whole:
+        raise UserError("Nothing of the shape would be left. Draw it over a part of the shape.")
+    return left
+
+
+def insert_node(state: SilhouetteState, node: Part, touched: Iterable[Part]) -> SilhouetteState:
+    """Add a node, drawn in the model's frame, to the group of the parts that it acts on.
 
     It is the last of the innermost group around all of them in which it does to the shape what
     it would do after everything: so it moves with that group, and does not spare what it was
@@ -26,8 +54,11 @@ def landed(state: SilhouetteState, node: Part, touched: Iterable[Part]) -> Silho
     Parameters
     ----------
     state : SilhouetteState
+        The tree of nodes.
     node : Part
-    touched : parts of the state
+        The new one.
+    touched : iterable of Part
+        The parts that it acts on.
 
     Raises
     ------
@@ -49,7 +80,7 @@ def landed(state: SilhouetteState, node: Part, touched: Iterable[Part]) -> Silho
 
 
 def _around_all(state: SilhouetteState, parts: Iterable[Part]) -> list[Group]:
-    """The groups that some parts are all in, the innermost first."""
+    """Return the groups that all of some parts are in, the innermost first."""
     chains = [groups_around(state, part) for part in parts]
     if not chains:
         return []

@@ -9,15 +9,12 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Tap
-from bozzetto.scene import Scene
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.part_solid import body_of
-from bozzetto_silhouette.tools.arrange import placed_anew
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.arrange import after_motion
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.view.drag_motion import mirrored
 from bozzetto_silhouette.view.picking import TOUCHED_CELLS, touched_part
-
-__all__ = ["MirrorCopy"]
 
 UP = (0.0, 0.0, 1.0)
 """The world's."""
@@ -27,7 +24,7 @@ SAME = 0.02
 part's size: the meshes of two like halves differ by less."""
 
 
-class MirrorCopy(TellsOfJoints):
+class MirrorCopy(PoseAwareTool):
     """A twin across the plane of symmetry, right after the part itself.
 
     With Shift, and for a part that is its own mirror image there, across the upright plane
@@ -39,10 +36,6 @@ class MirrorCopy(TellsOfJoints):
     icon = "icons/mirror.svg"
     hint = "Tap a part for its mirror image across the plane of symmetry; Shift: left and right."
     gesture: Literal["ink", "tap", "drag"] = "tap"
-
-    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """A tap is over before anything could be shown."""
-        return Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Add the twin.
@@ -62,7 +55,7 @@ class MirrorCopy(TellsOfJoints):
         planes = [across] if gesture.shift else [normal, across]
         twins = (
             replace(
-                placed_anew(state, part, mirrored(point, plane)),
+                after_motion(state, part, mirrored(point, plane)),
                 id=state.unused_id(),
                 name=_name_of_twin(state, part),
             )
@@ -80,7 +73,7 @@ class MirrorCopy(TellsOfJoints):
 
 
 def _name_of_twin(state: SilhouetteState, part: Part) -> str:
-    """The name of a twin; numbered only where it is not the first."""
+    """Return the name of a twin, with a number only where it is not the first."""
     name = f"{part.name} mirrored"
     taken = any(node.name == name for node in state.nodes)
     return state.unused_name(name) if taken else name

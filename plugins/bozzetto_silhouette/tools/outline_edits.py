@@ -1,4 +1,4 @@
-"""What tools share that change the outline of a part: which part is meant, and how it shows."""
+"""Sketch over and smooth: the tools that change the outline of a part."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Layer, Lines, Scene
-from bozzetto_silhouette.model.state import Edit, Part, SilhouetteState
+from bozzetto_silhouette.arrays import Floats
+from bozzetto_silhouette.ink.oversketch import ring_drawn_over
+from bozzetto_silhouette.ink.ring_smoothing import rubbed_ring
+from bozzetto_silhouette.model.state import Edit, Oversketch, Part, SilhouetteState, Smoothing
 from bozzetto_silhouette.outline.edits import Rings, size_of
 from bozzetto_silhouette.outline.from_ink import outline_of, rings_of
 from bozzetto_silhouette.solids.placements import (
@@ -22,19 +24,20 @@ from bozzetto_silhouette.solids.placements import (
     outlined_parts,
     stroke_in,
 )
+from bozzetto_silhouette.tools.erase import erased
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 
-__all__ = ["edited_part", "preview_of"]
-
-Points = NDArray[np.float64]
-ChooseRing = Callable[[Rings, Points, float], int]
+ChooseRing = Callable[[Rings, Floats, float], int]
 MakeEdit = Callable[[Stroke, int], Edit]
 
 
 def edited_part(state: SilhouetteState, stroke: Stroke, choose: ChooseRing, make: MakeEdit) -> Part:
-    """The part that a stroke is meant for, with one more edit.
+    """Return the part that a stroke is meant for, with one more edit.
 
     Parameters
     ----------
+    state : SilhouetteState
+        The parts as they stand now.
     stroke : Stroke
         As drawn over the parts as they stand now.
     choose : callable
@@ -70,28 +73,8 @@ def edited_part(state: SilhouetteState, stroke: Stroke, choose: ChooseRing, make
     raise problem
 
 
-def preview_of(
-    state: SilhouetteState, gesture: Gesture, choose: ChooseRing, make: MakeEdit
-) -> Scene:
-    """The outline that would come, as lines; nothing while the stroke is not understood."""
-    if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
-        return Scene()
-    try:
-        part = edited_part(state, gesture.strokes[-1], choose, make)
-        rings = drawn_rings(state, part)
-    except UserError:
-        return Scene()
-    closed = [np.vstack([ring, ring[:1]]) for ring in rings]
-    starts = np.cumsum([0, *(len(ring) for ring in closed[:-1])])
-    points = np.concatenate(closed)
-    if not (np.abs(points) < np.finfo(np.float32).max).all():
-        return Scene()
-    lines = Lines(points.astype(np.float32), starts, color="accent", width=2.0, hidden="show")
-    return Scene((Layer("preview", (lines,)),))
-
-
 def _likely(state: SilhouetteState, stroke: Stroke) -> list[Part]:
-    """The parts that a stroke may be meant for: the chosen one, then by nearness in the picture."""
+    """Return the parts a stroke may be meant for: the chosen one, then the nearest seen."""
     import shapely
 
     found = []
@@ -113,8 +96,83 @@ def _likely(state: SilhouetteState, stroke: Stroke) -> list[Part]:
 
 
 def _as_seen(problem: UserError, mirrored: bool, stroke: Stroke) -> UserError:
-    """The places of a problem on the canvas of the stroke, where a part stands mirrored."""
+    """Return a problem with its places on the canvas of the stroke, where a part is mirrored."""
     if not mirrored:
         return problem
     width = stroke.camera.viewport[0]
     return UserError(problem.message, places=[(width - x, y) for x, y in problem.places])
+
+
+class _EditsOutline(PoseAwareTool):
+    """A tool that changes the outline of the part that a stroke is drawn over.
+
+    Attributes
+    ----------
+    refusal : str
+        What is said to who taps.
+    choose : callable
+        As for `edited_part`.
+    make : callable
+        As for `edited_part`.
+    """
+
+    refusal: str
+    choose: ChooseRing
+    make: MakeEdit
+
+    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
+        """Show the outline that would come; nothing while the stroke is not understood."""
+        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+            return Scene()
+        try:
+            part = edited_part(state, gesture.strokes[-1], self.choose, self.make)
+            rings = drawn_rings(state, part)
+        except UserError:
+            return Scene()
+        closed = [np.vstack([ring, ring[:1]]) for ring in rings]
+        starts = np.cumsum([0, *(len(ring) for ring in closed[:-1])])
+        points = np.concatenate(closed)
+        if not (np.abs(points) < np.finfo(np.float32).max).all():
+            return Scene()
+        lines = Lines(points.astype(np.float32), starts, color="accent", width=2.0, hidden="show")
+        return Scene((Layer("preview", (lines,)),))
+
+    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+        """Change the outline of the part under each stroke.
+
+        Raises
+        ------
+        UserError
+            If no outline is near, or the new one crosses itself.
+        """
+        if not isinstance(gesture, Ink):
+            raise UserError(self.refusal)
+        if gesture.strokes[-1].tool == "eraser":
+            return erased(state, gesture.strokes[-1])
+        for stroke in gesture.strokes:
+            state = state.with_node(edited_part(state, stroke, self.choose, self.make))
+        return state
+
+
+class SketchOver(_EditsOutline):
+    """An open stroke replaces a piece of the outline, a closed one all of a ring."""
+
+    id = "oversketch"
+    title = "Sketch over"
+    icon = "icons/oversketch.svg"
+    hint = "Draw a piece of the outline again, from the line back to the line."
+    refusal = "Draw over the outline with the pen."
+    choose = staticmethod(ring_drawn_over)
+    make = Oversketch
+
+
+class Smooth(_EditsOutline):
+    """The stretch under the stroke is smoothed: more where the rub is broad or comes back."""
+
+    id = "smooth"
+    title = "Smooth"
+    icon = "icons/smooth.svg"
+    hint = "Rub along the outline; broad or repeated rubbing smooths more."
+    refusal = "Rub along the outline with the pen."
+    choose = staticmethod(rubbed_ring)
+    make = Smoothing

@@ -3,37 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Ink, Tap
-from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_silhouette.model.state import SilhouetteState
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.view.picking import touched_part
-
-__all__ = ["Paint"]
 
 MOST_TOUCHES = 32
 """Samples of a stroke at which the shape is looked at: parts are larger than the gaps."""
 
 
-class Paint(TellsOfJoints):
+class Paint(PoseAwareTool):
     """A stroke over parts colours them; the pen's other end takes their colour away."""
 
     id = "paint"
     title = "Paint"
     icon = "icons/paint.svg"
     hint = "Draw over a part to give it the paint colour; the eraser takes it away."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
-
-    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The ink says it all."""
-        return Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
-        """Every part under the ink or the tap takes the colour.
+        """Give the paint colour to every part under the ink or the tap.
 
         Raises
         ------
@@ -57,7 +48,7 @@ class Paint(TellsOfJoints):
 
 
 def _places(gesture: Gesture) -> list[tuple[float, float, Camera]]:
-    """Where the pen touched the sheet: pixels, and through which camera."""
+    """Return where the pen touched the canvas, px, and the cameras."""
     if isinstance(gesture, Tap):
         return [(gesture.x, gesture.y, gesture.camera)]
     if isinstance(gesture, Ink):

@@ -1,14 +1,14 @@
-"""What a tool says of the next gesture: its own words, or how joints are dragged."""
+"""The base of the tools: while the shape is posed their hint says how to drag joints."""
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Gesture
+from bozzetto.scene import Scene
 from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.rigging.posing import joints_layer
-
-__all__ = ["DRAG_A_JOINT", "NO_JOINTS", "TellsOfJoints"]
 
 DRAG_A_JOINT: Final = (
     "Drag a joint and the skin follows; the end of a limb draws the limb along. "
@@ -19,18 +19,26 @@ NO_JOINTS: Final = (
 )
 
 
-class TellsOfJoints:
-    """A tool whose hint gives way to the joints while the shape is posed."""
+class PoseAwareTool:
+    """A tool whose hint gives way to the joints while the shape is posed.
+
+    Without a preview of its own: there the ink, or the result, shows everything.
+    """
 
     hint: str
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+
+    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
+        """Return an empty scene."""
+        return Scene()
 
     def next_hint(self, state: SilhouetteState) -> str:
-        """What to drag while the joints are shown, else what the tool waits for."""
+        """Return how to drag the joints while they are shown, else the tool's own hint."""
         if not state.posing or not state.nodes:
             return self.hint
         try:
             layer = joints_layer(state)
         except UserError:
-            return self.hint  # the ink is no outline, which the solve has told
+            return self.hint  # the ink is no outline, which the solve has reported
         # Besides the handles there may be roots, which stay where they are.
         return DRAG_A_JOINT if layer is not None and len(layer.items) > 1 else NO_JOINTS

@@ -10,17 +10,14 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture
-from bozzetto.scene import Scene
 from bozzetto_silhouette.model.state import Picture, SilhouetteState
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
-
-__all__ = ["ProjectPicture"]
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 
 MOST_PIXELS = 2048
 """Longest side of the picture that is kept: beyond, files grow and nothing more shows."""
 
 
-class ProjectPicture(TellsOfJoints):
+class ProjectPicture(PoseAwareTool):
     """The underlay colours the shape, front and back; without an underlay it comes off."""
 
     id = "picture"
@@ -28,10 +25,6 @@ class ProjectPicture(TellsOfJoints):
     icon = "icons/picture.svg"
     hint = "Tap to lay the underlay on the shape; tap without an underlay to take it off."
     gesture: Literal["ink", "tap", "drag"] = "tap"
-
-    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """The result says it all."""
-        return Scene()
 
     def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
         """Keep the underlay as the shape's picture.
@@ -53,7 +46,7 @@ class ProjectPicture(TellsOfJoints):
 
 
 def _within(pixels: NDArray[np.uint8], most: int) -> NDArray[np.uint8]:
-    """The picture made smaller until no side is longer than `most`."""
+    """Shrink a picture until no side is longer than `most`."""
     height, width = pixels.shape[:2]
     if max(height, width) <= most:
         return pixels

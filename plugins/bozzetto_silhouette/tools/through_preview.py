@@ -1,4 +1,4 @@
-"""Where lines of sight go through the shape: what is shown before anything is cut."""
+"""Lines of sight through the shape, shown before anything is cut."""
 
 from __future__ import annotations
 
@@ -6,26 +6,22 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.arrays import Flags, Floats
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.view.picking import Touch
 
-__all__ = ["Trace", "parts_at", "trace_of"]
-
-Array = NDArray[np.float64]
-
 RULED = 8
-"""Every which line of sight is drawn from where it goes in to where it comes out."""
+"""Of so many lines of sight one is drawn, from where it goes in to where it comes out."""
 
 WIDTHS = (2.0, 1.0)
-"""Of what runs on the surface and of lines of sight inside, px."""
+"""Widths of lines on the surface and of lines of sight inside, px."""
 
 
 class Trace(NamedTuple):
-    """Where n lines of sight go into the shape, and where they come out for good.
+    """The places where n lines of sight enter the shape, and where they leave it for good.
 
     Attributes
     ----------
@@ -36,21 +32,21 @@ class Trace(NamedTuple):
     """
 
     touch: Touch
-    near: Array
-    far: Array
+    near: Floats
+    far: Floats
 
     @property
-    def hit(self) -> NDArray[np.bool_]:
+    def hit(self) -> Flags:
         """Which of them meet the shape."""
         return np.asarray(np.isfinite(self.near).all(axis=1) & np.isfinite(self.far).all(axis=1))
 
     def parts(self, state: SilhouetteState) -> list[Part]:
-        """The parts that made the surface there."""
+        """Return the parts whose surface is met."""
         points = np.concatenate([self.near[self.hit], self.far[self.hit]])
         return parts_at(state, self.touch, points)
 
     def scene(self, *, through: bool) -> Scene:
-        """The line on the surface; with `through` also that on the far side, and between."""
+        """Show the line on the surface; with `through` also the far side and lines between."""
         sides = (self.near, self.far) if through else (self.near,)
         items = [_lines([run for side in sides for run in _runs(side, self.hit)], WIDTHS[0])]
         if through:
@@ -59,7 +55,7 @@ class Trace(NamedTuple):
         return Scene((Layer("preview", tuple(item for item in items if len(item.points))),))
 
 
-def trace_of(touch: Touch, pixels: Array, camera: Camera) -> Trace:
+def trace_of(touch: Touch, pixels: Floats, camera: Camera) -> Trace:
     """Follow lines of sight through canvas positions (n, 2) into a shape and out of it."""
     rays = camera.rays(pixels)
     near = touch.hits(rays)
@@ -71,8 +67,8 @@ def trace_of(touch: Touch, pixels: Array, camera: Camera) -> Trace:
     return Trace(touch, near.points, touch.hits(Rays(beyond, -rays.directions)).points)
 
 
-def parts_at(state: SilhouetteState, touch: Touch, points: Array) -> list[Part]:
-    """The parts that made a shape's surface at points (n, 3) on it."""
+def parts_at(state: SilhouetteState, touch: Touch, points: Floats) -> list[Part]:
+    """Return the parts that made a shape's surface at points (n, 3) on it."""
     from scipy.spatial import cKDTree
 
     if not len(points):
@@ -83,15 +79,15 @@ def parts_at(state: SilhouetteState, touch: Touch, points: Array) -> list[Part]:
     return [part for part in state.parts if part.id in sources]
 
 
-def _runs(line: Array, hit: NDArray[np.bool_]) -> list[Array]:
-    """The stretches of a line that lie on the shape."""
+def _runs(line: Floats, hit: Flags) -> list[Floats]:
+    """Return the stretches of a line that lie on the shape."""
     places = np.flatnonzero(hit)
     pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     return [line[piece] for piece in pieces if len(piece) > 1]
 
 
-def _lines(runs: Sequence[Array] | Array, width: float) -> Lines:
-    """Polylines (n, 3) each, as one item."""
+def _lines(runs: Sequence[Floats] | Floats, width: float) -> Lines:
+    """Join polylines (n, 3) into one item."""
     starts = np.cumsum([0, *(len(run) for run in runs[:-1])])
     points = np.concatenate([*runs, np.zeros((0, 3))]).astype(np.float32)
     return Lines(points, starts.astype(np.int32), color="accent", width=width)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
 from bozzetto.errors import Unfinished, UserError
@@ -14,31 +12,27 @@ from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import Sheet, sheet_under
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
-from bozzetto_silhouette.tools.carve_check import check_that_it_carves
 from bozzetto_silhouette.tools.draw_outline import meets_itself
 from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.insert_node import landed
-from bozzetto_silhouette.tools.posing_hints import TellsOfJoints
+from bozzetto_silhouette.tools.insert_node import check_that_it_carves, insert_node
+from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.tools.through_preview import Trace, trace_of
 from bozzetto_silhouette.view.picking import shape_seen
-
-__all__ = ["DrawTunnel"]
 
 LOOKS = 96
 """Lines of sight along the outline."""
 
 
-class DrawTunnel(TellsOfJoints):
+class DrawTunnel(PoseAwareTool):
     """A closed outline goes straight through what lies under it; the eraser takes parts away."""
 
     id = "tunnel"
     title = "Tunnel"
     icon = "icons/tunnel.svg"
     hint = "Draw a closed outline over the shape; it goes straight through."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """Where the tunnel goes in and comes out, and lines of sight through it."""
+        """Show where the tunnel goes in and comes out, and lines of sight through it."""
         if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
             return Scene()
         try:
@@ -75,11 +69,13 @@ class DrawTunnel(TellsOfJoints):
         outline_of(part)
         check_that_it_carves(state, state.with_node(part))
         trace = _trace(state, gesture.strokes, part.sheet)
-        return state.with_node(part) if trace is None else landed(state, part, trace.parts(state))
+        return (
+            state.with_node(part) if trace is None else insert_node(state, part, trace.parts(state))
+        )
 
 
 def _trace(state: SilhouetteState, strokes: tuple[Stroke, ...], sheet: Sheet) -> Trace | None:
-    """The lines of sight through an outline on a sheet; None where there is no shape."""
+    """Follow the lines of sight through an outline on a sheet; None where there is no shape."""
     touch = shape_seen(state)
     if touch is None:
         return None

@@ -1,1 +1,1 @@
-"""What is shown of a drawing, and what the pen touches. Imports solids and below."""
+"""Layers that show a drawing, and picking under the pen. Imports solids and below."""

@@ -7,40 +7,37 @@ one camera, and are safe in floating point however many of them add up.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.view import Camera
-
-__all__ = ["mirrored", "moved", "resized", "settled", "turned"]
-
-Array = NDArray[np.float64]
+from bozzetto_silhouette.arrays import Floats
 
 SIZES = (1e-3, 1e3)
 """Bounds of how much smaller or larger than drawn a thing may become."""
 
 TURN_STEP = np.deg2rad(15.0)
-"""What a turn is rounded to with Shift."""
+"""Angle that a turn is rounded to with Shift."""
 
 END_ON = 0.2
 """Sine of the angle to the line of sight below which an axis is not to be followed: a pixel
 would be a long way."""
 
 AIM = 4.0
-"""Distance from the middle, px, below which a direction or a size cannot be told."""
+"""Distance from the middle, px, below which a direction or a size cannot be found."""
 
 
 def moved(
-    middle: Array, camera: Camera, start: Array, end: Array, *, along_axis: bool = False
+    middle: Floats, camera: Camera, start: Floats, end: Floats, *, along_axis: bool = False
 ) -> Placement:
-    """A shift parallel to the screen, or along one axis of the world.
+    """Return a shift parallel to the screen, or along one axis of the world.
 
     Parameters
     ----------
     middle : (3,) float array
         What is moved; its depth tells how far a pixel goes.
     camera : Camera
+        What the drag is seen through.
     start, end : (2,) float array
         Canvas pixels.
     along_axis : bool
@@ -64,9 +61,9 @@ def moved(
 
 
 def turned(
-    middle: Array, camera: Camera, start: Array, end: Array, *, stepped: bool = False
+    middle: Floats, camera: Camera, start: Floats, end: Floats, *, stepped: bool = False
 ) -> Placement:
-    """A turn about the line of sight; `stepped` rounds it to 15 degrees."""
+    """Return a turn about the line of sight; `stepped` rounds it to 15 degrees."""
     first, last = _from_middle(middle, camera, start, end)
     angle = float(np.arctan2(-last[1], last[0]) - np.arctan2(-first[1], first[0]))
     if stepped:
@@ -74,28 +71,30 @@ def turned(
     return _about(middle, _rotation(-camera.axes[2], angle), 1.0)
 
 
-def resized(middle: Array, camera: Camera, start: Array, end: Array) -> Placement:
-    """A change of size about the middle."""
+def resized(middle: Floats, camera: Camera, start: Floats, end: Floats) -> Placement:
+    """Return a change of size about the middle."""
     first, last = _from_middle(middle, camera, start, end)
     share = np.hypot(*last) / np.hypot(*first)
     return _about(middle, np.eye(3), float(np.clip(share, *SIZES)))
 
 
-def mirrored(point: Array, normal: Array) -> Placement:
-    """The mirror image in a plane through a point."""
+def mirrored(point: Floats, normal: Floats) -> Placement:
+    """Return the reflection in a plane through a point."""
     unit = np.asarray(normal, np.float64) / np.linalg.norm(normal)
     return _about(np.asarray(point, np.float64), np.eye(3) - 2.0 * np.outer(unit, unit), 1.0)
 
 
 def settled(placement: Placement) -> Placement:
-    """The same with the nearest rotation and a size in bounds: errors do not add up."""
+    """Return a placement with the nearest rotation and a size in bounds: errors do not add up."""
     left, _, right = np.linalg.svd(np.reshape(placement.rotation, (3, 3)))
     rotation = tuple(float(v) for v in (left @ right).ravel())
     return Placement(rotation, float(np.clip(placement.scale, *SIZES)), placement.offset)
 
 
-def _from_middle(middle: Array, camera: Camera, start: Array, end: Array) -> tuple[Array, Array]:
-    """Pixels from the middle as seen; apart from it."""
+def _from_middle(
+    middle: Floats, camera: Camera, start: Floats, end: Floats
+) -> tuple[Floats, Floats]:
+    """Return both positions relative to the middle as it is seen, px; never zero."""
     seen, _ = camera.project(middle)
     first, last = start - seen[0], end - seen[0]
     if not np.isfinite(seen).all() or np.hypot(*first) < AIM:
@@ -105,42 +104,42 @@ def _from_middle(middle: Array, camera: Camera, start: Array, end: Array) -> tup
     return first, last
 
 
-def _nearest_axis(shift: Array, camera: Camera) -> Array:
-    """The world's axis whose picture runs most like a shift on the screen."""
+def _nearest_axis(shift: Floats, camera: Camera) -> Floats:
+    """Return the world's axis that is seen to run most like a shift on the screen."""
     right, up, _ = camera.axes
     pictures = np.column_stack([np.eye(3) @ right, np.eye(3) @ up])
     length = np.hypot(pictures[:, 0], pictures[:, 1])
     likeness = np.abs(pictures @ (shift @ right, shift @ up)) / np.maximum(length, END_ON)
     likeness[length < END_ON] = -1.0
-    axis: Array = np.eye(3)[int(likeness.argmax())]
+    axis: Floats = np.eye(3)[int(likeness.argmax())]
     return axis
 
 
-def _along(middle: Array, axis: Array, camera: Camera, pixel: Array) -> float:
-    """How far along an axis through the middle its point nearest to a line of sight lies."""
+def _along(middle: Floats, axis: Floats, camera: Camera, pixel: Floats) -> float:
+    """Return how far along an axis through the middle its point nearest to a line of sight lies."""
     rays = camera.rays([pixel])
-    between, sight = rays.origins[0] - middle, rays.directions[0]
-    slope = float(axis @ sight)
+    between, direction = rays.origins[0] - middle, rays.directions[0]
+    slope = float(axis @ direction)
     rest = 1.0 - slope**2
     if rest < 1e-9:
         return float("nan")
-    return float((axis @ between - slope * (sight @ between)) / rest)
+    return float((axis @ between - slope * (direction @ between)) / rest)
 
 
-def _rotation(axis: Array, angle: float) -> Array:
-    """The matrix of a turn about a unit vector, counter-clockwise seen against it."""
+def _rotation(axis: Floats, angle: float) -> Floats:
+    """Return the matrix of a turn about a unit vector, counter-clockwise seen against it."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    matrix: Array = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    matrix: Floats = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
     return matrix
 
 
-def _shift(by: Array) -> Placement:
+def _shift(by: Floats) -> Placement:
     x, y, z = (float(v) for v in by)
     return Placement(offset=(x, y, z))
 
 
-def _about(middle: Array, matrix: Array, scale: float) -> Placement:
-    """Turned and sized so that the middle stays."""
+def _about(middle: Floats, matrix: Floats, scale: float) -> Placement:
+    """Return a rotation and scaling that leaves the middle where it is."""
     x, y, z = (float(v) for v in middle - scale * (matrix @ middle))
     return Placement(tuple(float(v) for v in matrix.ravel()), scale, (x, y, z))

@@ -5,15 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bozzetto.scene import Handle, Layer, Lines
+from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.solids.placements import carried, is_shown, placement_of
-
-__all__ = ["ARRANGE", "Grip", "grip_of", "handles_layer", "members"]
-
-Array = NDArray[np.float64]
 
 ARRANGE = "arrange"
 """Id of the tool that shows handles: to any other pen they would only be in the way."""
@@ -30,7 +26,7 @@ from the middle also where the ring is seen edge-on."""
 
 @dataclass(frozen=True, eq=False)
 class Grip:
-    """Where a node is held, in the model's frame, mm.
+    """The ring by which a node is held, in the model's frame, mm.
 
     Attributes
     ----------
@@ -41,19 +37,19 @@ class Grip:
         Of the ring.
     """
 
-    middle: Array
-    right: Array
-    up: Array
+    middle: Floats
+    right: Floats
+    up: Floats
     radius: float
 
-    def on_ring(self, angles: Array) -> Array:
-        """Places on the ring, (n, 3)."""
+    def on_ring(self, angles: Floats) -> Floats:
+        """Return places on the ring, (n, 3)."""
         circle = np.outer(np.cos(angles), self.right) + np.outer(np.sin(angles), self.up)
         return np.asarray(self.middle + self.radius * circle, np.float64)
 
 
 def members(state: SilhouetteState, node: Part | Group) -> tuple[Part, ...]:
-    """The part itself, or all parts of a group and of the groups in it."""
+    """Return the part itself, or all parts of a group and of the groups in it."""
     if isinstance(node, Part):
         return (node,)
     inside, size = {node.id}, 0
@@ -64,7 +60,7 @@ def members(state: SilhouetteState, node: Part | Group) -> tuple[Part, ...]:
 
 
 def grip_of(state: SilhouetteState, node: Part | Group) -> Grip | None:
-    """Where a node is held; None where it has no ink that can be seen on its sheet."""
+    """Return where a node is held; None where it has no ink that can be seen on its sheet."""
     parts = members(state, node)
     found = [places for part in parts if len(places := _inked(state, part))]
     if not found:
@@ -82,7 +78,7 @@ def grip_of(state: SilhouetteState, node: Part | Group) -> Grip | None:
 
 
 def handles_layer(state: SilhouetteState) -> Layer | None:
-    """The handles of the chosen node; None where nothing is chosen that can be seen."""
+    """Return the handles of the chosen node; None where nothing is chosen that can be seen."""
     node = next((node for node in state.nodes if node.id == state.selected), None)
     if node is None or not is_shown(state, node):
         return None
@@ -103,13 +99,13 @@ def handles_layer(state: SilhouetteState) -> Layer | None:
     )
 
 
-def _handle(name: str, point: Array, tip: str) -> Handle:
+def _handle(name: str, point: Floats, tip: str) -> Handle:
     x, y, z = (float(v) for v in point)
     return Handle(name, (x, y, z), tip=tip)
 
 
-def _inked(state: SilhouetteState, part: Part) -> Array:
-    """A part's ink where it stands now, (n, 3)."""
+def _inked(state: SilhouetteState, part: Part) -> Floats:
+    """Return a part's ink where it stands now, (n, 3)."""
     lines = [part.sheet.from_pixels(s.points, s.camera) for s in part.strokes]
     points = np.concatenate([np.zeros((0, 2)), *lines])
     points = points[np.isfinite(points).all(axis=1)]

@@ -1,4 +1,4 @@
-"""What is shown of a drawing beside its shape: ink, outlines drawn over, profiles, deviations."""
+"""Layers beside the shape: ink, outlines drawn over, profiles, deviations."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Memory
 from bozzetto.scene import Layer, Lines
 from bozzetto_silhouette.analysis.fidelity import deviation_along
+from bozzetto_silhouette.arrays import Flags, Floats
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
@@ -23,10 +24,6 @@ from bozzetto_silhouette.solids.placements import (
     shown_parts,
 )
 
-__all__ = ["deviation_layer", "ink_layer"]
-
-Points = NDArray[np.float64]
-
 INK_WIDTH = (1.0, 3.0)
 """Width of ghost ink at no and at full pressure, pixels."""
 
@@ -37,11 +34,11 @@ from what can just be seen, green, to what nobody would call the same outline, r
 DEVIATION_WIDTH = 3.0
 """Pixels."""
 
-_deviations: Memory[list[tuple[Points, Points]]] = Memory(limit=16)
+_deviations: Memory[list[tuple[Floats, Floats]]] = Memory(limit=16)
 
 
 def ink_layer(state: SilhouetteState) -> Layer:
-    """The ink of all parts that are shown, where they stand now.
+    """Return the ink of all parts that are shown, where they stand now.
 
     Of a part whose outline was changed since, the outline takes the place of the ink. The
     profile is shown of the part that is chosen.
@@ -60,7 +57,7 @@ def ink_layer(state: SilhouetteState) -> Layer:
 
 
 def deviation_layer(state: SilhouetteState, part: Part, solid: SilhouetteSolid) -> Layer | None:
-    """Where the silhouette of a part leaves its outline by what can be seen; None nowhere."""
+    """Show where a part's silhouette visibly leaves its outline; None where it does not."""
     outline = outline_of(part)
     known = _deviations.recall(
         (solid, outline), lambda: [deviation_along(solid, ring) for ring in outline.rings]
@@ -80,7 +77,7 @@ def deviation_layer(state: SilhouetteState, part: Part, solid: SilhouetteSolid) 
 
 
 def _ink(state: SilhouetteState, part: Part, color: str) -> Lines:
-    """A part's ink, as wide as the hand pressed."""
+    """Return a part's ink, as wide as the hand pressed."""
     pose = carried(state, part)
     thin, thick = INK_WIDTH
     lines, widths = [], []
@@ -99,31 +96,31 @@ def _outline(state: SilhouetteState, part: Part, color: str) -> Lines:
     return _lines((np.vstack([ring, ring[:1]]) for ring in rings), color)
 
 
-def _profile(state: SilhouetteState, part: Part) -> Sequence[Points]:
+def _profile(state: SilhouetteState, part: Part) -> Sequence[Floats]:
     try:
         return drawn_profile(state, part)
     except UserError:
         return ()
 
 
-def _lines(lines: Iterable[Points], color: str, *, dashed: bool = False) -> Lines:
+def _lines(lines: Iterable[Floats], color: str, *, dashed: bool = False) -> Lines:
     return _joined(list(lines), color, sum(INK_WIDTH) / 2.0, "dashed" if dashed else "faint")
 
 
 def _joined(
-    lines: Sequence[Points],
+    lines: Sequence[Floats],
     color: str | tuple[int, int, int],
     width: float | NDArray[np.float32],
     hidden: Literal["faint", "dashed", "show"],
 ) -> Lines:
-    """Polylines as one item."""
+    """Join polylines into one item."""
     starts = np.cumsum([0, *(len(line) for line in lines[:-1])])
     points = np.concatenate([*lines, np.zeros((0, 3))])
     return Lines(points, starts, color=color, width=width, hidden=hidden)
 
 
-def _runs(points: Points, marked: NDArray[np.bool_]) -> list[Points]:
-    """The stretches of a line whose points are marked, each with the point after it."""
+def _runs(points: Floats, marked: Flags) -> list[Floats]:
+    """Return the stretches of a line whose points are marked, each with the point after it."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
     return [
         points[first : min(last + 1, len(points))]

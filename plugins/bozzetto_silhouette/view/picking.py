@@ -16,8 +16,6 @@ from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.evaluate import tree_body
 
-__all__ = ["Touch", "shape_seen", "touched_part"]
-
 Array = NDArray[np.float64]
 
 TOUCHED_CELLS = 64
@@ -40,11 +38,11 @@ class Touch:
     scene: Scene
 
     def hits(self, rays: Rays) -> Hits:
-        """Where rays first meet the shape."""
+        """Return where rays first meet the shape."""
         return cast_rays(self.scene, rays)
 
     def under(self, pixels: ArrayLike, camera: Camera) -> Hits:
-        """What lies under canvas positions (n, 2)."""
+        """Return where lines of sight through canvas positions (n, 2) meet the shape."""
         return self.hits(camera.rays(pixels))
 
 
@@ -52,7 +50,7 @@ _shapes: Memory[Touch | None] = Memory(limit=16)
 
 
 def shape_seen(state: SilhouetteState) -> Touch | None:
-    """The shape of all nodes that are switched on; None where there is nothing.
+    """Return the shape of all nodes that are switched on; None where there is nothing.
 
     It is put together without blends, which would take longer than a pen may wait: what is
     touched lies under a fillet, not on it.
@@ -75,7 +73,7 @@ def shape_seen(state: SilhouetteState) -> Touch | None:
 
 
 def touched_part(state: SilhouetteState, x: float, y: float, camera: Camera) -> Part | None:
-    """The part that made the surface under a canvas position; None beside the shape.
+    """Return the part that made the surface under a canvas position; None beside the shape.
 
     The wall of a tunnel belongs to the tunnel.
     """

@@ -7,7 +7,7 @@ import pytest
 
 from bozzetto_silhouette.analysis.fidelity import measure
 from bozzetto_silhouette.inflation.live_preview import inflate
-from bozzetto_silhouette.inflation.membrane import InflationSwelling, Membrane
+from bozzetto_silhouette.inflation.membrane import Membrane, MembraneHeights
 from bozzetto_silhouette.inflation.solidify import solidify
 from bozzetto_silhouette.outline.boundary_sampling import sample_rim
 from bozzetto_silhouette.outline.domain_mesh import plan_of
@@ -15,13 +15,13 @@ from bozzetto_silhouette.outline.outline import outline_from_rings
 from bozzetto_silhouette.outline.signed_distance import RimDistance
 from tests.plugins.silhouette import outlines as o
 
-INFLATION = InflationSwelling()
+INFLATION = MembraneHeights()
 
 
 def test_an_ellipse_becomes_an_ellipsoid_in_closed_form() -> None:
     # -laplace(u) = 1 on x^2/a^2 + y^2/b^2 < 1 is solved by a multiple of 1 - x^2/a^2 - y^2/b^2.
     ring = o.circle(0, 0, 1, 400) * [50.0, 20.0]
-    solid = solidify(outline_from_rings([ring]), swelling=INFLATION)
+    solid = solidify(outline_from_rings([ring]), height_model=INFLATION)
     x, y, z = solid.vertices.T
     exact = np.maximum(20.0**2 * (1.0 - (x / 50) ** 2 - (y / 20) ** 2), 0.0)
     assert z**2 == pytest.approx(exact, abs=0.01 * 20.0**2)
@@ -29,7 +29,7 @@ def test_an_ellipse_becomes_an_ellipsoid_in_closed_form() -> None:
 
 def test_every_body_is_as_thick_as_its_own_inscribed_ball() -> None:
     rings = [o.circle(-50, 0, 40, 200), o.circle(50, 0, 10, 100), o.circle(90, 0, 3, 80)]
-    solid = solidify(outline_from_rings(rings), swelling=INFLATION)
+    solid = solidify(outline_from_rings(rings), height_model=INFLATION)
     assert solid.soundness.ok
     # The smallest is five cells wide: its mesh is a polyhedron.
     for x, radius, coarse in ((-50, 40.0, 0.01), (50, 10.0, 0.01), (90, 3.0, 0.04)):
@@ -39,7 +39,7 @@ def test_every_body_is_as_thick_as_its_own_inscribed_ball() -> None:
 
 @pytest.mark.parametrize("name", ["key", "spider", "dice-five", "spiral", "mosquito"])
 def test_it_keeps_the_outline(name: str) -> None:
-    found = measure(solidify(o.outline(name), swelling=INFLATION, resolution=64))
+    found = measure(solidify(o.outline(name), height_model=INFLATION, resolution=64))
     assert found.topology_ok
     assert found.iou > 0.997
     assert 0.85 < found.thickness_ratio < 1.1
@@ -48,8 +48,8 @@ def test_it_keeps_the_outline(name: str) -> None:
 def _round(ring: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
     rim = sample_rim((ring,), step, 0.3 * step)
     plan = plan_of(rim, np.zeros((0, 2)), step)
-    feet = RimDistance(rim.points, rim.after)(plan.points[len(plan.after) :])
-    square = Membrane.of(plan).round(feet.distance, rim.radius[feet.segment])
+    closest = RimDistance(rim.points, rim.after)(plan.points[len(plan.after) :])
+    square = Membrane.of(plan).round(closest.distance, rim.radius[closest.segment])
     return plan.points, np.sqrt(square)
 
 

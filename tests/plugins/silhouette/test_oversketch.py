@@ -22,7 +22,7 @@ from bozzetto_silhouette.outline.edits import edited, size_of
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.part_solid import solid_of
 from bozzetto_silhouette.solids.placements import drawn_rings
-from bozzetto_silhouette.tools.oversketch import SketchOver
+from bozzetto_silhouette.tools.outline_edits import SketchOver
 from tests.plugins.silhouette import outlines
 
 PEN, TOOL, CONTEXT = Pen(), SketchOver(), Context()

@@ -19,7 +19,7 @@ from bozzetto_silhouette.model.state import Cut, Group, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.placements import drawn_rings
 from bozzetto_silhouette.tools import DrawOutline
-from bozzetto_silhouette.tools.oversketch import SketchOver
+from bozzetto_silhouette.tools.outline_edits import SketchOver
 
 PEN, TOOL, CONTEXT = Pen(), DrawOutline(), Context()
 

@@ -12,7 +12,7 @@ from bozzetto_silhouette.analysis.fidelity import measure
 from bozzetto_silhouette.implicit.convolution_field import convolution_field, with_correction
 from bozzetto_silhouette.implicit.kernel_sums import summation_of
 from bozzetto_silhouette.implicit.kernels import Compact, InversePower, Kernel
-from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling
+from bozzetto_silhouette.inflation.inflation import ConvolutionHeights
 from bozzetto_silhouette.inflation.solidify import solidify
 from bozzetto_silhouette.model.state import Kernel as KernelName
 from bozzetto_silhouette.outline.medial_axis import Skeleton
@@ -122,7 +122,7 @@ def test_an_unfitted_chain_sums_to_the_endless_line() -> None:
 def test_every_kernel_keeps_the_outline(name: KernelName, rule: SkeletonRule) -> None:
     for outline in ("key", "spider"):
         solid = solidify(
-            o.outline(outline), resolution=48, swelling=ConvolutionSwelling(1.4, name), rule=rule
+            o.outline(outline), resolution=48, height_model=ConvolutionHeights(1.4, name), rule=rule
         )
         found = measure(solid)
         assert found.topology_ok

@@ -24,7 +24,7 @@ from bozzetto_silhouette.implicit.variational import (
 )
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid, solidify
-from bozzetto_silhouette.inflation.variational import VariationalSwelling
+from bozzetto_silhouette.inflation.variational import VariationalHeights
 from bozzetto_silhouette.outline.normalized import frame_of
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 from bozzetto_silhouette.solids.polygonize import extract
@@ -56,7 +56,7 @@ def on_a_ball(count: int = 120, offset: float = 0.05) -> tuple[Points, Points]:
 
 
 def varied(name: str, resolution: int = 64) -> SilhouetteSolid:
-    return solidify(o.outline(name), resolution=resolution, swelling=VariationalSwelling())
+    return solidify(o.outline(name), resolution=resolution, height_model=VariationalHeights())
 
 
 # -- the function --
@@ -251,13 +251,13 @@ def test_gates(name: str) -> None:
 
 
 def test_a_disc_becomes_a_ball_and_a_bar_a_tube() -> None:
-    swelling = VariationalSwelling()
+    height_model = VariationalHeights()
     disc = outline_from_rings([o.circle(0, 0, 50, 300)])
-    ball = solidify(disc, resolution=64, swelling=swelling)
+    ball = solidify(disc, resolution=64, height_model=height_model)
     radius = np.sqrt((ball.vertices**2).sum(axis=1))
     assert radius == pytest.approx(np.full(len(radius), 50.0), rel=0.03)
     bar = np.array([[-80, -10], [80, -10], [80, 10], [-80, 10.0]])
-    tube = solidify(outline_from_rings([bar]), resolution=64, swelling=swelling)
+    tube = solidify(outline_from_rings([bar]), resolution=64, height_model=height_model)
     middle = tube.vertices[np.abs(tube.vertices[:, 0]) < 40]
     assert np.hypot(middle[:, 1], middle[:, 2]) == pytest.approx(
         np.full(len(middle), 10.0), rel=0.05
@@ -266,7 +266,7 @@ def test_a_disc_becomes_a_ball_and_a_bar_a_tube() -> None:
 
 def test_a_ring_becomes_a_torus() -> None:
     rings = [o.circle(0, 0, 50, 200), o.circle(0, 0, 30, 160)]
-    solid = solidify(outline_from_rings(rings), resolution=64, swelling=VariationalSwelling())
+    solid = solidify(outline_from_rings(rings), resolution=64, height_model=VariationalHeights())
     assert solid.soundness.genus == 1
     assert solid.soundness.volume == pytest.approx(2 * np.pi**2 * 40 * 10**2, rel=0.06)
 
@@ -277,7 +277,7 @@ def test_size_and_place_do_not_matter(scale: float) -> None:
     moved = solidify(
         o.outline("key").transformed(scale, np.array([1e4, -3e4]) * scale),
         resolution=40,
-        swelling=VariationalSwelling(),
+        height_model=VariationalHeights(),
     )
     assert moved.soundness.ok
     assert moved.soundness.volume / scale**3 == pytest.approx(plain.soundness.volume, rel=1e-4)
@@ -296,7 +296,9 @@ def test_how_it_was_drawn_hardly_matters() -> None:
     }
     plain = varied("hand-paper").soundness.volume
     for how, drawn in drawings.items():
-        solid = solidify(outline_from_rings([drawn]), resolution=64, swelling=VariationalSwelling())
+        solid = solidify(
+            outline_from_rings([drawn]), resolution=64, height_model=VariationalHeights()
+        )
         assert solid.soundness.ok, how
         assert solid.soundness.volume == pytest.approx(plain, rel=0.015), how
 
@@ -329,7 +331,9 @@ LONG = ("thin ring", "touching nearly", "far holes", "comb", "star")
 )
 def test_hostile_outlines(rings: list[Points]) -> None:
     try:
-        solid = solidify(outline_from_rings(rings), resolution=48, swelling=VariationalSwelling())
+        solid = solidify(
+            outline_from_rings(rings), resolution=48, height_model=VariationalHeights()
+        )
     except UserError:
         return
     assert solid.soundness.ok, solid.soundness
@@ -347,7 +351,9 @@ def test_random_blobs() -> None:
         )
         radius = 30.0 * np.exp(np.clip(wave, -1.8, 1.8))
         ring = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-        solid = solidify(outline_from_rings([ring]), resolution=40, swelling=VariationalSwelling())
+        solid = solidify(
+            outline_from_rings([ring]), resolution=40, height_model=VariationalHeights()
+        )
         found = measure(solid)
         assert found.topology_ok
         assert found.thickness_ratio < 1.2

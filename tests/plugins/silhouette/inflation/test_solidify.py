@@ -7,7 +7,7 @@ import pytest
 
 from bozzetto.errors import Cancelled
 from bozzetto_silhouette.analysis.fidelity import measure
-from bozzetto_silhouette.inflation.inflation import ConvolutionSwelling
+from bozzetto_silhouette.inflation.inflation import ConvolutionHeights
 from bozzetto_silhouette.inflation.live_preview import inflate
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid, solidify
 from bozzetto_silhouette.inflation.thickness import Uniform
@@ -160,7 +160,7 @@ def test_parameters(key: SilhouetteSolid) -> None:
     assert np.array_equal(flat.vertices[:, :2], key.vertices[:, :2])
     for softness in (1.25, 2.0):
         found = measure(
-            solidify(o.outline("key"), resolution=64, swelling=ConvolutionSwelling(softness))
+            solidify(o.outline("key"), resolution=64, height_model=ConvolutionHeights(softness))
         )
         assert found.topology_ok
         assert 0.8 < found.thickness_ratio < 1.15
@@ -189,7 +189,7 @@ def test_preview_shows_something_early_and_never_raises() -> None:
         assert shown.vertices[:, 2].max() > 0
         assert shown.faces.max() < len(shown.vertices)
     random = np.random.default_rng(4)
-    for _ in range(40):
+    for _ in range(15):
         inflate(random.normal(size=(int(random.integers(0, 70)), 2)).cumsum(axis=0))
     for nothing in (
         [],

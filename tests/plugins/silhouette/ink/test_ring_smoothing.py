@@ -18,7 +18,7 @@ from bozzetto_silhouette.ink.ring_smoothing import rubbed, rubbed_ring, softened
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.placements import drawn_rings
-from bozzetto_silhouette.tools.smooth import Smooth
+from bozzetto_silhouette.tools.outline_edits import Smooth
 from tests.plugins.silhouette import outlines
 
 TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)

@@ -111,9 +111,9 @@ def test_feet_that_nearly_touch_follow_their_own_leg():
     links += coo_matrix((np.ones(len(kept)), (kept[:, 1], kept[:, 2])), shape=links.shape)
     piece = connected_components(links, directed=False)[1]
     table = dense(result.skin)
-    feet = [piece == k for k in np.unique(piece[kept]) if (piece == k).sum() > 20]
-    assert len(feet) == 4
-    followed = [set(np.flatnonzero((table[foot] > 0.02).any(axis=0)).tolist()) for foot in feet]
+    closest = [piece == k for k in np.unique(piece[kept]) if (piece == k).sum() > 20]
+    assert len(closest) == 4
+    followed = [set(np.flatnonzero((table[foot] > 0.02).any(axis=0)).tolist()) for foot in closest]
     assert not any(followed[a] & followed[b] for a in range(4) for b in range(a))
 
 
@@ -334,7 +334,7 @@ def test_a_ball_has_one_joint_and_nothing_to_drag():
     state = replace(state_of(part(circle(0, 0, 0.5))), posing=True)
     assert len(rig_of(state).joints) == 1
     assert (solved(state).skin.weights[:, 0] == 1).all()
-    with pytest.raises(UserError, match="hangs on this joint"):
+    with pytest.raises(UserError, match="follow this one"):
         posed(state, drag_of(state, 0, (30, 0)))
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from bozzetto.geometry import Placement
-from bozzetto_silhouette.appearance.crease_normals import creased
+from bozzetto_silhouette.appearance.surface_look import creased
 from bozzetto_silhouette.outline.outline import outline_from_rings
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import combined

@@ -13,7 +13,7 @@ from bozzetto.errors import Cancelled
 from bozzetto.geometry import Placement
 from bozzetto_silhouette.inflation.heightfield import Relief
 from bozzetto_silhouette.inflation.solidify import solidify
-from bozzetto_silhouette.inflation.variational import VariationalSwelling
+from bozzetto_silhouette.inflation.variational import VariationalHeights
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.surface_constraints import constraints_on
@@ -27,7 +27,7 @@ UPRIGHT = (1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
 
 
 def body_of(outline: Outline, name: str, resolution: int = 32) -> Body:
-    solid = solidify(outline, resolution=resolution, swelling=VariationalSwelling())
+    solid = solidify(outline, resolution=resolution, height_model=VariationalHeights())
     relief = Relief(solid)
     return Body(
         solid.vertices,
