@@ -8,6 +8,7 @@ import os
 import shutil
 import sys
 import tempfile
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -18,8 +19,24 @@ from tests.conftest import move_home
 
 __all__ = ["Script", "Stage", "perform"]
 
+CLEARED: Final = 3
+"""Times that the sheet is cleared before a measurement: what arrives late asks again."""
+
+PATIENCE: Final = 4.0
+"""Seconds that each of these waits for the window's work at most."""
+
 STUCK: Final = 4.0
 """Seconds after which a menu or dialog that holds up an action is closed."""
+
+WORKERS: Final = "bozzetto-"
+"""Beginning of the names of the program's threads."""
+
+LASTING: Final = frozenset({"bozzetto-journal"})
+"""Threads that live as long as the window."""
+
+LONGEST_REST: Final = 90.0
+"""Seconds that a measurement waits for the workers at most: work that does not listen when it is
+cancelled is interrupted after sixty."""
 
 TURN: Final = 20
 """Time between two signs of life of the event loop, ms."""
@@ -59,6 +76,7 @@ class Stage:
         self.figures: list[dict[str, float]] = []
         self._log = open(log, "w", encoding="utf-8")
         self._began = self._calm_by = 0.0
+        self._rests = False
         self._turns = QTimer(interval=TURN)
         self._turns.timeout.connect(self._turned)
         self._script: Script = iter(())
@@ -100,10 +118,19 @@ class Stage:
         if not self.window.isVisible():
             self.open_window()
 
-    def measure(self, number: int) -> None:
-        """Keep what the process holds now."""
+    def measure(self, number: int) -> Script:
+        """Clear the sheet, wait until no worker works, and keep what the process holds then.
+
+        What a solve holds that was cancelled, but does not listen yet, is no growth.
+        """
         from tests.reliability.window_watch import figures_now
 
+        for _ in range(CLEARED):
+            self.clear()
+            yield PATIENCE
+        self._rests = True
+        yield LONGEST_REST
+        self._rests = False
         self.figures.append(figures_now(number).as_dict())
         print(f"… {self.figures[-1]}", file=sys.stderr, flush=True)
 
@@ -130,8 +157,7 @@ class Stage:
         """Let the script go on, if the window is ready or was waited for long enough."""
         from PySide6.QtCore import QTimer
 
-        busy = self.window.session.busy or self.window.keeper.busy
-        if busy and time.monotonic() < self._calm_by:
+        if self._is_busy() and time.monotonic() < self._calm_by:
             QTimer.singleShot(3, self._go_on)
             return
         try:
@@ -141,6 +167,14 @@ class Stage:
             return
         self._calm_by = time.monotonic() + patience
         QTimer.singleShot(0, self._go_on)
+
+    def _is_busy(self) -> bool:
+        """Whether the window has work; at a measurement, whether any worker lives."""
+        busy = bool(self.window.session.busy or self.window.keeper.busy)
+        if self._rests and not busy:
+            names = {thread.name for thread in threading.enumerate()} - LASTING
+            busy = any(name.startswith(WORKERS) for name in names)
+        return busy
 
     def _turned(self) -> None:
         self.watch.beat()
