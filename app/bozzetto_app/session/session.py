@@ -408,7 +408,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.opened.emit()
         if document.waiting:
             self.tell(
-                tr("Session", "Ink is waiting. Enter tries it, the pen’s eraser end takes it away.")
+                tr("Session", "Ink is waiting. Enter tries it, Backspace or the eraser takes it away.")
             )
 
     def saved_as(self, path: Path, snapshot: Document) -> None:
