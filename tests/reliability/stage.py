@@ -22,6 +22,9 @@ __all__ = ["Script", "Stage", "perform"]
 CLEARED: Final = 3
 """Times that the sheet is cleared before a measurement: what arrives late asks again."""
 
+SIZE: Final = (1200, 800)
+"""Of the window while it is measured, pixels."""
+
 PATIENCE: Final = 4.0
 """Seconds that each of these waits for the window's work at most."""
 
@@ -121,12 +124,15 @@ class Stage:
     def measure(self, number: int) -> Script:
         """Clear the sheet, wait until no worker works, and keep what the process holds then.
 
-        What a solve holds that was cancelled, but does not listen yet, is no growth.
+        What a solve holds that was cancelled, but does not listen yet, is no growth; nor are the
+        pictures of a larger window.
         """
         from tests.reliability.window_watch import figures_now
 
         for _ in range(CLEARED):
             self.clear()
+            self.window.showNormal()
+            self.window.resize(*SIZE)
             yield PATIENCE
         self._rests = True
         yield LONGEST_REST

@@ -92,7 +92,7 @@ class ToolRail(QWidget):
         self._finish.clicked.connect(session.commit_pending)
         self._drop = _RailButton(
             "cross",
-            tr("ToolRail", "Take the waiting strokes back; the eraser end, or Ctrl + pen, erases one"),
+            tr("ToolRail", "Take the waiting strokes back; the eraser, or Ctrl, takes one"),
         )
         self._drop.clicked.connect(session.clear_pending)
         self._waiting = QWidget()
