@@ -88,6 +88,11 @@ class KnownCurves:
             except PluginFault:
                 self._failed.add(model.modeler)
 
+    def forget(self) -> None:
+        """Forget all curves, and with them the models that they were learnt of."""
+        with self._lock:
+            self._kept.clear()
+
     def of(self, models: Iterable[Model]) -> tuple[Curve, ...]:
         """The curves of the visible models among some, in the world; asks no plugin."""
         found: list[Curve] = []

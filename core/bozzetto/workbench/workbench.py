@@ -298,6 +298,7 @@ class Workbench(ModelSources):
         with self._lock:
             self._results.clear()
         forget_all()
+        self.curves.forget()
 
     def best_result(self, model: Model) -> Any | None:
         """The final result where it is known, else the preview's, else None."""
