@@ -80,6 +80,9 @@ class Stage:
         self._log = open(log, "w", encoding="utf-8")
         self._began = self._calm_by = 0.0
         self._rests = False
+        # One timer for all: each single shot at a method leaves something behind.
+        self._next = QTimer(singleShot=True)
+        self._next.timeout.connect(self._go_on)
         self._turns = QTimer(interval=TURN)
         self._turns.timeout.connect(self._turned)
         self._script: Script = iter(())
@@ -161,10 +164,8 @@ class Stage:
 
     def _go_on(self) -> None:
         """Let the script go on, if the window is ready or was waited for long enough."""
-        from PySide6.QtCore import QTimer
-
         if self._is_busy() and time.monotonic() < self._calm_by:
-            QTimer.singleShot(3, self._go_on)
+            self._next.start(3)
             return
         try:
             patience = next(self._script)
@@ -172,7 +173,7 @@ class Stage:
             self.app.quit()
             return
         self._calm_by = time.monotonic() + patience
-        QTimer.singleShot(0, self._go_on)
+        self._next.start(0)
 
     def _is_busy(self) -> bool:
         """Whether the window has work; at a measurement, whether any worker lives."""
