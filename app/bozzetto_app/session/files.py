@@ -39,7 +39,7 @@ RECENT = "recent/files"
 LAST_FOLDER = "files/last_folder"
 MOST_RECENT = 10
 URI = "file://"
-SLOW_AFTER = 20.0
+SLOW_AFTER = 60.0
 """Seconds without progress after which reading or exporting is told as slow."""
 
 

@@ -26,7 +26,7 @@ __all__ = ["Picturing"]
 UNDERLAY_WIDTH = 200.0
 """Width at which a picture to trace is laid on the sheet, mm."""
 
-SLOW_AFTER = 20.0
+SLOW_AFTER = 60.0
 """Seconds without progress after which reading a picture is told as slow."""
 
 
