@@ -84,7 +84,9 @@ def _section(title: str, table: list[tuple[str, ...]], share: float, seconds: fl
     part = "All of it" if share == 1.0 else f"{share:.0%} of it"
     day = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
     lines += ["", f"{part}, {day}, {os.cpu_count()} cores, {platform.system()}, "]
-    lines[-1] += f"Python {platform.python_version()}, {seconds / 60:.1f} minutes."
+    lines[-1] += f"Python {platform.python_version()}, {seconds / 60:.1f} minutes, "
+    # Pauses and times that are not kept on a busy machine say little.
+    lines[-1] += f"{os.getloadavg()[2]:.0f} processes ready to run on average."
     return "\n".join(lines)
 
 
