@@ -40,8 +40,9 @@ def stroke_of(points, camera: Camera, tool="pen") -> Stroke:
 class Stylus:
     """Draws on a widget as a tablet would, one event after the other."""
 
-    def __init__(self, widget: QWidget, *, eraser: bool = False) -> None:
+    def __init__(self, widget: QWidget, *, eraser: bool = False, keys=NO_KEY) -> None:
         self.widget = widget
+        self.keys = keys
         self.stamp = 1000
         # Events hold a bare pointer to the device: it lives as long as the stylus.
         self.device = QPointingDevice(
@@ -77,7 +78,7 @@ class Stylus:
         self.stamp += 5
         event = QTabletEvent(
             kind, self.device, here, QPointF(self.widget.mapToGlobal(here)), pressure,
-            0.0, 0.0, 0.0, 0.0, 0.0, NO_KEY, button, buttons,
+            0.0, 0.0, 0.0, 0.0, 0.0, self.keys, button, buttons,
         )  # fmt: skip
         event.setTimestamp(self.stamp)
         QApplication.sendEvent(self.widget, event)
@@ -86,8 +87,9 @@ class Stylus:
 class Mouse:
     """Draws on a widget with the left button."""
 
-    def __init__(self, widget: QWidget) -> None:
+    def __init__(self, widget: QWidget, *, keys=NO_KEY) -> None:
         self.widget = widget
+        self.keys = keys
         self.stamp = 1000
 
     def draw(self, points: Iterable) -> None:
@@ -101,7 +103,7 @@ class Mouse:
         here = QPointF(*map(float, place))
         self.stamp += 5
         event = QMouseEvent(
-            kind, here, QPointF(self.widget.mapToGlobal(here)), button, buttons, NO_KEY
+            kind, here, QPointF(self.widget.mapToGlobal(here)), button, buttons, self.keys
         )
         event.setTimestamp(self.stamp)
         QApplication.sendEvent(self.widget, event)

@@ -42,7 +42,7 @@ def _impatient(monkeypatch):
         ("gestures", "PREVIEW_LIMIT"),
         ("toolbox", "TOOLS_LIMIT"),
         ("solver", "SOLVE_LIMIT"),
-        ("files", "READ_LIMIT"),
+        ("files", "SLOW_AFTER"),
     ):
         monkeypatch.setattr(f"bozzetto_app.session.{module}.{name}", LIMIT)
     monkeypatch.setattr("bozzetto_app.workers.channel.GRACE", LIMIT)

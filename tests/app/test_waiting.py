@@ -15,7 +15,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.import_file import read_mesh
 from bozzetto.view.camera import Camera
 from bozzetto_app.session.ink_choice import ink_to_try
-from tests.app.tablet import Stylus, circle, stroke_of
+from tests.app.tablet import Mouse, Stylus, circle, stroke_of
 from tests.app.two_boxes import FIRST, PLACE, REFUSAL, SECOND, two_boxes
 
 ARC = 0.6
@@ -308,6 +308,23 @@ def test_the_eraser_takes_waiting_strokes_one_by_one_and_undo_brings_them_again(
     lift([(300.0, 360.0), (310.0, 365.0)], "eraser")  # inside the circle, far from its line
     assert session.pending == (left, right)
     assert pair[0].calls["apply"] == calls + 1
+
+
+@pytest.mark.parametrize("device", [Stylus, Mouse])
+def test_what_has_no_other_end_erases_with_ctrl(make_window, pair, settle, device):
+    window = make_window(FIRST, extra=pair[0].packages)
+    session, canvas = window.session, window.canvas
+    pair[0].mood = "refuse"
+    across, down = canvas.width() / 2, canvas.height() / 2
+    drawn = device(canvas)
+    for place in (across - 120, across + 120):
+        drawn.draw(circle(place, down, 60))
+        settle(session)
+    left, _ = session.pending
+    rub = [(across + 180, down + 4 * k) for k in range(-10, 11)]
+    device(canvas, keys=Qt.KeyboardModifier.ControlModifier).draw(rub)
+    settle(session)
+    assert session.pending == (left,)
 
 
 def test_an_eraser_that_meets_nothing_leaves_nothing_behind(session, pair, lift):

@@ -1,8 +1,9 @@
 """Run the long reliability suites: ``python -m tests.reliability [SUITE …] [--share S] [--write]``.
 
 Every ``suite_NAME.py`` beside this file has a docstring whose first line is its title, and a
-function ``rows(share)`` that does ``share`` (0 to 1) of the full work. With ``--write`` the
-tables of the suites that were run go into ``docs/reliability.md``; those of the others stay.
+function ``rows(share)`` that does ``share`` (0 to 1) of the full work; one with random cases
+may take a ``seed`` as well. With ``--write`` the tables of the suites that were run go into
+``docs/reliability.md``, with the text of ``comparison.md``; those of the others stay.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import argparse
 import datetime
 import importlib
+import inspect
 import os
 import platform
 import re
@@ -20,6 +22,9 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 DOCUMENT = HERE.parents[1] / "docs" / "reliability.md"
+COMPARISON = HERE / "comparison.md"
+"""What other programs promise; part of the page."""
+
 HEADINGS = ("What", "Measured", "Promised", "Kept")
 
 
@@ -29,6 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.reliability")
     parser.add_argument("suites", nargs="*", metavar="SUITE", help=f"of {', '.join(suites)}")
     parser.add_argument("--share", type=float, default=1.0, help="of the full work, 0 to 1")
+    parser.add_argument("--seed", type=int, default=0, help="of suites with random cases")
     parser.add_argument("--write", action="store_true", help="write docs/reliability.md")
     options = parser.parse_args(arguments)
     unknown = set(options.suites) - set(suites)
@@ -41,16 +47,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"… {name}", file=sys.stderr, flush=True)
         module = importlib.import_module(f"tests.reliability.suite_{name}")
         started = time.monotonic()
-        rows = list(module.rows(options.share))
+        seeded = "seed" in inspect.signature(module.rows).parameters
+        rows = list(module.rows(options.share, **({"seed": options.seed} if seeded else {})))
         seconds = time.monotonic() - started
         kept = kept and all(row.kept for row in rows)
         title = (module.__doc__ or name).splitlines()[0].rstrip(".")
         text = _section(title, [row.cells() for row in rows], options.share, seconds)
         print(text, flush=True)
         if options.write:
-            page = DOCUMENT.read_text(encoding="utf-8")
-            DOCUMENT.write_text(with_section(page, name, text), encoding="utf-8")
+            _write(name, text)
+    if options.write:
+        _write("comparison", COMPARISON.read_text(encoding="utf-8").strip())
     return 0 if kept else 1
+
+
+def _write(name: str, text: str) -> None:
+    """Put a section onto the page."""
+    page = DOCUMENT.read_text(encoding="utf-8")
+    DOCUMENT.write_text(with_section(page, name, text), encoding="utf-8")
 
 
 def with_section(page: str, name: str, text: str) -> str:
@@ -70,7 +84,9 @@ def _section(title: str, table: list[tuple[str, ...]], share: float, seconds: fl
     part = "All of it" if share == 1.0 else f"{share:.0%} of it"
     day = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
     lines += ["", f"{part}, {day}, {os.cpu_count()} cores, {platform.system()}, "]
-    lines[-1] += f"Python {platform.python_version()}, {seconds / 60:.1f} minutes."
+    lines[-1] += f"Python {platform.python_version()}, {seconds / 60:.1f} minutes, "
+    # Pauses and times that are not kept on a busy machine say little.
+    lines[-1] += f"{os.getloadavg()[2]:.0f} processes ready to run on average."
     return "\n".join(lines)
 
 

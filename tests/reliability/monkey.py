@@ -124,10 +124,7 @@ class Player:
             self.stage.do(number, way.__name__, partial(way, self))
             yield patience
             if number % EVERY == 0 or number == actions:
-                for _ in range(3):
-                    self.stage.clear()
-                    yield PATIENCE
-                self.stage.measure(number)
+                yield from self.stage.measure(number)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -226,6 +226,8 @@ def chunk_changed(content: bytes, rng: random.Random) -> bytes:
         (length,) = struct.unpack_from(">I", content, at)
         chunks.append((content[at + 4 : at + 8], content[at + 8 : at + 8 + length]))
         at += 12 + length
+    if not chunks:
+        return bytes_changed(content, rng)
     which = rng.randrange(len(chunks))
     kind, body = chunks[which]
     chunks[which] = (kind, bytes_changed(body, rng) if body else rng.randbytes(4))
@@ -261,8 +263,9 @@ def cases(count: int, seed: int) -> Iterator[Case]:
 
 @cache
 def folder() -> Path:
-    """A place for the files of this process."""
-    made = tempfile.mkdtemp(prefix="bozzetto-mutated-")
+    """A place for the files of this process, in memory where the system has such a place."""
+    memory = Path("/dev/shm")
+    made = tempfile.mkdtemp(prefix="bozzetto-mutated-", dir=memory if memory.is_dir() else None)
     atexit.register(shutil.rmtree, made, ignore_errors=True)
     return Path(made)
 

@@ -51,9 +51,7 @@ class Person:
             if number > 2 and time.monotonic() > self._end:
                 return
             yield from self._document(info, number)
-            self.stage.clear()
-            yield PATIENCE
-            self.stage.measure(number)
+            yield from self.stage.measure(number)
 
     @property
     def session(self) -> Any:

@@ -8,6 +8,7 @@ import os
 import shutil
 import sys
 import tempfile
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -18,8 +19,27 @@ from tests.conftest import move_home
 
 __all__ = ["Script", "Stage", "perform"]
 
+CLEARED: Final = 3
+"""Times that the sheet is cleared before a measurement: what arrives late asks again."""
+
+SIZE: Final = (1200, 800)
+"""Of the window while it is measured, pixels."""
+
+PATIENCE: Final = 4.0
+"""Seconds that each of these waits for the window's work at most."""
+
 STUCK: Final = 4.0
 """Seconds after which a menu or dialog that holds up an action is closed."""
+
+WORKERS: Final = "bozzetto-"
+"""Beginning of the names of the program's threads."""
+
+LASTING: Final = frozenset({"bozzetto-journal"})
+"""Threads that live as long as the window."""
+
+LONGEST_REST: Final = 90.0
+"""Seconds that a measurement waits for the workers at most: work that does not listen when it is
+cancelled is interrupted after sixty."""
 
 TURN: Final = 20
 """Time between two signs of life of the event loop, ms."""
@@ -59,6 +79,10 @@ class Stage:
         self.figures: list[dict[str, float]] = []
         self._log = open(log, "w", encoding="utf-8")
         self._began = self._calm_by = 0.0
+        self._rests = False
+        # One timer for all: each single shot at a method leaves something behind.
+        self._next = QTimer(singleShot=True)
+        self._next.timeout.connect(self._go_on)
         self._turns = QTimer(interval=TURN)
         self._turns.timeout.connect(self._turned)
         self._script: Script = iter(())
@@ -100,10 +124,22 @@ class Stage:
         if not self.window.isVisible():
             self.open_window()
 
-    def measure(self, number: int) -> None:
-        """Keep what the process holds now."""
+    def measure(self, number: int) -> Script:
+        """Clear the sheet, wait until no worker works, and keep what the process holds then.
+
+        What a solve holds that was cancelled, but does not listen yet, is no growth; nor are the
+        pictures of a larger window.
+        """
         from tests.reliability.window_watch import figures_now
 
+        for _ in range(CLEARED):
+            self.clear()
+            self.window.showNormal()
+            self.window.resize(*SIZE)
+            yield PATIENCE
+        self._rests = True
+        yield LONGEST_REST
+        self._rests = False
         self.figures.append(figures_now(number).as_dict())
         print(f"… {self.figures[-1]}", file=sys.stderr, flush=True)
 
@@ -128,11 +164,8 @@ class Stage:
 
     def _go_on(self) -> None:
         """Let the script go on, if the window is ready or was waited for long enough."""
-        from PySide6.QtCore import QTimer
-
-        busy = self.window.session.busy or self.window.keeper.busy
-        if busy and time.monotonic() < self._calm_by:
-            QTimer.singleShot(3, self._go_on)
+        if self._is_busy() and time.monotonic() < self._calm_by:
+            self._next.start(3)
             return
         try:
             patience = next(self._script)
@@ -140,7 +173,15 @@ class Stage:
             self.app.quit()
             return
         self._calm_by = time.monotonic() + patience
-        QTimer.singleShot(0, self._go_on)
+        self._next.start(0)
+
+    def _is_busy(self) -> bool:
+        """Whether the window has work; at a measurement, whether any worker lives."""
+        busy = bool(self.window.session.busy or self.window.keeper.busy)
+        if self._rests and not busy:
+            names = {thread.name for thread in threading.enumerate()} - LASTING
+            busy = any(name.startswith(WORKERS) for name in names)
+        return busy
 
     def _turned(self) -> None:
         self.watch.beat()

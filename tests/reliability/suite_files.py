@@ -9,11 +9,14 @@ handed over.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
 import multiprocessing
+import multiprocessing.connection
 import os
 import resource
+import signal
 import sys
 import tempfile
 import threading
@@ -51,10 +54,24 @@ TICK = 0.002
 """Seconds between two looks at the clock."""
 
 
-def rows(share: float) -> Iterator[Row]:
-    """Do a share of the full work."""
+BATCH = 2_000
+"""Mutated files that one process reads: what it leaks, or dies of, ends with it."""
+
+STUCK = 30.0
+"""Processor time after which a reader that does not answer is ended, seconds."""
+
+
+def rows(share: float, seed: int = 0) -> Iterator[Row]:
+    """Do a share of the full work.
+
+    Parameters
+    ----------
+    share : float
+    seed : int
+        Of the first batch of mutated files; those after it follow.
+    """
     workers = os.cpu_count() or 1
-    yield _mutated_row(round(MUTATED * share), workers)
+    yield _mutated_row(round(MUTATED * share), workers, seed)
     yield _models_row(max(20, round(MODELS * share)), workers)
     yield from _hostile_rows(max(64_000, round(LARGEST * share)))
 
@@ -62,29 +79,33 @@ def rows(share: float) -> Iterator[Row]:
 # -- work in forked processes ----------------------------------------------------------------------
 
 
-def _in_forks(work: Callable[..., Any], arguments: list[tuple[Any, ...]]) -> list[Any]:
-    """The answers of some calls, each made in a process of its own."""
+def _in_forks(
+    work: Callable[..., Any], arguments: list[tuple[Any, ...]], at_once: int | None = None
+) -> list[Any]:
+    """The answers of some calls, each made in a process of its own; None of one that died."""
     context = multiprocessing.get_context("fork")
+    answers: list[Any] = [None] * len(arguments)
+    running: dict[Any, tuple[int, Any]] = {}
+    waiting = list(enumerate(arguments))
 
     def answer(pipe: Any, given: tuple[Any, ...]) -> None:
         warnings.simplefilter("ignore")
         logging.disable(logging.CRITICAL)
         pipe.send(work(*given))
 
-    started = []
-    for given in arguments:
-        here, there = context.Pipe(duplex=False)
-        process = context.Process(target=answer, args=(there, given))
-        process.start()
-        there.close()
-        started.append((process, here))
-    answers = []
-    for process, pipe in started:
-        try:
-            answers.append(pipe.recv())
-        except EOFError:
-            answers.append(None)
-        process.join()
+    while waiting or running:
+        while waiting and len(running) < (at_once or len(arguments)):
+            place, given = waiting.pop(0)
+            here, there = context.Pipe(duplex=False)
+            process = context.Process(target=answer, args=(there, given))
+            process.start()
+            there.close()
+            running[here] = (place, process)
+        for pipe in multiprocessing.connection.wait(list(running)):
+            place, process = running.pop(pipe)
+            with contextlib.suppress(EOFError):
+                answers[place] = pipe.recv()  # type: ignore[union-attr]
+            process.join()
     return answers
 
 
@@ -96,14 +117,20 @@ def _peak() -> float:
 # -- mutated files ---------------------------------------------------------------------------------
 
 
-def read_mutated(count: int, seed: int) -> dict[str, Any]:
-    """Read mutated files; what became of them, the slowest, and the first failures."""
+def read_mutated(count: int, seed: int, reached: Any) -> dict[str, Any]:
+    """Read mutated files; what became of them, the slowest, and the first failures.
+
+    A reader that does not answer is ended by the system, and this process with it; `reached`
+    (a shared number) says which case it was.
+    """
     for case in seeds():
         read(*case)
     before, slowest = _peak(), (0.0, "")
     tally: Counter[str] = Counter()
     failures: list[str] = []
-    for ending, content in cases(count, seed):
+    for number, (ending, content) in enumerate(cases(count, seed)):
+        reached.value = number
+        signal.setitimer(signal.ITIMER_PROF, STUCK)
         started = time.process_time()
         try:
             read(ending, content)
@@ -120,18 +147,24 @@ def read_mutated(count: int, seed: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _mutated_row(count: int, workers: int) -> Row:
-    each = max(1, count // workers)
-    found = _in_forks(read_mutated, [(each, seed) for seed in range(workers)])
+def _mutated_row(count: int, workers: int, first: int = 0) -> Row:
+    sizes = [min(BATCH, count - done) for done in range(0, count, BATCH)]
+    reached = [multiprocessing.RawValue("q") for _ in sizes]
+    batches = list(zip(sizes, range(first, first + len(sizes)), reached, strict=True))
+    found = _in_forks(read_mutated, batches, workers)
     whole = [one for one in found if one is not None]
     total: Counter[str] = Counter()
+    for (_, seed, case), one in zip(batches, found, strict=True):
+        if one is None:
+            total["failed"] += 1
+            print(f"seed {seed} died at case {case.value}", file=sys.stderr, flush=True)
     for one in whole:
         total.update(one["tally"])
         for failure in one["failures"]:
             print(failure, file=sys.stderr)
     seconds, ending = max((one["slowest"] for one in whole), default=(0.0, ""))
     grown = max((one["grown"] for one in whole), default=0.0)
-    kept = len(whole) == workers and not total["failed"] and seconds < SECONDS and grown < GROWTH
+    kept = not total["failed"] and seconds < SECONDS and grown < GROWTH
     return Row(
         f"{sum(total.values()):,} mutated files over all loaders",
         f"{total['read']:,} read, {total['refused']:,} refused, {total['failed']} failed; "

@@ -128,7 +128,7 @@ class ActionRegistry(QObject):
         self._made: dict[str, QAction] = {}
         self._keys: dict[str, str] = {}
         self._bar: QMenuBar | None = None
-        self._menus: list[QMenu] = []
+        self._menus: dict[MenuPath, QMenu] = {}
 
     def register(self, *actions: Action) -> Callable[[], None]:
         """Add actions; call what is returned to take them out again.
@@ -264,9 +264,8 @@ class ActionRegistry(QObject):
 
     def _fill(self, bar: QMenuBar) -> None:
         bar.clear()
-        for menu in self._menus:
-            menu.deleteLater()
-        self._menus = []
+        for menu in self._menus.values():
+            menu.clear()
         entries: dict[MenuPath, dict[str, list[Action | MenuPath]]] = {(): {}}
         for action in self._actions.values():
             for depth in range(1, len(action.menu) + 1):
@@ -276,6 +275,8 @@ class ActionRegistry(QObject):
                     entries[path[:-1]].setdefault("", []).append(path)
             if action.menu:
                 entries[action.menu].setdefault(action.group, []).append(action)
+        for path in set(self._menus).difference(entries):
+            self._menus.pop(path).deleteLater()
         self._add(bar, (), entries)
 
     def _add(
@@ -292,8 +293,15 @@ class ActionRegistry(QObject):
                 if isinstance(entry, Action):
                     menu.addAction(self._made[entry.id])
                     continue
-                inner = menu.addMenu(entry[-1])
-                inner.setToolTipsVisible(True)
-                inner.aboutToShow.connect(self.refresh)
-                self._menus.append(inner)
+                inner = self._menu(entry)
+                menu.addMenu(inner)
                 self._add(inner, entry, entries)
+
+    def _menu(self, path: MenuPath) -> QMenu:
+        """Return the menu of a path: filled again and again, for the bar keeps hold of each."""
+        if path not in self._menus:
+            made = QMenu(path[-1], self._bar)
+            made.setToolTipsVisible(True)
+            made.aboutToShow.connect(self.refresh)
+            self._menus[path] = made
+        return self._menus[path]

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from datetime import datetime
+from typing import Final
 
-from PySide6.QtCore import QDateTime, QLocale
+from PySide6.QtCore import QDateTime, QLocale, Qt
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QMessageBox,
     QPushButton,
+    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -21,6 +24,9 @@ from bozzetto_app.dialogs.dialog import Page, label, quiet
 from bozzetto_app.i18n import tr
 
 __all__ = ["RecoveryDialog"]
+
+MOST_OF_SCREEN: Final = 0.6
+"""Share of the screen's height that the drawings may take; more of them are scrolled."""
 
 
 def _clock(seconds: float) -> str:
@@ -62,15 +68,34 @@ class RecoveryDialog(Page):
         self.column.addWidget(
             label(tr("Recovery", "Bozzetto closed unexpectedly."), kind="heading")
         )
+        self._cards = QVBoxLayout()
+        self._cards.setContentsMargins(0, 0, 0, 0)
+        self._cards.setSpacing(12)
         for number, session in enumerate(sessions):
-            self.column.addWidget(self._card(session, first=number == 0))
+            self._cards.addWidget(self._card(session, first=number == 0))
+        self._cards.addStretch(1)
+        self._area = QScrollArea()
+        self._area.setWidgetResizable(True)
+        self._area.setFrameShape(QFrame.Shape.NoFrame)
+        self._area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        page = QWidget()
+        page.setLayout(self._cards)
+        self._area.setWidget(page)
+        self.column.addWidget(self._area, 1)
         self.column.addWidget(
             quiet(tr("Recovery", "What you do not open now is kept and offered again."))
         )
-        self.column.addStretch(1)
         self.keep = self.add_button(tr("Recovery", "Keep for later"))
         self.keep.clicked.connect(self.reject)
         self.setMinimumWidth(520)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        # The words wrap: how tall the cards are is known once they have a width and a screen.
+        tall = self._cards.totalHeightForWidth(self._area.viewport().width())
+        most = round(MOST_OF_SCREEN * self.screen().availableGeometry().height())
+        self._area.setMinimumHeight(min(tall, most))
+        self.adjustSize()
 
     def _card(self, session: CrashedSession, *, first: bool) -> QFrame:
         card = QFrame()

@@ -36,7 +36,7 @@ def gestures() -> tuple[tuple[str, str], ...]:
     """What the pen, mouse and fingers do on the sheet: the deed and the gesture."""
     return (
         (tr("Gestures", "Draw"), tr("Gestures", "Pen, or left button")),
-        (tr("Gestures", "Erase"), tr("Gestures", "Eraser end; press harder for wider")),
+        (tr("Gestures", "Erase"), tr("Gestures", "Eraser end, or Ctrl + pen or left button")),
         (tr("Gestures", "Turn"), tr("Gestures", "Middle button, Alt + pen, one finger")),
         (tr("Gestures", "Move the view"), tr("Gestures", "Shift + middle button, two fingers")),
         (tr("Gestures", "Zoom"), tr("Gestures", "Wheel, Ctrl + middle button, pinch")),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QRectF, Qt
+from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.toolbox import TOOL_KEYS
@@ -22,8 +23,24 @@ __all__ = ["ToolRail"]
 SIDE = 44
 """Side of a tool's button, px: what a finger or a pen on glass hits surely."""
 
+LOWEST = 24
+"""Height of a button in a window that is too low for all of them, px. A rail that kept its height
+would make the window higher than the screen when the first ink waits."""
 
-class _ToolButton(IconButton):
+
+class _RailButton(IconButton):
+    """A button of the rail, lower than wide where there is no room."""
+
+    def __init__(self, source: str | Path | None, name: str, key: str = "") -> None:
+        super().__init__(source, name, side=SIDE, key=key)
+        self.setMinimumHeight(LOWEST)
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
+
+    def sizeHint(self) -> QSize:
+        return QSize(SIDE, SIDE)
+
+
+class _ToolButton(_RailButton):
     """A tool; the active one has a bar at its left besides its ground."""
 
     def paint_ground(self, painter: QPainter) -> None:
@@ -35,17 +52,19 @@ class _ToolButton(IconButton):
         painter.setBrush(qcolor(colors.chosen))
         painter.drawRoundedRect(QRectF(self.rect()).adjusted(2, 2, -2, -2), RADIUS, RADIUS)
         painter.setBrush(qcolor(colors.accent))
-        painter.drawRoundedRect(QRectF(0, 10, 3, self.height() - 20), 1.5, 1.5)
+        edge = min(10.0, self.height() / 4)
+        painter.drawRoundedRect(QRectF(0, edge, 3, self.height() - 2 * edge), 1.5, 1.5)
 
 
-class _FinishButton(IconButton):
+class _FinishButton(_RailButton):
     """The one thing to press while ink waits."""
 
     def paint_ground(self, painter: QPainter) -> None:
         colors = tones()
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(qcolor(colors.chosen if not self.underMouse() else colors.press))
-        painter.drawEllipse(QRectF(self.rect()).adjusted(2, 2, -2, -2))
+        radius = min(self.width(), self.height()) / 2 - 2
+        painter.drawEllipse(QRectF(self.rect()).center(), radius, radius)
 
 
 class ToolRail(QWidget):
@@ -68,14 +87,12 @@ class ToolRail(QWidget):
         self._finish = _FinishButton(
             "check",
             tr("ToolRail", "Finish the waiting strokes"),
-            side=SIDE,
             key=tr("Keys", "Enter"),
         )
         self._finish.clicked.connect(session.commit_pending)
-        self._drop = IconButton(
+        self._drop = _RailButton(
             "cross",
-            tr("ToolRail", "Take the waiting strokes back; the pen's eraser end erases one"),
-            side=SIDE,
+            tr("ToolRail", "Take the waiting strokes back; the eraser, or Ctrl, takes one"),
         )
         self._drop.clicked.connect(session.clear_pending)
         self._waiting = QWidget()
@@ -104,7 +121,7 @@ class ToolRail(QWidget):
         self._buttons = {}
         for place, tool in enumerate(self._session.tools):
             key = TOOL_KEYS[place : place + 1]
-            button = _ToolButton(tool.icon, tool.title, side=SIDE, key=key)
+            button = _ToolButton(tool.icon, tool.title, key)
             button.setAccessibleDescription(tool.hint)
             button.setStatusTip(tool.hint)
             button.setCheckable(True)

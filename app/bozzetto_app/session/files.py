@@ -39,8 +39,8 @@ RECENT = "recent/files"
 LAST_FOLDER = "files/last_folder"
 MOST_RECENT = 10
 URI = "file://"
-READ_LIMIT = 60.0
-"""Seconds that reading or exporting may go on without progress before it counts as hung."""
+SLOW_AFTER = 60.0
+"""Seconds without progress after which reading or exporting is told as slow."""
 
 
 def recent_files() -> list[Path]:
@@ -135,7 +135,10 @@ class Files(QObject):
         # Saving has a channel of its own: a plugin that hangs over an import or an export
         # must not come between a person and their file.
         self._saves = Channel("save", keep_all=True, parent=self)
-        self._reads = Channel("file", keep_all=True, time_limit=READ_LIMIT, parent=self)
+        self._reads = Channel(
+            "file", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
+        )
+        self._reads.slow.connect(session.tell_slow)
         for channel in (self._saves, self._reads):
             channel.progressed.connect(self.progressed)
             channel.busy_changed.connect(self.busy_changed)

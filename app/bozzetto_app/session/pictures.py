@@ -26,8 +26,8 @@ __all__ = ["Picturing"]
 UNDERLAY_WIDTH = 200.0
 """Width at which a picture to trace is laid on the sheet, mm."""
 
-READ_LIMIT = 60.0
-"""Seconds that reading a picture may take before it counts as hung."""
+SLOW_AFTER = 60.0
+"""Seconds without progress after which reading a picture is told as slow."""
 
 
 class Picturing(QObject):
@@ -51,7 +51,10 @@ class Picturing(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._channel = Channel("picture", keep_all=True, time_limit=READ_LIMIT, parent=self)
+        self._channel = Channel(
+            "picture", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
+        )
+        self._channel.slow.connect(session.tell_slow)
         self._channel.progressed.connect(self.progressed)
         self._channel.busy_changed.connect(self.busy_changed)
 

@@ -407,9 +407,7 @@ class Session(ObjectEdits, PartEditing, PenCalls, Looking):
         self.report_changed.emit()
         self.opened.emit()
         if document.waiting:
-            self.tell(
-                tr("Session", "Ink is waiting. Enter tries it, the pen’s eraser end takes it away.")
-            )
+            self.tell(tr("Session", "Ink is waiting. Enter tries it, the eraser takes it away."))
 
     def saved_as(self, path: Path, snapshot: Document) -> None:
         """Note that a snapshot is on the disk."""

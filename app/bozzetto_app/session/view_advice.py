@@ -73,6 +73,7 @@ class Advising(QObject):
         self._silent: set[str] = set()
         self._empty: dict[str, Model] = {}
         self._pinned: deque[Model] = deque(maxlen=MOST_PINNED)
+        self._history = session.history
         self._channel = Channel("advice", time_limit=ADVICE_LIMIT, parent=self)
         self._pace = QTimer(self, singleShot=True, interval=INTERVAL)
         self._pace.timeout.connect(self._ask)
@@ -125,6 +126,10 @@ class Advising(QObject):
 
     def _look_at_change(self) -> None:
         """A picture may have another camera now: its view should go along with it at once."""
+        if self._history is not self._session.history:
+            # Models of a closed document would be held with all their pictures.
+            self._history = self._session.history
+            self._pinned.clear()
         if not self._session.is_dragging:
             self._look_soon()
 

@@ -86,6 +86,11 @@ class KnownCurves:
             except PluginFault:
                 self._failed.add(model.modeler)
 
+    def forget(self) -> None:
+        """Forget all curves, and with them the models that they were learnt of."""
+        with self._lock:
+            self._kept.clear()
+
     def of(self, models: Iterable[Model]) -> tuple[Curve, ...]:
         """Return the curves of the visible models among some, in the world; asks no plugin."""
         found: list[Curve] = []

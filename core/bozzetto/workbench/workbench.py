@@ -301,6 +301,7 @@ class Workbench:
         with self._lock:
             self._results.clear()
         forget_all()
+        self.curves.forget()
 
     def best_result(self, model: Model) -> Any | None:
         """Return the final result where it is known, else the preview's, else None."""

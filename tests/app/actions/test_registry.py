@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMainWindow, QMenu
@@ -110,6 +112,20 @@ def test_menus_that_were_filled_anew_do_not_pile_up(qtbot, window, registry):
     for number in range(5):
         registry.register(action(f"a{number}", menu=("File", "Recent")))
     qtbot.waitUntil(lambda: len(window.menuBar().findChildren(QMenu)) == 2)
+
+
+def test_nothing_is_left_of_menus_that_were_filled_again(window, registry):
+    registry.attach(window.menuBar())
+    registry.register(action("save", menu=("File",)), action("mesh", menu=("File", "Export")))
+
+    def menus():
+        gc.collect()
+        return sum(type(thing) is QMenu for thing in gc.get_objects())
+
+    before = menus()
+    for _ in range(20):
+        registry.register(action("recent", menu=("File",)))()
+    assert menus() == before
 
 
 def test_what_cannot_be_done_is_not_done(registry):

@@ -65,6 +65,18 @@ def test_every_drawing_is_offered(shown, crashed):
     assert "14:32" in said(dialog).replace(".", ":")
 
 
+@pytest.mark.parametrize("count", [1, 30])
+def test_no_words_are_cut_off_however_many_drawings_there_are(shown, qtbot, count):
+    many = [
+        CrashedSession(str(k), f"A horse with a long name, number {k}", None, 0.0, time.time())
+        for k in range(count)
+    ]
+    dialog = shown(RecoveryDialog(many, nothing, nothing))
+    qtbot.waitUntil(lambda: dialog.height() <= dialog.screen().availableGeometry().height())
+    for words in dialog.findChildren(QLabel):
+        assert words.height() >= words.heightForWidth(words.width())
+
+
 def _today_at(hour, minute, second):
     now = time.localtime()
     return time.mktime((*now[:3], hour, minute, second, 0, 0, -1))

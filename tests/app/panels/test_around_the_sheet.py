@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -20,6 +21,7 @@ from bozzetto_app.panels.status_line import StatusLine
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.style.theme import apply_theme
+from bozzetto_app.widgets.icon_button import IconButton
 
 
 def button(widget: QWidget, name: str) -> QAbstractButton:
@@ -86,6 +88,28 @@ def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
     fake_session.pending = ()
     fake_session.pending_changed.emit()
     assert not rail._waiting.isVisible()
+
+
+def test_waiting_ink_does_not_make_a_low_window_higher(shown, fake_session, fakes):
+    fake_session.tools = tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+    rail = shown(ToolRail(fake_session))
+    rail.resize(rail.width(), 500)
+    fake_session.pending = (object(),)
+    fake_session.pending_changed.emit()
+    assert rail.minimumSizeHint().height() <= 500
+    assert rail.height() == 500
+    places = [b.geometry() for b in rail.findChildren(IconButton) if b.parent() is rail]
+    assert len(places) == 11
+    assert not any(a.intersects(b) for a, b in itertools.pairwise(places))
+
+
+def test_tools_have_their_full_size_where_there_is_room(shown, fake_session, fakes):
+    fake_session.tools = tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+    rail = shown(ToolRail(fake_session))
+    rail.resize(rail.width(), 900)
+    assert {(b.width(), b.height()) for b in rail.findChildren(IconButton) if b.isVisible()} == {
+        (44, 44)
+    }
 
 
 # -- modelers --

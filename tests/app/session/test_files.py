@@ -625,3 +625,52 @@ def test_a_picture_that_is_late_does_not_hold_the_save_up(session, settle, tmp_p
         assert not has_picture(tmp_path / name)
     assert len(begun) == 1  # the second save did not start another beside it
     gate.set()
+
+
+# -- slow files ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def waiting_reader(monkeypatch):
+    """A reader of meshes that answers only when it is let go, told as slow soon."""
+    gate = threading.Event()
+
+    def wait(path, **options):
+        gate.wait(60)
+        return read_mesh(path, trusted=True)
+
+    monkeypatch.setattr("bozzetto.exchange.import_file.read_mesh", wait)
+    monkeypatch.setattr("bozzetto_app.session.files.SLOW_AFTER", 0.1)
+    yield gate
+    gate.set()
+
+
+CUBE = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+def test_a_file_that_takes_long_is_told_as_slow_and_waited_for(
+    waiting_reader, make_session, boxes, settle, tmp_path, qtbot
+):
+    session = make_session(MODELER, extra=[boxes.package])
+    (tmp_path / "a.obj").write_text(CUBE)
+    session.files.import_file(tmp_path / "a.obj")
+    qtbot.waitUntil(lambda: words(session, "slow") != [], timeout=10_000)
+    waiting_reader.set()
+    settle(session)
+    assert len(session.document) == 1
+    assert words(session, "slow") == ["Still working. Esc stops it."]
+    assert words(session, "fault") == words(session, "error") == []
+
+
+def test_a_file_that_takes_long_can_be_stopped(
+    waiting_reader, make_session, boxes, settle, tmp_path, qtbot
+):
+    session = make_session(MODELER, extra=[boxes.package])
+    (tmp_path / "a.obj").write_text(CUBE)
+    session.files.import_file(tmp_path / "a.obj")
+    qtbot.waitUntil(lambda: words(session, "slow") != [], timeout=10_000)
+    session.cancel_work()
+    settle(session)
+    assert len(session.document) == 0
+    assert words(session, "info") == ["Stopped. Nothing was changed."]
+    assert words(session, "fault") == words(session, "error") == []

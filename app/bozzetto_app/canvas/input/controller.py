@@ -138,7 +138,7 @@ class Hand(QObject):
         if kind == _MOVE:
             if event.buttons() != _TIP_ALONE:  # seldom, and dearer to look at
                 self._end_unseen("pen", event)
-            if self._recording and self._tool != "mouse":
+            if self._recording and self.machine.owns("pen"):
                 self._keep(tablet_sample(event))
                 return
         self.machine.see_pen(perf_counter())
@@ -319,7 +319,8 @@ class Hand(QObject):
         self._camera = self._session.camera
         mode = self.machine.mode
         if mode.records:
-            self._tool = "mouse" if pointer == "mouse" else "eraser" if eraser else "pen"
+            plain: StrokeTool = "mouse" if pointer == "mouse" else "pen"
+            self._tool = "eraser" if mode is Mode.ERASING else plain
             self._columns = SampleColumns(self.curve, has_pressure=pointer == "pen")
             self._recording = True
             self._seeking = aims and mode is Mode.DRAGGING
@@ -351,7 +352,8 @@ class Hand(QObject):
     ) -> None:
         mode = self.machine.mode
         if mode is Mode.IDLE:
-            self._hover(place.x(), place.y(), eraser=eraser)
+            erases = self._takes() == "ink" and keys_of(event.modifiers(), space=False).ctrl
+            self._hover(place.x(), place.y(), eraser=eraser or erases)
             return
         if not self.machine.owns(pointer):
             return

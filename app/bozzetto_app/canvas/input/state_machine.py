@@ -280,5 +280,6 @@ class GestureMachine:
         if press.handle:
             return Mode.DRAGGING
         if press.takes == "ink":
-            return Mode.INKING
+            # Neither a mouse nor every pen has another end.
+            return Mode.ERASING if press.keys.ctrl else Mode.INKING
         return Mode.AIMING if press.aims else Mode.TAPPING

@@ -45,6 +45,11 @@ def press(pointer="pen", button=Button.TIP, t=0.0, **more):
         (press(keys=Keys(alt=True)), Mode.NAVIGATING),
         (press(keys=Keys(space=True)), Mode.NAVIGATING),
         (press(keys=Keys(shift=True)), Mode.INKING),
+        (press(keys=Keys(ctrl=True)), Mode.ERASING),
+        (press("mouse", keys=Keys(ctrl=True)), Mode.ERASING),
+        (press(keys=Keys(ctrl=True), handle="h"), Mode.DRAGGING),
+        (press(keys=Keys(ctrl=True), takes="tap"), Mode.TAPPING),
+        (press(keys=Keys(ctrl=True, alt=True)), Mode.NAVIGATING),
         (press(keys=Keys(alt=True), handle="h"), Mode.NAVIGATING),
     ],
 )
