@@ -42,8 +42,9 @@ from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.paths import recovery_folder
 from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.files import recent_files
+from bozzetto_app.session.notices import Notice
 from bozzetto_app.session.replay import Replay
-from bozzetto_app.session.session import Notice, Session
+from bozzetto_app.session.session import Session
 from bozzetto_app.settings import keep_plugin_disabled, settings
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
 
@@ -142,36 +143,36 @@ class Window(QMainWindow):
         self.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
         self.tabifyDockWidget(self._docks[1], self._plugin_dock)
         self._plugin_panel.changed.connect(self._show_plugin_panel)
-        session.picturing.taken.connect(self._show_what_guides)
+        session.pictures.taken.connect(self._show_what_guides)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
         self._changing = ChangingMenus(self, self.actions_)
-        self.actions_.refused.connect(lambda why: session.complain(UserError(why)))
-        self.actions_.is_so.connect(session.tell)
+        self.actions_.refused.connect(lambda why: session.notices.complain(UserError(why)))
+        self.actions_.is_so.connect(session.notices.tell)
         self.canvas.menu_refused.connect(lambda entry: self.actions_.refuse(entry.action))
         self.setMenuWidget(self._top())
         self.setStatusBar(self._bottom())
 
-        session.document_changed.connect(self._show_title)
-        session.pending_changed.connect(self._show_title)
+        session.drawing.changed.connect(self._show_title)
+        session.drawing.waiting_changed.connect(self._show_title)
         for signal in (
-            session.document_changed,
-            session.selection_changed,
-            session.pending_changed,
-            session.view_style_changed,
-            session.modeler_changed,
+            session.drawing.changed,
+            session.selection.changed,
+            session.drawing.waiting_changed,
+            session.view.style_changed,
+            session.toolbox.modeler_changed,
         ):
             signal.connect(self.actions_.refresh)
         session.files.imported.connect(self._imported)
-        session.opened.connect(self._stop_replay)
+        session.drawing.opened.connect(self._stop_replay)
         session.files.busy_changed.connect(self._saving_ended)
-        session.modeler_changed.connect(self._say_what_first)
-        session.when_safe = self.files.when_safe
+        session.toolbox.modeler_changed.connect(self._say_what_first)
+        session.files.when_safe = self.files.when_safe
         self.canvas.hand.ink_began.connect(self._ink_began)
         self._restore_layout()
         self._show_title()
-        if session.modelers and not session.active_modeler:
-            session.activate_modeler(session.modelers[0].id)
+        if session.toolbox.modelers and not session.toolbox.modeler:
+            session.toolbox.take_modeler(session.toolbox.modelers[0].id)
         self._say_what_first()
         self.canvas.setFocus()
 
@@ -271,10 +272,10 @@ class Window(QMainWindow):
         if not restored:
             self.resizeDocks(self._docks, list(DOCK_HEIGHTS), Qt.Orientation.Vertical)
         self._plugin_dock.setVisible(self._plugin_panel.is_filled and self.panels_shown)
-        self.welcome.setVisible(not len(self.session.document))
+        self.welcome.setVisible(not len(self.session.drawing.document))
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        if not self._closing and self.session.is_modified:
+        if not self._closing and self.session.drawing.is_modified:
             event.ignore()
             QTimer.singleShot(0, lambda: self.files.when_safe(self._close_now))
         elif self.session.files.saving:
@@ -307,15 +308,15 @@ class Window(QMainWindow):
 
     def open(self, path: Path) -> None:
         """Open a document once unsaved work is safe."""
-        self.session.open(path)
+        self.session.files.open_safely(path)
 
     def _open_sample(self, modeler_id: str, path: Path) -> None:
-        self.session.activate_modeler(modeler_id)
-        self.session.import_file(path)
+        self.session.toolbox.take_modeler(modeler_id)
+        self.session.files.import_file(path)
 
     def _imported(self) -> None:
         """Bring what came from a file into view, once there is something to see."""
-        self.session.settled.connect(
+        self.session.solver.settled.connect(
             lambda _: self.canvas.fit(), Qt.ConnectionType.SingleShotConnection
         )
 
@@ -327,20 +328,22 @@ class Window(QMainWindow):
             try:
                 drawing = read_drawing(path, trusted=True)  # a sample of a plugin
             except UserError as problem:
-                self.session.complain(problem)
+                self.session.notices.complain(problem)
                 return
             self.session.files.new()
-            self.session.activate_modeler(modeler_id)
+            self.session.toolbox.take_modeler(modeler_id)
             if len(drawing.strokes):
                 self._play(drawing)
             else:
-                self.session.import_file(path)
+                self.session.files.import_file(path)
 
         self.files.when_safe(begin)
 
     def _play(self, drawing: Drawing) -> None:
         self._stop_replay()
-        self.session.set_camera(drawing.camera.with_viewport(*self.session.camera.viewport))
+        self.session.view.set_camera(
+            drawing.camera.with_viewport(*self.session.view.camera.viewport)
+        )
         self.welcome.hide()
         self.canvas.show_hint("")
         self._replay = Replay(self.session, drawing, parent=self)
@@ -370,15 +373,15 @@ class Window(QMainWindow):
 
     def toggle_visible(self) -> None:
         """Show or hide the selected object."""
-        model = self.session.selected_model
+        model = self.session.selection.model
         if model is not None:
-            self.session.set_visible(model.id, not model.visible)
+            self.session.objects.set_visible(model.id, not model.visible)
 
     def toggle_locked(self) -> None:
         """Lock or unlock the selected object."""
-        model = self.session.selected_model
+        model = self.session.selection.model
         if model is not None:
-            self.session.set_locked(model.id, not model.locked)
+            self.session.objects.set_locked(model.id, not model.locked)
 
     def keep_view(self) -> None:
         """Keep the view that is shown now, with the document."""
@@ -519,7 +522,7 @@ class Window(QMainWindow):
         try:
             keep_plugin_disabled(plugin, True)
         except UserError as problem:
-            self.session.complain(problem)
+            self.session.notices.complain(problem)
         self._plugin_switched(plugin, False)
 
     def _plugin_switched(self, plugin: str, on: bool) -> None:
@@ -528,21 +531,25 @@ class Window(QMainWindow):
         self.actions_.refresh()
         if not on:
             self.session.toolbox.drop_if_gone()
-        elif self.session.modelers and not self.session.active_modeler:
-            self.session.activate_modeler(self.session.modelers[0].id)
+        elif self.session.toolbox.modelers and not self.session.toolbox.modeler:
+            self.session.toolbox.take_modeler(self.session.toolbox.modelers[0].id)
 
     def _say_what_first(self) -> None:
         """On an empty sheet: what the modeler that was just taken wants to have drawn first."""
-        modeler = self.session.active_modeler
+        modeler = self.session.toolbox.modeler
         if modeler == self._said_first:
             return
         self._said_first = modeler
-        drawn = len(self.session.document) or self.session.pending or self._replay is not None
+        drawn = (
+            len(self.session.drawing.document)
+            or self.session.drawing.pending
+            or self._replay is not None
+        )
         if modeler and not drawn:
             self.canvas.show_hint(self.session.registry.info(modeler).hint)
 
     def _show_title(self) -> None:
-        if len(self.session.document):
+        if len(self.session.drawing.document):
             self.canvas.show_hint("")
-        self.setWindowTitle(f"{self.session.title}[*] — Bozzetto")
-        self.setWindowModified(self.session.is_modified)
+        self.setWindowTitle(f"{self.session.drawing.title}[*] — Bozzetto")
+        self.setWindowModified(self.session.drawing.is_modified)

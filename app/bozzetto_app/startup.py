@@ -122,7 +122,7 @@ def _after_first_paint(window: Window, document: Path | None, tidier: Tidier) ->
 
     threading.Thread(target=import_heavy, name="bozzetto-imports", daemon=True).start()
     if document is not None:
-        window.session.open(document)
+        window.session.files.open_safely(document)
     window.offer_recovery()
 
 

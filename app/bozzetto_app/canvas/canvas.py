@@ -55,7 +55,8 @@ from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.ink.stroke import Stroke
-    from bozzetto_app.session.session import Notice, Session
+    from bozzetto_app.session.notices import Notice
+from bozzetto_app.session.session import Session
 
 __all__ = ["Canvas"]
 
@@ -140,22 +141,22 @@ class Canvas(QWidget):
         if application is not None:
             application.installEventFilter(self._proximity)
 
-        session.scene_changed.connect(self._show_scene)
-        session.live_changed.connect(self._show_live)
-        session.camera_changed.connect(self._show_camera)
-        session.pending_changed.connect(self._show_pending)
-        session.tool_changed.connect(self._show_pending)
-        session.view_style_changed.connect(self.viewports.show_style)
-        session.noticed.connect(self._notice)
-        session.settled.connect(self._settled)
-        session.advising.changed.connect(self._show_advice)
-        session.picturing.taken.connect(self._got_picture)
+        session.scene.changed.connect(self._show_scene)
+        session.scene.live_changed.connect(self._show_live)
+        session.view.camera_changed.connect(self._show_camera)
+        session.drawing.waiting_changed.connect(self._show_pending)
+        session.toolbox.tool_changed.connect(self._show_pending)
+        session.view.style_changed.connect(self.viewports.show_style)
+        session.notices.noticed.connect(self._notice)
+        session.solver.settled.connect(self._settled)
+        session.advice.changed.connect(self._show_advice)
+        session.pictures.taken.connect(self._got_picture)
         self.hand.pressed.connect(self.motion.finish)
         self.hand.ink_began.connect(self._hint.fade)
         self.hand.aimed.connect(self._aim)
         self.hand.aim_ended.connect(self._loupe.put_away)
         self.hand.mode_changed.connect(self._mode_changed)
-        self.hand.came_to_nothing.connect(session.explain_gesture)
+        self.hand.came_to_nothing.connect(session.gestures.explain)
         self.hand.menu_pressed.connect(self.open_menu)
         self.hand.menu_moved.connect(self._menu.point)
         self.hand.menu_released.connect(lambda flicked: self._menu.lift(flicked=flicked))
@@ -216,14 +217,14 @@ class Canvas(QWidget):
     def animate_to(self, camera: Camera) -> None:
         """Go to another view, or say that it is shown."""
         self.motion.finish()
-        if same_view(camera, self._session.camera):
-            self._session.tell(tr("Canvas", "This view is shown already."))
+        if same_view(camera, self._session.view.camera):
+            self._session.notices.tell(tr("Canvas", "This view is shown already."))
         else:
             self.motion.animate_to(camera)
 
     def show_camera(self, camera: Camera) -> None:
         """Go to a view that was kept, perhaps on a sheet of another size."""
-        self.animate_to(camera.with_viewport(*self._session.camera.viewport))
+        self.animate_to(camera.with_viewport(*self._session.view.camera.viewport))
 
     def look(self, name: str) -> None:
         """Go to a standard view by its name: "front", "three-quarter" and so on."""
@@ -233,14 +234,14 @@ class Canvas(QWidget):
     def toggle_projection(self) -> None:
         """Change between perspective and parallel projection."""
         self.motion.finish()
-        camera: Camera = self._session.camera
+        camera: Camera = self._session.view.camera
         other = "perspective" if camera.kind == "orthographic" else "orthographic"
         self.animate_to(with_kind(camera, other))  # type: ignore[arg-type]
 
     @property
     def better_view(self) -> Camera | None:
         """Where the modeler would rather have the person draw; None where it names no view."""
-        advice = self._session.advising.advice
+        advice = self._session.advice.advice
         return None if advice is None else advice.better
 
     def turn_to_better(self) -> None:
@@ -254,8 +255,10 @@ class Canvas(QWidget):
 
     def frame_selection(self) -> None:
         """Show the selected model, or everything where none is selected."""
-        selected = self._session.selected
-        layers = tuple(layer for layer in self._session.scene.layers if layer.owner == selected)
+        selected = self._session.selection.id
+        layers = tuple(
+            layer for layer in self._session.scene.visible.layers if layer.owner == selected
+        )
         if selected and layers:
             self._frame(Scene(layers).points())
         else:
@@ -271,8 +274,8 @@ class Canvas(QWidget):
         There the opening angle was the picture's, and zooming has changed it: from elsewhere
         nothing would look right with it. The scale stays.
         """
-        camera: Camera = self._session.camera
-        if camera.kind == "orthographic" or not self._session.advising.holds_eye(camera):
+        camera: Camera = self._session.view.camera
+        if camera.kind == "orthographic" or not self._session.advice.holds_eye(camera):
             return camera
         flat = with_kind(camera, "orthographic")
         return with_kind(replace(flat, fov_y=Camera().fov_y), "perspective")
@@ -284,10 +287,10 @@ class Canvas(QWidget):
 
     def _turn(self, camera: Camera) -> None:
         self.motion.finish()
-        self._session.set_camera(camera)
+        self._session.view.set_camera(camera)
 
     def _settled(self, model_id: str) -> None:
-        if self._session.advising.holds_eye(self._session.camera) or self._pictured == model_id:
+        if self._session.advice.holds_eye(self._session.view.camera) or self._pictured == model_id:
             return
         idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
         if self._tilts and not self._tilted and idle and not self._is_of_lines(model_id):
@@ -296,7 +299,7 @@ class Canvas(QWidget):
 
     def _is_of_lines(self, model_id: str) -> bool:
         """Whether a model has no surface: the next line is aimed at where the last one is seen."""
-        layers = [layer for layer in self._session.scene.layers if layer.owner == model_id]
+        layers = [layer for layer in self._session.scene.visible.layers if layer.owner == model_id]
         items = [item for layer in layers for item in layer.items]
         surfaces = (item for item in items if isinstance(item, Shaded) and item.pickable)
         return bool(items) and not any(surfaces)
@@ -319,25 +322,25 @@ class Canvas(QWidget):
     def _show_scene(self) -> None:
         self.viewports.show_scene()
         if self._loupe.isVisible():
-            self._loupe.show_scene(self._all_shown(), self._session.camera)
+            self._loupe.show_scene(self._all_shown(), self._session.view.camera)
         self.hand.scene_or_view_changed()
-        if not self._session.is_dragging:
-            self._prepare_picking(self._session.scene, self._session.camera)
+        if not self._session.drawing.is_dragging:
+            self._prepare_picking(self._session.scene.visible, self._session.view.camera)
 
     def _show_live(self) -> None:
         self.viewports.show_live()
         if self._loupe.isVisible():
-            self._loupe.show_scene(self._all_shown(), self._session.camera)
+            self._loupe.show_scene(self._all_shown(), self._session.view.camera)
 
     def _aim(self, place: QPointF) -> None:
         """A place that must be met exactly is being sought."""
         if not self._loupe.isVisible():
             self._hint.fade()
-            self._loupe.show_scene(self._all_shown(), self._session.camera)
+            self._loupe.show_scene(self._all_shown(), self._session.view.camera)
         self._loupe.point(place.x(), place.y())
 
     def _all_shown(self) -> Scene:
-        return self._session.scene.under(self._session.live_scene)
+        return self._session.scene.visible.under(self._session.scene.live)
 
     def _prepare_picking(self, scene: Scene, camera: Camera) -> None:
         """Cast a first ray beside the window: it sorts large meshes, which takes a moment."""
@@ -352,9 +355,9 @@ class Canvas(QWidget):
 
     def _show_camera(self) -> None:
         self.viewports.show_camera()
-        self._cube.set_camera(self._session.camera)
+        self._cube.set_camera(self._session.view.camera)
         self.hand.scene_or_view_changed()
-        if self._session.pending:
+        if self._session.drawing.pending:
             self._show_pending()
 
     def _show_pending(self) -> None:
@@ -362,35 +365,35 @@ class Canvas(QWidget):
         if len(marked) < self._marked:
             self._overlay.light_up(())  # what was wrong is gone, or was mended
         self._marked = len(marked)
-        self._overlay.set_pending(self._good_ink(), self._session.camera, marked)
+        self._overlay.set_pending(self._good_ink(), self._session.view.camera, marked)
 
     def _good_ink(self) -> tuple[Stroke, ...]:
         return tuple(
             stroke
-            for stroke in self._session.pending
-            if all(stroke is not one.stroke for one in self._session.marked_ink)
+            for stroke in self._session.drawing.pending
+            if all(stroke is not one.stroke for one in self._session.drawing.marked_ink)
         )
 
     def _marked_ink(self) -> list[MarkedLine]:
         """Ink with which something is wrong, lit where the tool that said so is in the hand."""
         session = self._session
-        hand = session.active_modeler, session.active_tool
+        hand = session.toolbox.modeler, session.toolbox.tool
         return [
-            MarkedLine.of(one, session.camera, is_lit=one.is_for(*hand))
-            for one in session.marked_ink
+            MarkedLine.of(one, session.view.camera, is_lit=one.is_for(*hand))
+            for one in session.drawing.marked_ink
         ]
 
     def follow(self, stroke: Stroke | None) -> None:
         """Show the ink of a stroke that no hand draws here; None when its pen is up."""
         strokes = self._good_ink() if stroke is None else (*self._good_ink(), stroke)
-        self._overlay.set_pending(strokes, self._session.camera, self._marked_ink())
+        self._overlay.set_pending(strokes, self._session.view.camera, self._marked_ink())
 
     def _show_advice(self) -> None:
-        advising = self._session.advising
+        advising = self._session.advice
         self.light.show_advice(advising.advice)
         self.viewports.show_advice()
         self.hand.scene_or_view_changed()
-        model = self._session.selected_model if self._pictured else None
+        model = self._session.selection.model if self._pictured else None
         if model is not None and model.id == self._pictured and model is advising.about:
             self._pictured = ""
             self.turn_to_better()
@@ -401,12 +404,12 @@ class Canvas(QWidget):
 
         Where it is, the view is looked at again when it has done.
         """
-        session, advice = self._session, self._session.advising.advice
+        session, advice = self._session, self._session.advice.advice
         idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
         if advice is None or not advice.follow or advice.better is None or not idle:
             return
-        if session.advising.is_about(session.camera):
-            session.set_camera(advice.better.with_viewport(*session.camera.viewport))
+        if session.advice.is_about(session.view.camera):
+            session.view.set_camera(advice.better.with_viewport(*session.view.camera.viewport))
 
     def _got_picture(self, model_id: str) -> None:
         """A sketch came in: go to where it is seen, once the modeler says where that is."""
@@ -438,10 +441,10 @@ class Canvas(QWidget):
         self._cube.move(self.width() - self._cube.width() - CUBE_MARGIN, CUBE_MARGIN)
         self.light.lie_on(self.rect())
         self._menu.close_menu()
-        camera: Camera = self._session.camera
+        camera: Camera = self._session.view.camera
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
         if camera.viewport != size:
-            self._session.set_camera(camera.with_viewport(*size))
+            self._session.view.set_camera(camera.with_viewport(*size))
 
     def tabletEvent(self, event: QTabletEvent) -> None:
         self.hand.tablet(event)
@@ -507,7 +510,7 @@ class Canvas(QWidget):
         event.acceptProposedAction()
         under = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
         if not take(self._session, event.mimeData(), under=under):
-            self._session.complain(
+            self._session.notices.complain(
                 UserError(
                     tr("Canvas", "Only files of this computer and pictures can be dropped here.")
                 )

@@ -94,7 +94,7 @@ class FileQuestions:
 
         def begin() -> None:
             self._session.files.new()
-            self._session.tell(tr("Files", "A new sheet."))
+            self._session.notices.tell(tr("Files", "A new sheet."))
 
         self.when_safe(begin)
 
@@ -125,14 +125,14 @@ class FileQuestions:
         kinds = tr("Files", "Pictures ({endings})").format(endings=endings)
         path = self._chosen(tr("Files", "Place a picture under the sheet"), kinds)
         if path is not None:
-            self._session.picturing.take_file(path, under=True)
+            self._session.pictures.take_file(path, under=True)
 
     def paste(self, *, under: bool = False) -> None:
         """Take the picture or the files that were copied elsewhere."""
         from bozzetto_app.canvas.input.drag_and_drop import take
 
         if not take(self._session, QGuiApplication.clipboard().mimeData(), under=under):
-            self._session.complain(
+            self._session.notices.complain(
                 UserError(tr("Files", "There is no picture to paste. Copy one first."))
             )
 
@@ -140,7 +140,7 @@ class FileQuestions:
         self, then: Callable[[], None] = _nothing, refused: Callable[[], None] = _nothing
     ) -> None:
         """Save where the document lies, or ask for a place."""
-        if self._session.path is None or self._session.read_only:
+        if self._session.drawing.path is None or self._session.drawing.read_only:
             self.ask_save_as(then, refused)
         else:
             self._session.files.save(None, then, refused)
@@ -162,7 +162,7 @@ class FileQuestions:
     def ask_hindered(self, hindrance: Hindrance) -> None:
         """Say what stands in the way of a save, and let the person choose."""
         if self._box is not None:
-            self._session.complain(hindrance.problem)
+            self._session.notices.complain(hindrance.problem)
             hindrance.leave()
             return
         box = QMessageBox(self._window)
@@ -242,7 +242,7 @@ class FileQuestions:
         then : callable
             Called at once where nothing is known to stand in the way, else after the answer.
         """
-        problems = _print_problems(self._session.report)
+        problems = _print_problems(self._session.solver.report)
         if path.suffix.lower() not in PRINTED or not problems or self._box is not None:
             then()
             return
@@ -277,7 +277,7 @@ class FileQuestions:
         refused : callable, optional
             Called if the person would rather stay.
         """
-        if not self._session.is_modified:
+        if not self._session.drawing.is_modified:
             then()
             return
         stay = refused or _nothing
@@ -289,7 +289,11 @@ class FileQuestions:
         box.setObjectName("unsaved")
         box.setIcon(QMessageBox.Icon.NoIcon)
         box.setText(
-            tr("Files", "“{name}” has changes that are not saved.", name=self._session.title)
+            tr(
+                "Files",
+                "“{name}” has changes that are not saved.",
+                name=self._session.drawing.title,
+            )
         )
         save = box.addButton(tr("Files", "Save"), QMessageBox.ButtonRole.AcceptRole)
         drop = box.addButton(tr("Files", "Don’t save"), QMessageBox.ButtonRole.DestructiveRole)
@@ -319,7 +323,7 @@ class FileQuestions:
 
     def _place(self, title: str, kinds: str, ending: str) -> tuple[Path | None, bool]:
         """A place that was chosen; and whether the dialog asked about a file of that name."""
-        proposal = str(Path(self._folder()) / f"{self._session.title}{ending}")
+        proposal = str(Path(self._folder()) / f"{self._session.drawing.title}{ending}")
         name, chosen = QFileDialog.getSaveFileName(self._window, title, proposal, kinds)
         path = self._noted(name)
         if path is None or path.suffix:
@@ -337,8 +341,8 @@ class FileQuestions:
         return QMessageBox.question(self._window, title, question, yes | no, no) == yes
 
     def _folder(self) -> str:
-        if self._session.path is not None:
-            return str(self._session.path.parent)
+        if self._session.drawing.path is not None:
+            return str(self._session.drawing.path.parent)
         return str(settings().value(LAST_FOLDER, str(Path.home())))
 
     def _noted(self, name: str) -> Path | None:

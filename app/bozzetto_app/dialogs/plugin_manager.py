@@ -158,6 +158,6 @@ class PluginManager(Page):
         try:
             keep_plugin_disabled(plugin, not on)
         except UserError as problem:
-            self._session.complain(problem)
+            self._session.notices.complain(problem)
         self.refresh()
         self.switched.emit(plugin, on)

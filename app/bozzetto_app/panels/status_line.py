@@ -14,7 +14,8 @@ from bozzetto_app.style.theme import qcolor, tones
 from bozzetto_app.widgets.icon_button import IconButton
 
 if TYPE_CHECKING:
-    from bozzetto_app.session.session import Notice, Session
+    from bozzetto_app.session.notices import Notice
+from bozzetto_app.session.session import Session
 
 __all__ = ["FaultBar", "StatusLine"]
 
@@ -211,7 +212,7 @@ class StatusLine(QWidget):
         room.setRetainSizeWhenHidden(True)
         self._progress.setSizePolicy(room)
         self._sign = _Sign()
-        self._words = _Elided(session.hint)
+        self._words = _Elided(session.notices.hint)
         self._step = QLabel()
         self._step.setProperty("tone", "quiet")
         self._cancel = IconButton(
@@ -242,12 +243,12 @@ class StatusLine(QWidget):
         self._return.timeout.connect(self._show_hint)
         self._patience = QTimer(self, singleShot=True, interval=PATIENCE)
         self._patience.timeout.connect(lambda: self._show_work(True))
-        session.noticed.connect(self.show_notice)
+        session.notices.noticed.connect(self.show_notice)
         session.progressed.connect(self._advance)
         session.busy_changed.connect(self._busy)
-        session.document_changed.connect(self.went_on)
-        session.tool_changed.connect(self.went_on)
-        session.document_changed.connect(self.faults.work_ended)
+        session.drawing.changed.connect(self.went_on)
+        session.toolbox.tool_changed.connect(self.went_on)
+        session.drawing.changed.connect(self.faults.work_ended)
         self._show_work(False)
         self._show_hint()
 
@@ -270,7 +271,7 @@ class StatusLine(QWidget):
 
     def _show_hint(self) -> None:
         self._return.stop()
-        self._say("hint", self._session.hint)
+        self._say("hint", self._session.notices.hint)
 
     def _say(self, kind: str, words: str) -> None:
         self._sign.kind = kind

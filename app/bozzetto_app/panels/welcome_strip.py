@@ -182,11 +182,11 @@ class WelcomeStrip(QScrollArea):
         self._add_recent(recent)
         self._column.addStretch(1)
         self.setWidget(page)
-        session.pending_changed.connect(self._drawn)
-        session.document_changed.connect(self._drawn)
+        session.drawing.waiting_changed.connect(self._drawn)
+        session.drawing.changed.connect(self._drawn)
 
     def _add_samples(self) -> None:
-        infos = [info for info in self._session.modelers if info.samples]
+        infos = [info for info in self._session.toolbox.modelers if info.samples]
         if not infos:
             return
         self._column.addWidget(_heading(tr("Welcome", "Sample drawings")))
@@ -227,5 +227,7 @@ class WelcomeStrip(QScrollArea):
         self.setGeometry(0, 0, WIDTH, min(tall + 1, sheet.height()))
 
     def _drawn(self) -> None:
-        if self.isVisible() and (self._session.pending or self._session.document.models):
+        if self.isVisible() and (
+            self._session.drawing.pending or self._session.drawing.document.models
+        ):
             self.closed.emit()

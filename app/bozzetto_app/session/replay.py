@@ -1,4 +1,4 @@
-"""Watching a drawing: recorded ink goes through the same door as a hand's."""
+"""Replay of a recorded drawing: its ink takes the same way as that of a person."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ class Replay(QObject):
     session : Session
     drawing : Drawing
     speed : float
-        2 is twice as fast as the hand was.
+        2 is twice as fast as the drawing was made.
 
     Signals
     -------
     finished
-        After the last stroke, or when it was stopped.
+        After the last stroke, or when the replay was stopped.
     inked : Stroke or None
         The stroke so far; None when its pen was lifted or taken away.
     """
@@ -52,7 +52,8 @@ class Replay(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
-        self._session = session
+        self._drawing, self._gestures = session.drawing, session.gestures
+        self._context = session.context
         self._strokes = list(drawing.strokes)
         self._facts, self._pictures = drawing.extra, drawing.pictures
         self._speed = speed
@@ -63,7 +64,7 @@ class Replay(QObject):
 
     def start(self) -> None:
         """Put the pen down."""
-        self._session.facts, self._session.pictures = self._facts, self._pictures
+        self._context.facts, self._context.pictures = self._facts, self._pictures
         self._pen_down = time.monotonic()
         self._timer.start()
 
@@ -71,19 +72,19 @@ class Replay(QObject):
         """Take the pen away; finished strokes stay."""
         if self._timer.isActive():
             self._timer.stop()
-            self._session.pen_cancelled()
+            self._gestures.cancel()
             self.inked.emit(None)
             self._end()
 
     def _end(self) -> None:
-        self._session.facts, self._session.pictures = {}, {}
+        self._context.facts, self._context.pictures = {}, {}
         self.finished.emit()
 
     def _step(self) -> None:
         if not self._strokes:
             self._timer.stop()
-            if self._session.pending:
-                self._session.commit_pending()
+            if self._drawing.pending:
+                self._gestures.commit()
             self._end()
             return
         passed = (time.monotonic() - self._pen_down) * self._speed
@@ -97,16 +98,16 @@ class Replay(QObject):
         if shown >= len(stroke):
             self._strokes.pop(0)
             self._pen_down = time.monotonic() + PAUSE
-            self._session.pen_lifted(stroke)
+            self._gestures.stroke_lifted(stroke)
             self.inked.emit(None)
         elif shown > 1:
             beginning = _beginning(stroke, shown)
-            self._session.pen_moved(beginning)
+            self._gestures.stroke_moved(beginning)
             self.inked.emit(beginning)
 
 
 def _beginning(stroke: Stroke, count: int) -> Stroke:
-    """The first samples of a stroke."""
+    """Return the first samples of a stroke."""
     columns = {name: getattr(stroke, name)[:count] for name in COLUMNS}
     if not stroke.has_pressure:
         del columns["pressure"]

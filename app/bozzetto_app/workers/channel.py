@@ -84,12 +84,17 @@ class Request:
     done, failed : callable
         Called on the window's thread with the answer, or with the exception.
     quality : {"preview", "final"}
+    inputs : callable, optional
+        Called on the window's thread when the turn of the request has come; `work` gets its
+        answer as a second argument. So work in a queue starts from the newest state, and
+        reads nothing that belongs to the window's thread.
     """
 
-    work: Callable[[Job], Any]
+    work: Callable[..., Any]
     done: Callable[[Any], None]
     failed: Callable[[BaseException], None]
     quality: str = "final"
+    inputs: Callable[[], Any] | None = None
     ticket: int = field(default_factory=lambda: next(_tickets))
     seen_alive: float = 0.0
     abandoned_at: float | None = None
@@ -258,9 +263,10 @@ class Channel(QObject):
 
     def _hand_over(self, request: Request) -> None:
         """Have the worker do it, or a new one where there is none."""
+        arguments = () if request.inputs is None else (request.inputs(),)
 
         def work() -> None:
-            self._work(request)
+            self._work(request, arguments)
 
         if self._worker is not None:
             request.thread = self._worker.thread
@@ -270,7 +276,7 @@ class Channel(QObject):
         request.thread = self._worker.thread
         self._worker.take(work)
 
-    def _work(self, request: Request) -> None:
+    def _work(self, request: Request, arguments: tuple[Any, ...]) -> None:
         def progress(fraction: float, step: str) -> None:
             request.seen_alive = now = time.monotonic()
             if now - self._last_progress > PROGRESS_INTERVAL and request is self._running:
@@ -286,7 +292,7 @@ class Channel(QObject):
         error: BaseException | None = None
         try:
             try:
-                answer = request.work(job)
+                answer = request.work(job, *arguments)
             except BaseException as problem:
                 error = problem
             ring(self, self._deliver, request, answer, error)

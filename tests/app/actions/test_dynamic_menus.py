@@ -81,22 +81,22 @@ def test_the_palette_lists_a_recent_document_once(window, tmp_path):
 def test_a_view_is_kept_shown_again_and_forgotten(window, qtbot, settle):
     session = window.session
     window.canvas.look("right")
-    kept = session.camera
+    kept = session.view.camera
     window.actions_.run("view.keep")
     (dialog,) = window.findChildren(QInputDialog)
     assert dialog.textValue() == "View 1"
     dialog.setTextValue("Nose & ears")
     dialog.accept()
-    assert [view.name for view in session.document.views] == ["Nose & ears"]
-    assert session.history.undo_label == "Keep view “Nose & ears”"
+    assert [view.name for view in session.drawing.document.views] == ["Nose & ears"]
+    assert session.drawing.history.undo_label == "Keep view “Nose & ears”"
     window.canvas.look("top")
-    assert session.camera != kept
+    assert session.view.camera != kept
     found = submenu(window, "View", "Kept views")
     found["Nose && ears"].trigger()
-    assert session.camera == kept
+    assert session.view.camera == kept
     submenu(window, "View", "Kept views", "Forget")["Nose && ears"].trigger()
-    assert session.document.views == ()
-    session.undo()
+    assert session.drawing.document.views == ()
+    session.drawing.undo()
     assert "Nose && ears" in submenu(window, "View", "Kept views")
 
 
@@ -105,6 +105,6 @@ def test_a_kept_view_fits_a_sheet_of_another_size(window, qtbot):
     (dialog,) = window.findChildren(QInputDialog)
     dialog.accept()
     window.resize(900, 700)
-    qtbot.waitUntil(lambda: window.session.camera.viewport[0] == window.canvas.width())
+    qtbot.waitUntil(lambda: window.session.view.camera.viewport[0] == window.canvas.width())
     submenu(window, "View", "Kept views")["View 1"].trigger()
-    assert window.session.camera.viewport == (window.canvas.width(), window.canvas.height())
+    assert window.session.view.camera.viewport == (window.canvas.width(), window.canvas.height())

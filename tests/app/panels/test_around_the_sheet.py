@@ -20,6 +20,7 @@ from bozzetto_app.panels.status_line import StatusLine
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.style.theme import apply_theme
+from tests.app import fake_session as fakes
 
 
 def button(widget: QWidget, name: str) -> QAbstractButton:
@@ -42,29 +43,31 @@ def shown(qtbot):
 def test_tools_are_taken_by_their_buttons(shown, fake_session):
     rail = shown(ToolRail(fake_session))
     button(rail, "Cut").click()
-    assert fake_session.calls.named("activate_tool") == [(("cut",), {})]
+    assert fake_session.calls.named("toolbox.take_tool") == [(("cut",), {})]
     assert button(rail, "Outline").isChecked()
     assert "(3)" in button(rail, "Cut").toolTip()
 
 
 def test_the_active_tool_is_the_sessions(shown, fake_session):
     rail = shown(ToolRail(fake_session))
-    fake_session.active_tool = "erase"
-    fake_session.tool_changed.emit()
+    fake_session.toolbox.tool = "erase"
+    fake_session.toolbox.tool_changed.emit()
     assert [t for t, b in rail._buttons.items() if b.isChecked()] == ["erase"]
 
 
-def test_another_modeler_brings_other_tools(shown, fake_session, fakes):
+def test_another_modeler_brings_other_tools(shown, fake_session):
     rail = shown(ToolRail(fake_session))
-    fake_session.tools = (fakes.ToolInfo("spine", "Spine", None, "Draw."),)
-    fake_session.active_tool = "spine"
-    fake_session.modeler_changed.emit()
+    fake_session.toolbox.tools = (fakes.ToolInfo("spine", "Spine", None, "Draw."),)
+    fake_session.toolbox.tool = "spine"
+    fake_session.toolbox.modeler_changed.emit()
     assert list(rail._buttons) == ["spine"]
     assert button(rail, "Spine").isChecked()
 
 
-def test_the_tenth_tool_has_a_key_and_the_eleventh_none(shown, fake_session, fakes):
-    fake_session.tools = tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+def test_the_tenth_tool_has_a_key_and_the_eleventh_none(shown, fake_session):
+    fake_session.toolbox.tools = tuple(
+        fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11)
+    )
     rail = shown(ToolRail(fake_session))
     assert "(0)" in button(rail, "T9").toolTip()
     assert button(rail, "T10").toolTip() == "T10"
@@ -73,18 +76,18 @@ def test_the_tenth_tool_has_a_key_and_the_eleventh_none(shown, fake_session, fak
 def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
     rail = shown(ToolRail(fake_session))
     assert not rail._waiting.isVisible()
-    fake_session.pending = (object(), object())
-    fake_session.marked_ink = (SimpleNamespace(reason="It crosses itself."),)
-    fake_session.pending_changed.emit()
+    fake_session.drawing.pending = (object(), object())
+    fake_session.drawing.marked_ink = (SimpleNamespace(reason="It crosses itself."),)
+    fake_session.drawing.waiting_changed.emit()
     assert rail._waiting.isVisible()
     assert rail._count.text() == "2"
     assert rail._count.toolTip().endswith("It crosses itself.")
     rail._finish.click()
     rail._drop.click()
-    assert len(fake_session.calls.named("commit_pending")) == 1
-    assert len(fake_session.calls.named("clear_pending")) == 1
-    fake_session.pending = ()
-    fake_session.pending_changed.emit()
+    assert len(fake_session.calls.named("gestures.commit")) == 1
+    assert len(fake_session.calls.named("gestures.clear")) == 1
+    fake_session.drawing.pending = ()
+    fake_session.drawing.waiting_changed.emit()
     assert not rail._waiting.isVisible()
 
 
@@ -94,9 +97,9 @@ def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
 def test_modelers_are_chosen_by_name(shown, fake_session):
     bar = shown(ModelerBar(fake_session))
     button(bar, "Car").click()
-    assert fake_session.calls.named("activate_modeler") == [(("bozzetto.car",), {})]
-    fake_session.active_modeler = "bozzetto.car"
-    fake_session.modeler_changed.emit()
+    assert fake_session.calls.named("toolbox.take_modeler") == [(("bozzetto.car",), {})]
+    fake_session.toolbox.modeler = "bozzetto.car"
+    fake_session.toolbox.modeler_changed.emit()
     assert [b.text() for b in bar._buttons.values() if b.isChecked()] == ["Car"]
 
 
@@ -118,7 +121,7 @@ def test_a_click_goes_to_a_step(shown, fake_session):
     panel.resize(200, 160)
     place = panel.visualItemRect(panel.item(0)).center()
     QTest.mouseClick(panel.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    assert fake_session.calls.named("go_to") == [((0,), {})]
+    assert fake_session.calls.named("drawing.go_to") == [((0,), {})]
 
 
 def test_the_current_step_is_said(shown, fake_session):
@@ -127,14 +130,17 @@ def test_the_current_step_is_said(shown, fake_session):
     assert said == ["New drawing", "Outline", "Ear, current", "Inflation"]
     place = panel.visualItemRect(panel.item(2)).center()
     QTest.mouseClick(panel.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    assert fake_session.calls.named("go_to") == []
-    assert fake_session.calls.named("tell"), "and that it is shown already"
+    assert fake_session.calls.named("drawing.go_to") == []
+    assert fake_session.calls.named("notices.tell"), "and that it is shown already"
 
 
 def test_history_follows_the_document(shown, fake_session):
     panel = shown(HistoryPanel(fake_session))
-    fake_session.history.entries, fake_session.history.position = ("New drawing", "Fin"), 1
-    fake_session.document_changed.emit()
+    fake_session.drawing.history.entries, fake_session.drawing.history.position = (
+        ("New drawing", "Fin"),
+        1,
+    )
+    fake_session.drawing.changed.emit()
     assert [panel.item(i).text() for i in range(panel.count())] == ["New drawing", "Fin"]
     assert panel.currentRow() == 1
 
@@ -147,32 +153,32 @@ def status(shown, fake_session):
     return shown(StatusLine(fake_session))
 
 
-def test_the_hint_is_always_there(status, fake_session, fakes):
+def test_the_hint_is_always_there(status, fake_session):
     assert status._words.text() == "Draw a closed outline."
-    fake_session.hint = "Draw the spine."
-    fake_session.noticed.emit(fakes.Notice("hint", fake_session.hint))
+    fake_session.notices.hint = "Draw the spine."
+    fake_session.notices.noticed.emit(fakes.Notice("hint", fake_session.notices.hint))
     assert status._words.text() == "Draw the spine."
 
 
-def test_an_error_stays_until_the_next_gesture(status, fake_session, fakes):
-    fake_session.noticed.emit(fakes.Notice("error", "The outline crosses itself."))
+def test_an_error_stays_until_the_next_gesture(status, fake_session):
+    fake_session.notices.noticed.emit(fakes.Notice("error", "The outline crosses itself."))
     assert status._words.text() == "The outline crosses itself."
-    fake_session.noticed.emit(fakes.Notice("hint", fake_session.hint))
+    fake_session.notices.noticed.emit(fakes.Notice("hint", fake_session.notices.hint))
     assert status._words.text() == "The outline crosses itself.", "a hint does not hide an error"
     status.went_on()
-    assert status._words.text() == fake_session.hint
+    assert status._words.text() == fake_session.notices.hint
 
 
-def test_an_error_has_been_read_once_something_was_done(status, fake_session, fakes):
-    fake_session.noticed.emit(fakes.Notice("error", "There is no underlay to project."))
-    fake_session.document_changed.emit()
-    assert status._words.text() == fake_session.hint
+def test_an_error_has_been_read_once_something_was_done(status, fake_session):
+    fake_session.notices.noticed.emit(fakes.Notice("error", "There is no underlay to project."))
+    fake_session.drawing.changed.emit()
+    assert status._words.text() == fake_session.notices.hint
 
 
-def test_an_error_goes_by_itself(qtbot, monkeypatch, status, fake_session, fakes):
+def test_an_error_goes_by_itself(qtbot, monkeypatch, status, fake_session):
     monkeypatch.setattr(status_line, "ERROR_TIME", 20)
-    fake_session.noticed.emit(fakes.Notice("error", "No."))
-    qtbot.waitUntil(lambda: status._words.text() == fake_session.hint)
+    fake_session.notices.noticed.emit(fakes.Notice("error", "No."))
+    qtbot.waitUntil(lambda: status._words.text() == fake_session.notices.hint)
     assert status_line.INFO_TIME < 8000
 
 
@@ -196,23 +202,23 @@ def test_short_work_never_shows(qtbot, status, fake_session):
     assert not status._cancel.isVisible()
 
 
-def fault(fakes, **more):
+def fault(**more):
     return fakes.Notice("fault", "Silhouette stopped: no inside.", plugin="b.s", **more)
 
 
-def test_a_fault_says_who_and_offers_details(qtbot, status, fake_session, fakes):
-    notice = fault(fakes, details="Traceback …")
-    fake_session.noticed.emit(notice)
+def test_a_fault_says_who_and_offers_details(qtbot, status, fake_session):
+    notice = fault(details="Traceback …")
+    fake_session.notices.noticed.emit(notice)
     assert status.faults.isVisible()
     assert "Silhouette stopped" in " ".join(x.text() for x in status.faults.findChildren(QLabel))
     with qtbot.waitSignal(status.details_wanted) as asked:
         status.faults._details.click()
     assert asked.args == [notice]
-    assert status._words.text() == fake_session.hint, "the hint stays"
+    assert status._words.text() == fake_session.notices.hint, "the hint stays"
 
 
-def test_a_fault_can_be_switched_off(qtbot, status, fake_session, fakes):
-    fake_session.noticed.emit(fault(fakes))
+def test_a_fault_can_be_switched_off(qtbot, status, fake_session):
+    fake_session.notices.noticed.emit(fault())
     with qtbot.waitSignal(status.switched_off) as off:
         status.faults._switch_off.click()
     assert off.args == ["b.s"]
@@ -220,14 +226,14 @@ def test_a_fault_can_be_switched_off(qtbot, status, fake_session, fakes):
     assert not status.faults.isVisible()
 
 
-def test_a_fault_can_be_closed_without_a_change(status, fake_session, fakes):
-    fake_session.noticed.emit(fault(fakes))
+def test_a_fault_can_be_closed_without_a_change(status, fake_session):
+    fake_session.notices.noticed.emit(fault())
     button(status.faults, "Close").click()
     assert not status.faults.isVisible()
     assert fake_session.registry.disabled == {}
 
 
-def test_a_fault_over_the_sheet_moves_nothing(qtbot, fake_session, fakes):
+def test_a_fault_over_the_sheet_moves_nothing(qtbot, fake_session):
     sheet = QWidget()
     qtbot.addWidget(sheet)
     sheet.resize(400, 300)
@@ -248,14 +254,14 @@ def test_a_fault_over_the_sheet_moves_nothing(qtbot, fake_session, fakes):
     assert (status.faults.width(), status.faults.geometry().bottom()) == (700, 199)
 
 
-def test_buttons_without_use_are_not_shown(status, fake_session, fakes):
-    fake_session.noticed.emit(fakes.Notice("fault", "Bozzetto made a mistake."))
+def test_buttons_without_use_are_not_shown(status, fake_session):
+    fake_session.notices.noticed.emit(fakes.Notice("fault", "Bozzetto made a mistake."))
     assert [b.text() for b in status.faults.findChildren(QPushButton) if b.isVisible()] == []
 
 
-def test_long_words_do_not_widen_the_window(status, fake_session, fakes):
+def test_long_words_do_not_widen_the_window(status, fake_session):
     before = status.minimumSizeHint().width()
-    fake_session.noticed.emit(fakes.Notice("error", "Very long. " * 60))
+    fake_session.notices.noticed.emit(fakes.Notice("error", "Very long. " * 60))
     assert status.minimumSizeHint().width() == before < 400
 
 
@@ -264,7 +270,7 @@ def test_long_words_do_not_widen_the_window(status, fake_session, fakes):
 
 @pytest.fixture
 def strip(shown, fake_session):
-    fake_session.document = Document()
+    fake_session.drawing.document = Document()
     recent = [Path("/drawings/Lamp.bozz")]
     pictures = []
 
@@ -291,10 +297,10 @@ def test_samples_and_recent_files_can_be_chosen(qtbot, strip):
 
 def test_it_closes_by_drawing(qtbot, strip, fake_session):
     with qtbot.assertNotEmitted(strip.closed):
-        fake_session.document_changed.emit()
-    fake_session.pending = (object(),)
+        fake_session.drawing.changed.emit()
+    fake_session.drawing.pending = (object(),)
     with qtbot.waitSignal(strip.closed):
-        fake_session.pending_changed.emit()
+        fake_session.drawing.waiting_changed.emit()
 
 
 def test_a_card_under_the_pointer_keeps_its_picture(qtbot, shown, fake_session):

@@ -36,7 +36,7 @@ def session(make_session, boxes):
 
 
 def draw(session, settle, **more):
-    session.pen_lifted(stroke_of(circle(**more), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
     settle(session)
 
 
@@ -45,7 +45,7 @@ def words(session, kind):
 
 
 def meshes(session):
-    return [item.mesh for _, item in session.scene.items() if isinstance(item, Shaded)]
+    return [item.mesh for _, item in session.scene.visible.items() if isinstance(item, Shaded)]
 
 
 def save(session, settle, path):
@@ -54,7 +54,7 @@ def save(session, settle, path):
 
 
 def reopen(session, settle, path):
-    session.open(path)
+    session.files.open_safely(path)
     settle(session)
 
 
@@ -91,13 +91,13 @@ def test_a_drawing_comes_back_to_the_last_bit(make_session, settle, tmp_path):
 def test_what_is_drawn_while_saving_counts_as_unsaved(session, settle, tmp_path):
     draw(session, settle)
     session.files.save(tmp_path / "a.bozz")
-    session.rename(session.selected, "Later")
+    session.objects.rename(session.selection.id, "Later")
     settle(session)
-    assert session.is_modified
+    assert session.drawing.is_modified
     reopened_names = json_names(tmp_path / "a.bozz")
     assert reopened_names == ["Boxes"]
-    session.undo()
-    assert not session.is_modified
+    session.drawing.undo()
+    assert not session.drawing.is_modified
 
 
 def json_names(path, *names):
@@ -113,7 +113,7 @@ def test_a_save_that_ends_after_a_new_sheet_was_begun_does_not_name_it(session, 
     session.files.new()
     settle(session)
     assert (tmp_path / "old.bozz").exists()
-    assert session.path is None
+    assert session.drawing.path is None
     assert not document_lock_path(tmp_path / "old.bozz").exists()
 
 
@@ -121,18 +121,18 @@ def test_a_failed_save_is_told_and_the_work_stays_unsaved(session, settle, tmp_p
     draw(session, settle)
     save(session, settle, tmp_path / "no" / "such" / "folder.bozz")
     assert len(words(session, "error")) == 1
-    assert session.is_modified
-    assert session.path is None
+    assert session.drawing.is_modified
+    assert session.drawing.path is None
 
 
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not really", b"\0" * 5000])
 def test_a_damaged_document_is_refused_and_the_sheet_stays(session, settle, tmp_path, content):
     draw(session, settle)
-    before = session.document
+    before = session.drawing.document
     (tmp_path / "bad.bozz").write_bytes(content)
     reopen(session, settle, tmp_path / "bad.bozz")
     reopen(session, settle, tmp_path / "missing.bozz")
-    assert session.document is before
+    assert session.drawing.document is before
     assert len(words(session, "error")) == 2
     assert not document_lock_path(tmp_path / "bad.bozz").exists()
 
@@ -142,10 +142,10 @@ def test_drawing_while_a_document_is_being_read_is_not_thrown_away(session, sett
     save(session, settle, tmp_path / "a.bozz")
     session.files.new()
     session.files.open(tmp_path / "a.bozz")
-    session.pen_lifted(stroke_of(circle(share=0.5), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(share=0.5), session.view.camera))
     settle(session)
-    assert session.path is None
-    assert len(session.pending) == 1
+    assert session.drawing.path is None
+    assert len(session.drawing.pending) == 1
     assert "you were drawing" in words(session, "info")[-1]
 
 
@@ -203,7 +203,7 @@ def test_what_is_exported_is_closed_and_as_large_as_what_is_shown(
 
 def test_hidden_objects_are_not_exported_and_nothing_is_an_error(session, settle, tmp_path):
     draw(session, settle)
-    session.set_visible(session.selected, False)
+    session.objects.set_visible(session.selection.id, False)
     session.files.export(tmp_path / "out.stl")
     settle(session)
     assert not (tmp_path / "out.stl").exists()
@@ -213,7 +213,7 @@ def test_hidden_objects_are_not_exported_and_nothing_is_an_error(session, settle
 def test_what_an_export_leaves_out_is_named(session, settle, tmp_path):
     draw(session, settle)
     stranger = Model(new_id(), "Stranger", "nobody.knows", OpaqueState(1, b"{}", (), ()))
-    session.commit("open", session.document.with_model(stranger))
+    session.drawing.commit("open", session.drawing.document.with_model(stranger))
     settle(session)
     session.files.export(tmp_path / "out.stl")
     settle(session)
@@ -250,57 +250,63 @@ def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, s
 
     session = make_session()
     (tmp_path / "square.svg").write_text(SVG)
-    session.import_file(tmp_path / "square.svg")
+    session.files.import_file(tmp_path / "square.svg")
     settle(session)
     session.files.export(tmp_path / "square.stl")
     settle(session)
-    session.import_file(tmp_path / "square.stl")
+    session.files.import_file(tmp_path / "square.stl")
     settle(session)
     write_png(tmp_path / "photo.png", np.full((30, 40, 4), 200, np.uint8))
-    session.import_file(tmp_path / "photo.png")
+    session.files.import_file(tmp_path / "photo.png")
     settle(session)
     (left_out,) = words(session, "error")  # the black of the drawing's line
     assert "the colours of 1 solid" in left_out
-    assert [model.modeler for model in session.document] == ["bozzetto.silhouette", "bozzetto.mesh"]
-    assert [under.name for under in session.document.underlays] == ["photo"]
-    assert len(session.history.entries) == 4
+    assert [model.modeler for model in session.drawing.document] == [
+        "bozzetto.silhouette",
+        "bozzetto.mesh",
+    ]
+    assert [under.name for under in session.drawing.document.underlays] == ["photo"]
+    assert len(session.drawing.history.entries) == 4
     drawn, read = meshes(session)
     assert np.allclose(np.ptp(drawn.vertices, axis=0), np.ptp(read.vertices, axis=0), rtol=1e-4)
     # In an SVG drawing a unit is a millimetre, and (x, y) lies at (x, 0, -y).
     assert np.allclose(drawn.vertices.min(0)[[0, 2]], (10, -90), atol=1.5)
-    across, down = session.document.underlays[0].across, session.document.underlays[0].down
+    across, down = (
+        session.drawing.document.underlays[0].across,
+        session.drawing.document.underlays[0].down,
+    )
     assert abs(across[0] / down[2]) == pytest.approx(40 / 30)
     for _ in range(3):
-        session.undo()
-    assert len(session.document) + len(session.document.underlays) == 0
+        session.drawing.undo()
+    assert len(session.drawing.document) + len(session.drawing.document.underlays) == 0
 
 
 def test_an_import_that_ends_on_another_sheet_is_dropped(session, settle, tmp_path):
     (tmp_path / "square.svg").write_text(SVG)
-    session.import_file(tmp_path / "square.svg")
+    session.files.import_file(tmp_path / "square.svg")
     session.files.new()
     settle(session)
-    assert len(session.document) == 0
+    assert len(session.drawing.document) == 0
 
 
 def test_opening_a_drawing_makes_a_new_document_of_it(session, settle, tmp_path):
     draw(session, settle)
     (tmp_path / "square.svg").write_text(SVG)
-    session.open(tmp_path / "square.svg")
+    session.files.open_safely(tmp_path / "square.svg")
     settle(session)
-    assert len(session.document) == 1
-    assert session.path is None
-    assert session.is_modified
+    assert len(session.drawing.document) == 1
+    assert session.drawing.path is None
+    assert session.drawing.is_modified
 
 
 def test_nonsense_is_refused_with_a_sentence(session, settle, tmp_path):
     for name, content in (("a.svg", "<svg"), ("b.stl", "solid"), ("c.png", "x"), ("d.xyz", "x")):
         (tmp_path / name).write_text(content)
-        session.import_file(tmp_path / name)
+        session.files.import_file(tmp_path / name)
         settle(session)
     assert len(words(session, "error")) == 4
     assert words(session, "fault") == []
-    assert len(session.document) == 0
+    assert len(session.drawing.document) == 0
 
 
 # -- who has it open -----------------------------------------------------------------------------
@@ -362,7 +368,7 @@ def test_a_lock_of_a_dead_process_is_taken_over(session, settle, tmp_path):
     subprocess.run([sys.executable, "-c", code, str(path)], check=True)
     assert holder(document_lock_path(path)).is_gone
     reopen(session, settle, path)
-    assert not session.read_only
+    assert not session.drawing.read_only
     assert holder(document_lock_path(path)).pid == os.getpid()
 
 
@@ -376,8 +382,8 @@ def test_a_document_in_a_folder_without_permission_can_be_looked_at(session, set
     folder.chmod(stat.S_IRUSR | stat.S_IXUSR)
     try:
         reopen(session, settle, folder / "a.bozz")
-        assert session.read_only
-        assert len(session.document) == 1
+        assert session.drawing.read_only
+        assert len(session.drawing.document) == 1
     finally:
         folder.chmod(0o755)
 
@@ -395,8 +401,8 @@ def test_where_no_lock_can_be_made_a_document_is_read_only(session, settle, tmp_
 
     monkeypatch.setattr(FileLock, "acquire", refuse)
     reopen(session, settle, path)
-    assert session.read_only
-    assert len(session.document) == 1
+    assert session.drawing.read_only
+    assert len(session.drawing.document) == 1
     assert "nothing can be written" in words(session, "error")[0]
 
 
@@ -441,7 +447,7 @@ def saved(session, settle, tmp_path):
     """The session's document, saved and then changed."""
     draw(session, settle)
     save(session, settle, tmp_path / "a.bozz")
-    session.rename(session.selected, "Later")
+    session.objects.rename(session.selection.id, "Later")
     return tmp_path / "a.bozz"
 
 
@@ -450,7 +456,7 @@ def test_a_file_that_another_program_changed_is_not_written_over(session, saved,
     session.files.save()
     settle(session)
     assert saved.read_bytes() == b"theirs"
-    assert session.is_modified
+    assert session.drawing.is_modified
     assert "changed by another program" in words(session, "error")[-1]
 
 
@@ -465,20 +471,20 @@ def test_the_answer_to_a_changed_file_is_done(session, saved, settle, answer):
     getattr(met[0], answer)()
     settle(session)
     assert ended == (["failed"] if answer == "leave" else ["then"])
-    assert session.is_modified is (answer == "leave")
+    assert session.drawing.is_modified is (answer == "leave")
     beside = saved.with_name("a 2.bozz")
-    assert session.path == (beside if answer == "keep_both" else saved)
+    assert session.drawing.path == (beside if answer == "keep_both" else saved)
     assert beside.exists() is (answer == "keep_both")
     if answer == "go_on":
         assert json_names(saved) == ["Later"]
         assert saved.with_name("a.bozz~1").read_bytes() == b"theirs"
     else:
         assert saved.read_bytes() == b"theirs"
-    session.rename(session.selected, "Last")
+    session.objects.rename(session.selection.id, "Last")
     if answer != "leave":
         session.files.save()
         settle(session)
-        assert not session.is_modified
+        assert not session.drawing.is_modified
         assert len(met) == 1
 
 
@@ -536,9 +542,9 @@ def test_a_file_that_became_a_folder_or_read_only_stays_as_it_is(session, saved,
     session.files.save()
     settle(session)
     assert "is a folder" in words(session, "error")[-1]
-    assert session.is_modified
+    assert session.drawing.is_modified
     save(session, settle, tmp_path / "b.bozz")
-    assert not session.is_modified
+    assert not session.drawing.is_modified
 
 
 @pytest.mark.skipif(os.name == "nt", reason="links")
@@ -560,11 +566,11 @@ def test_a_document_whose_name_is_not_text_is_opened_and_saved(session, saved, s
     except OSError:
         pytest.skip("the disk wants text")
     reopen(session, settle, odd)
-    assert session.path == odd
-    session.rename(session.selected, "Boxes")
+    assert session.drawing.path == odd
+    session.objects.rename(session.selection.id, "Boxes")
     session.files.save()
     settle(session)
-    assert not session.is_modified
+    assert not session.drawing.is_modified
     assert json_names(odd) == ["Boxes"]
     assert words(session, "error") + words(session, "fault") == []
     assert recent_files()[0] == odd
@@ -594,10 +600,10 @@ def test_a_picture_that_cannot_be_made_does_not_stop_the_save(
     monkeypatch.setattr(small_picture, "_painted", fail)
     draw(session, settle)
     save(session, settle, tmp_path / "a.bozz")
-    assert not session.is_modified
+    assert not session.drawing.is_modified
     assert not has_picture(tmp_path / "a.bozz")
     reopen(session, settle, tmp_path / "a.bozz")
-    assert len(session.document) == 1
+    assert len(session.drawing.document) == 1
 
 
 def test_a_picture_that_is_late_does_not_hold_the_save_up(session, settle, tmp_path, monkeypatch):
@@ -612,7 +618,7 @@ def test_a_picture_that_is_late_does_not_hold_the_save_up(session, settle, tmp_p
     draw(session, settle)
     for name in ("a.bozz", "b.bozz"):
         save(session, settle, tmp_path / name)
-        assert not session.is_modified
+        assert not session.drawing.is_modified
         assert not has_picture(tmp_path / name)
     assert len(begun) == 1  # the second save did not start another beside it
     gate.set()

@@ -51,18 +51,18 @@ def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bo
     paths = dropped_files(data)
     for path in paths:
         if under and is_picture(path):
-            session.picturing.take_file(path, under=True)
+            session.pictures.take_file(path, under=True)
         else:
             take_file(session, path)
     image = data.imageData() if not paths and data.hasImage() else None
     if isinstance(image, QImage):
-        session.picturing.take_image(image, tr("Session", "Picture"), under=under)
+        session.pictures.take_image(image, tr("Session", "Picture"), under=under)
     return bool(paths) or isinstance(image, QImage)
 
 
 def take_file(session: Session, path: Path) -> None:
     """Open a document; bring anything else into the one that is open."""
     if path.suffix.lower() == DOCUMENT_ENDING:
-        session.open(path)
+        session.files.open_safely(path)
     else:
-        session.import_file(path)
+        session.files.import_file(path)

@@ -87,17 +87,19 @@ class Viewports(QObject):
     def show_scene(self) -> None:
         """Show the session's scene."""
         for viewport in self._both():
-            viewport.set_scene(self._session.scene, moving=self._session.is_dragging)
+            viewport.set_scene(
+                self._session.scene.visible, moving=self._session.drawing.is_dragging
+            )
 
     def show_live(self) -> None:
         """Show what is there only while the pen is down."""
         for viewport in self._both():
-            viewport.set_live(self._session.live_scene)
+            viewport.set_live(self._session.scene.live)
 
     def show_camera(self) -> None:
         """Look through the session's camera."""
         for viewport in self._both():
-            viewport.set_camera(self._session.camera)
+            viewport.set_camera(self._session.view.camera)
 
     def show_style(self) -> None:
         """Shade and show the ground as the session says.
@@ -105,16 +107,16 @@ class Viewports(QObject):
         Where a picture was drawn from, its own ground is what is seen.
         """
         session = self._session
-        grid = session.show_grid and not session.advising.holds_eye(session.camera)
-        self._style = session.shading, grid
+        grid = session.view.show_grid and not session.advice.holds_eye(session.view.camera)
+        self._style = session.view.shading, grid
         for viewport in self._both():
             viewport.set_style(*self._style)
 
     def show_advice(self) -> None:
         """See whether the view stands where a picture was drawn from."""
         session = self._session
-        held = session.advising.holds_eye(session.camera)
-        if self._style != (session.shading, session.show_grid and not held):
+        held = session.advice.holds_eye(session.view.camera)
+        if self._style != (session.view.shading, session.view.show_grid and not held):
             self.show_style()
 
     def set_palette(self, palette: Palette) -> None:

@@ -61,12 +61,12 @@ class PartRow(NamedRow):
 
     def __init__(self, session: Session, model_id: str, part_id: str) -> None:
         super().__init__()
-        self.renamed.connect(lambda name: session.rename_part(model_id, part_id, name))
+        self.renamed.connect(lambda name: session.parts.rename(model_id, part_id, name))
         self.fold = Fold()
         self.fold.clicked.connect(self.folded)
         self.sign = _Sign()
         self.eye = Eye()
-        self.eye.clicked.connect(lambda off: session.set_part_visible(model_id, part_id, not off))
+        self.eye.clicked.connect(lambda off: session.parts.set_visible(model_id, part_id, not off))
         self._row = QHBoxLayout(self)
         self._row.setSpacing(0)
         self._row.addWidget(self.fold)

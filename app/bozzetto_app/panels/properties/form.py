@@ -62,10 +62,10 @@ class ParametersPanel(QScrollArea):
         self._column.addStretch(1)
         self.setWidget(page)
 
-        session.parameters_changed.connect(self.refresh)
-        session.selection_changed.connect(self.refresh)
-        session.document_changed.connect(self.refresh)
-        session.report_changed.connect(self._show_report)
+        session.selection.changed.connect(self.refresh)
+        session.selection.changed.connect(self.refresh)
+        session.drawing.changed.connect(self.refresh)
+        session.solver.report_changed.connect(self._show_report)
         self.refresh()
         self._show_report()
 
@@ -89,8 +89,12 @@ class ParametersPanel(QScrollArea):
         another model or part is chosen: every new stroke may choose another part.
         """
         session = self._session
-        own, inner, part = session.parameters, session.part_parameters, session.chosen_part
-        chosen = (session.selected, "" if part is None else part.id)
+        own, inner, part = (
+            session.objects.parameters,
+            session.parts.parameters,
+            session.parts.chosen,
+        )
+        chosen = (session.selection.id, "" if part is None else part.id)
         fields = (*(field for field, _ in own), "", *(field for field, _ in inner))
         if chosen != self._owner:
             for pace in self._paces:
@@ -104,12 +108,14 @@ class ParametersPanel(QScrollArea):
         for owner, found in (("", own), ("part", inner)):
             for field, value in found:
                 self._rows[owner, field.name].show_value(value)
-        locked = any(model.locked for model in session.document if model.id == session.selected)
+        locked = any(
+            model.locked for model in session.drawing.document if model.id == session.selection.id
+        )
         self._locked.setVisible(locked)
         self._form.setEnabled(not locked)
         self._empty.setText(
             tr("Parameters", "Draw or choose an object to see its parameters.")
-            if session.selected is None
+            if session.selection.id is None
             else tr("Parameters", "This object has no parameters.")
         )
         self._empty.setVisible(not own and not inner)
@@ -129,14 +135,14 @@ class ParametersPanel(QScrollArea):
         column = QVBoxLayout(self._form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(12)
-        self._fill(column, session.parameters, "", session.set_parameter)
-        part = session.chosen_part
-        if part is not None and session.part_parameters:
+        self._fill(column, session.objects.parameters, "", session.objects.set_parameter)
+        part = session.parts.chosen
+        if part is not None and session.parts.parameters:
             inner = QWidget()
             below = QVBoxLayout(inner)
             below.setContentsMargins(0, 4, 0, 0)
             below.setSpacing(12)
-            self._fill(below, session.part_parameters, "part", session.set_part_parameter)
+            self._fill(below, session.parts.parameters, "part", session.parts.set_parameter)
             if column.count():
                 column.addWidget(hairline())
             self._part_section = _section(part.name, inner, "panels/part", True)
@@ -163,7 +169,7 @@ class ParametersPanel(QScrollArea):
             pace = DragPace(partial(_changed, change, field.name), row)
             row.changed.connect(pace.change)
             row.drag_ended.connect(pace.end)
-            row.drag_ended.connect(self._session.end_drag)
+            row.drag_ended.connect(self._session.objects.end_drag)
             self._paces.append(pace)
             self._rows[owner, field.name] = row
             (folded if field.parameter.advanced else column).addWidget(row)
@@ -174,8 +180,8 @@ class ParametersPanel(QScrollArea):
             advanced.deleteLater()
 
     def _show_report(self) -> None:
-        report = self._session.report
-        part = self._session.chosen_part
+        report = self._session.solver.report
+        part = self._session.parts.chosen
         self._figures.show_report(report, "" if part is None else part.id)
         self._figures_section.setVisible(bool(report))
         self._line.setVisible(bool(report))
