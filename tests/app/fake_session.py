@@ -175,7 +175,7 @@ class Drawing(Part):
     changed = Signal()
     waiting_changed = Signal()
     opened = Signal()
-    rested = Signal()
+    models_changed = Signal()
     recorded = "undo redo go_to"
 
 
@@ -199,7 +199,7 @@ class Toolbox(Part):
         return next((tool for tool in self.tools if tool.id == self.tool), None)
 
 
-class Shown(Part):
+class DisplayedScene(Part):
     changed = Signal()
     live_changed = Signal()
 
@@ -227,7 +227,7 @@ class Solver(Part):
     recorded = "expect_paint frame_painted"
 
 
-class Told(Part):
+class Notices(Part):
     noticed = Signal(object)
     recorded = "tell complain"
 
@@ -296,10 +296,10 @@ PARTS = {
     "drawing": Drawing,
     "selection": Selection,
     "toolbox": Toolbox,
-    "scene": Shown,
+    "scene": DisplayedScene,
     "advice": Advice,
     "solver": Solver,
-    "notices": Told,
+    "notices": Notices,
     "pictures": Pictures,
     "gestures": Gestures,
     "files": Files,
@@ -335,10 +335,10 @@ class EmptySession(QObject):
                 for id, gesture in (("draw", "ink"), ("mark", "tap"), ("edit", "drag"))
             ),
         )
-        self.scene = Shown(calls, visible=Scene(), live=Scene(), advice=Scene())
+        self.scene = DisplayedScene(calls, visible=Scene(), live=Scene(), advice=Scene())
         self.advice = Advice(calls, advice=None, about=None)
         self.solver = Solver(calls, report={})
-        self.notices = Told(calls, hint="")
+        self.notices = Notices(calls, hint="")
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
 
     def cancel_work(self) -> None:

@@ -100,7 +100,7 @@ class PluginPanel(QWidget):
         self._made: QWidget | None = None
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(12, 8, 12, 12)
-        for signal in (session.selection.changed, session.drawing.changed):
+        for signal in (session.selection.changed, session.drawing.models_changed):
             signal.connect(self.refresh)
 
     @property

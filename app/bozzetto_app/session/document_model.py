@@ -35,10 +35,12 @@ class DocumentModel(QObject):
     Signals
     -------
     models_changed
-        The models may differ. Emitted before `changed`, so that the selection and the scene
-        are up to date when `changed` arrives.
+        The models may differ. Emitted for every value of a drag, and before `changed`, so
+        that the selection and the scene are up to date when `changed` arrives.
     changed
-        The snapshot, the file name or the saved state differs.
+        The snapshot, the file name or the saved state differs. While a value is dragged it is
+        not emitted for every value, but once the drag ends or pauses: most listeners have
+        nothing to show of a value that is replaced in a moment.
     waiting_changed
         The waiting ink differs, or what is known about it.
     applied : str
@@ -49,8 +51,6 @@ class DocumentModel(QObject):
         This document is about to replace the one on the sheet.
     opened
         Another document is on the sheet.
-    rested
-        The drag of a value has ended, or pauses.
     """
 
     models_changed = Signal()
@@ -60,7 +60,6 @@ class DocumentModel(QObject):
     jumped = Signal(object)
     closing = Signal(object)
     opened = Signal()
-    rested = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -187,13 +186,15 @@ class DocumentModel(QObject):
 
     def end_drag(self) -> None:
         """Note that the drag of a value has ended, or pauses."""
-        self.is_dragging = False
-        self.rested.emit()
+        if self.is_dragging:
+            self.is_dragging = False
+            self._snapshot_replaced()
 
     def _models_replaced(self, *, dragging: bool = False) -> None:
         self.is_dragging = dragging
         self.models_changed.emit()
-        self._snapshot_replaced()
+        if not dragging:
+            self._snapshot_replaced()
 
     def _snapshot_replaced(self) -> None:
         self.changed.emit()

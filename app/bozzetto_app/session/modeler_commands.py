@@ -79,7 +79,7 @@ class ModelerCommands(QObject):
         self._enabled: frozenset[str] = frozenset()
         self._asked: Model | None = None
         self._failed: set[str] = set()
-        for signal in (drawing.changed, selection.changed, drawing.rested):
+        for signal in (drawing.changed, selection.changed):
             signal.connect(self.look)
 
     def is_enabled(self, command_id: str) -> bool:
@@ -87,12 +87,7 @@ class ModelerCommands(QObject):
         return command_id in self._enabled
 
     def look(self) -> None:
-        """Ask again if another model is selected, or its state differs.
-
-        Not while a value is dragged: the next value would replace the answer.
-        """
-        if self._drawing.is_dragging:
-            return
+        """Ask again if another model is selected, or its state differs."""
         model = self._selection.model
         if model is self._asked:
             return

@@ -21,6 +21,11 @@ GHOST_LAYER = "ink"
 class SceneModel(QObject):
     """The scenes that the viewport draws, in world coordinates.
 
+    Attributes
+    ----------
+    preview : Scene
+        The effect of the gesture under way.
+
     Signals
     -------
     changed
@@ -48,8 +53,9 @@ class SceneModel(QObject):
         self._visible: Scene | None = None
         self._last = Scene()
         self._has_ghosts = True
-        self._advice = self._preview = Scene()
-        drawing.models_changed.connect(self._refresh)
+        self.preview = Scene()
+        self._advice = Scene()
+        drawing.models_changed.connect(self._models_changed)
         selection.changed.connect(self._refresh)
         toolbox.tool_changed.connect(self._tool_changed)
         solver.changed.connect(self._refresh)
@@ -70,7 +76,7 @@ class SceneModel(QObject):
     @property
     def live(self) -> Scene:
         """The preview under the pen, and the layers that the modeler shows in this view only."""
-        return self.advice.under(self._preview)
+        return self.advice.under(self.preview)
 
     @property
     def advice(self) -> Scene:
@@ -86,8 +92,8 @@ class SceneModel(QObject):
 
     def show_preview(self, scene: Scene) -> None:
         """Show a preview until another replaces it; an empty scene removes it."""
-        if scene.layers or self._preview.layers:
-            self._preview = scene
+        if scene.layers or self.preview.layers:
+            self.preview = scene
             self.live_changed.emit()
 
     def show_advice(self, scene: Scene) -> None:
@@ -96,6 +102,12 @@ class SceneModel(QObject):
         self._advice = scene
         if shown or self.advice.layers:
             self.live_changed.emit()
+
+    def _models_changed(self) -> None:
+        """Look for another scene; a value that is dragged changes it only once it is solved."""
+        before, self._visible = self._last, None
+        if not self._drawing.is_dragging or self.visible is not before:
+            self.changed.emit()
 
     def _refresh(self) -> None:
         self._visible = None

@@ -35,6 +35,10 @@ SOLVE_LIMIT = 60.0
 REST: Final = 300
 """Time without a change after which a drag gets its final result, ms, though it may go on."""
 
+LATEST_PAINT: Final = 250
+"""How long the next preview waits for the last one to be painted, ms: where nothing had to be
+painted anew, no viewport tells that it was."""
+
 
 class Solver(QObject):
     """The scenes of the models of a document, kept up to date by one worker.
@@ -88,6 +92,8 @@ class Solver(QObject):
         self._channel.busy_changed.connect(self.busy_changed)
         self._rest = QTimer(self, singleShot=True, interval=REST)
         self._rest.timeout.connect(self.let_go)
+        self._paint = QTimer(self, singleShot=True, interval=LATEST_PAINT)
+        self._paint.timeout.connect(self.frame_painted)
         drawing.models_changed.connect(self._solve_changed)
         drawing.applied.connect(self._awaited.add)
         drawing.closing.connect(self.forget)
@@ -136,8 +142,13 @@ class Solver(QObject):
             self._submit()
             self._drawing.end_drag()
 
+    def expect_paint(self, paints: bool) -> None:
+        """Note whether a viewport paints what is shown, and calls `frame_painted`."""
+        self._revisions.expect_paint(paints)
+
     def frame_painted(self) -> None:
-        """Note that the viewport has painted what is shown; see `Revisions.painted`."""
+        """Note that the newest scene is on the screen: the next preview may begin."""
+        self._paint.stop()
         if self._revisions.painted():
             self._submit()
 
@@ -238,6 +249,8 @@ class Solver(QObject):
     def _take(self, task: Task, scene: Scene) -> None:
         """Replace the scene of one model."""
         model_id = task.model.id
+        if task.stage is Stage.PREVIEW and self._drawing.is_dragging:
+            self._paint.start()
         if not self._revisions.show(task):
             return
         self._shown[model_id] = (task.model, scene)

@@ -45,20 +45,15 @@ class ToolHints(QObject):
     ) -> None:
         super().__init__(parent)
         self.channel = Channel("hint", time_limit=HINT_LIMIT, parent=self)
-        self._workbench, self._drawing, self._selection = workbench, drawing, selection
+        self._workbench, self._selection = workbench, selection
         self._toolbox, self._notices = toolbox, notices
         self._asked: Question = None
         self._failed: set[str] = set()
-        for signal in (drawing.changed, selection.changed, toolbox.tool_changed, drawing.rested):
+        for signal in (drawing.changed, selection.changed, toolbox.tool_changed):
             signal.connect(self.look)
 
     def look(self) -> None:
-        """Ask again if the model, its state or the tool differs.
-
-        Not while a value is dragged: the next value would replace the answer.
-        """
-        if self._drawing.is_dragging:
-            return
+        """Ask again if the model, its state or the tool differs."""
         question = self._question()
         if _same(question, self._asked):
             return

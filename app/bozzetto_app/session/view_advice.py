@@ -94,12 +94,7 @@ class ViewAdviser(QObject):
         self._channel = Channel("advice", time_limit=ADVICE_LIMIT, parent=self)
         self._pace = QTimer(self, singleShot=True, interval=INTERVAL)
         self._pace.timeout.connect(self._ask)
-        for signal in (
-            view.camera_changed,
-            selection.changed,
-            toolbox.modeler_changed,
-            drawing.rested,
-        ):
+        for signal in (view.camera_changed, selection.changed, toolbox.modeler_changed):
             signal.connect(self.look)
         drawing.changed.connect(self._look_at_change)
         scene.changed.connect(self._look_at_frame)
@@ -147,8 +142,6 @@ class ViewAdviser(QObject):
 
     def _look_at_change(self) -> None:
         """Follow a picture at once, whose camera may differ; anything else can wait."""
-        if self._drawing.is_dragging:
-            return
         if self._is_pinned:
             self.look()
         else:
@@ -236,8 +229,8 @@ class ViewAdviser(QObject):
     def _take(self, advice: ViewAdvice | None) -> None:
         if advice is not None or self.advice is not None:
             self.advice = advice
-            self.changed.emit()
             self._scene.show_advice(Scene() if advice is None else advice.scene)
+            self.changed.emit()
 
 
 def _same(one: Question, other: Question) -> bool:

@@ -5,7 +5,6 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +12,7 @@ from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QIcon
 from PySide6.QtWidgets import QAbstractButton, QApplication, QWidget
 
+from bozzetto.document.model import Document, Model
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import DARK, LIGHT, Layer, Scene
@@ -352,8 +352,8 @@ def test_with_shift_pictures_go_under_the_sheet(session, canvas, tmp_path):
 
 def test_a_new_picture_is_gone_to_once_its_advice_is_there(session, canvas):
     canvas.motion.reduced = True
-    model = SimpleNamespace(id="m1")
-    session.selection.model = model
+    model = Model("m1", "One", "test.none", None)
+    session.drawing.document, session.selection.id = Document((model,)), "m1"
     better = standard_view(session.view.camera, "right")
     session.pictures.taken.emit("m1")
     session.advice.say(ViewAdvice("warn", "of an older state", better))

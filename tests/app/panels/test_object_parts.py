@@ -161,7 +161,9 @@ def test_the_menu_offers_the_modelers_that_take_shapes(panel, fake_session):
     uses = next(a.menu() for a in menu.actions() if a.text() == "Use as input for")
     assert [action.text() for action in uses.actions()] == ["Mesh", "Symmetry"]
     uses.actions()[1].trigger()
-    assert fake_session.calls.named("use") == [(("bozzetto.symmetry", ["m1"], {"m1": ["n2"]}), {})]
+    assert fake_session.calls.named("shapes.use") == [
+        (("bozzetto.symmetry", ["m1"], {"m1": ["n2"]}), {})
+    ]
 
 
 def test_the_menu_of_a_part(panel, fake_session):

@@ -85,7 +85,7 @@ def session(qtbot, plugin):
     made = Session(Registry(extra=["paneled"]))
     yield made
     made.cancel_all()
-    qtbot.waitUntil(lambda: not made.showing.busy)
+    qtbot.waitUntil(lambda: not made.solver.busy)
 
 
 @pytest.fixture

@@ -199,9 +199,9 @@ def test_recovering_shows_the_drawing_unsaved_and_forgets_the_old_data_only_then
     settle(later, other)
     other.recover(found[0])
     settle(later, other)
-    assert [strokes_of(model.state) for model in later.document] == [1]
-    assert len(later.pending) == 1
-    assert later.is_modified
+    assert [strokes_of(model.state) for model in later.drawing.document] == [1]
+    assert len(later.drawing.pending) == 1
+    assert later.drawing.is_modified
     assert RecoveryStore(folder).crashed_sessions() == []
     crash(other)
     assert kept_strokes(folder, later.registry) == [2]

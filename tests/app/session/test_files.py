@@ -65,20 +65,20 @@ def test_a_drawing_comes_back_to_the_last_bit(make_session, settle, tmp_path):
     first = make_session()
     draw(first, settle, radius=150)
     draw(first, settle, radius=60)
-    first.set_parameter("inflation", 1.3)
-    first.set_color(first.selected, (200, 120, 30))
+    first.objects.set_parameter("inflation", 1.3)
+    first.objects.set_color(first.selection.id, (200, 120, 30))
     settle(first)
-    assert first.is_modified
+    assert first.drawing.is_modified
     save(first, settle, tmp_path / "horse")
-    assert first.path == tmp_path / "horse.bozz"
-    assert (first.title, first.is_modified) == ("horse", False)
+    assert first.drawing.path == tmp_path / "horse.bozz"
+    assert (first.drawing.title, first.drawing.is_modified) == ("horse", False)
     first.files.close()
 
     second = make_session()
     reopen(second, settle, tmp_path / "horse.bozz")
-    assert not second.is_modified
-    assert second.camera == first.camera
-    (mine,), (other,) = first.document.models, second.document.models
+    assert not second.drawing.is_modified
+    assert second.view.camera == first.view.camera
+    (mine,), (other,) = first.drawing.document.models, second.drawing.document.models
     assert (mine.name, mine.color, mine.id) == (other.name, other.color, other.id)
     inflation = [[part.inflation for part in model.state.parts] for model in (mine, other)]
     assert inflation[0] == inflation[1]
@@ -339,20 +339,20 @@ def test_somebody_elses_document_opens_to_be_looked_at(make_session, settle, tmp
     save(theirs, settle, mine)
     me = make_session()
     reopen(me, settle, mine)
-    assert len(me.document) == 1
-    assert me.read_only
+    assert len(me.drawing.document) == 1
+    assert me.drawing.read_only
     (said,) = words(me, "error")
     lock = holder(document_lock_path(mine))
     assert lock.user in said
     assert lock.host in said
     before = mine.read_bytes()
-    me.rename(me.selected, "Other")
+    me.objects.rename(me.selection.id, "Other")
     save(me, settle, mine)
     assert mine.read_bytes() == before
-    assert me.is_modified
+    assert me.drawing.is_modified
     save(me, settle, tmp_path / "copy.bozz")
-    assert not me.read_only
-    assert not me.is_modified
+    assert not me.drawing.read_only
+    assert not me.drawing.is_modified
     assert holder(document_lock_path(mine)) == lock
 
 
@@ -417,25 +417,25 @@ def test_a_document_can_be_taken_over_and_who_lost_it_is_asked(make_session, set
     assert locked == [path]
     me.files.take_over(path)
     settle(me)
-    assert not me.read_only
-    me.rename(me.selected, "Mine")
+    assert not me.drawing.read_only
+    me.objects.rename(me.selection.id, "Mine")
     me.files.save()
     settle(me)
-    assert not me.is_modified
+    assert not me.drawing.is_modified
 
     met = []
     theirs.files.when_hindered = met.append
-    theirs.rename(theirs.selected, "Theirs")
+    theirs.objects.rename(theirs.selection.id, "Theirs")
     theirs.files.save()
     settle(theirs)
     assert isinstance(met[0].problem, Locked)
-    assert theirs.is_modified
+    assert theirs.drawing.is_modified
     met[0].go_on()
     settle(theirs)
     assert isinstance(met[1].problem, FileChanged)  # it was saved meanwhile
     met[1].go_on()
     settle(theirs)
-    assert not theirs.is_modified
+    assert not theirs.drawing.is_modified
     assert json_names(path, "Theirs", "Mine") == ["Theirs"]
 
 
@@ -510,10 +510,10 @@ def test_what_was_opened_and_changed_elsewhere_is_asked_about(make_session, save
     other = make_session()
     reopen(other, settle, saved)
     saved.write_bytes(saved.read_bytes() + b" ")
-    other.rename(other.selected, "Mine")
+    other.objects.rename(other.selection.id, "Mine")
     other.files.save()
     settle(other)
-    assert other.is_modified
+    assert other.drawing.is_modified
 
 
 def test_saving_beside_never_hits_a_file_that_is_there(session, settle, tmp_path):

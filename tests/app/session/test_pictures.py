@@ -323,7 +323,7 @@ def test_a_mark_is_where_the_pen_lifts_and_is_previewed_on_the_way(pinned, settl
     pen.press(300, 300)
     assert canvas._loupe.isVisible()
     pen.move(420, 350)
-    layers = lambda: [layer.name for layer in session.scene.live.layers]  # noqa: E731
+    layers = lambda: [layer.name for layer in session.scene.preview.layers]  # noqa: E731
     qtbot.waitUntil(lambda: "marks" in layers(), timeout=5000)
     pen.move(430, 360)
     pen.release(430, 360)
@@ -334,7 +334,7 @@ def test_a_mark_is_where_the_pen_lifts_and_is_previewed_on_the_way(pinned, settl
     (handle,) = (item for _, item in session.scene.visible.items() if hasattr(item, "point"))
     (seen,), _ = camera.project(handle.point)
     np.testing.assert_allclose(seen, (430, 360), atol=1e-6)
-    assert "marks" not in [layer.name for layer in session.gestures.live.layers]
+    assert "marks" not in [layer.name for layer in session.scene.preview.layers]
     assert session.drawing.history.undo_label == "Mark"
     # The handle is dragged with the loupe, too.
     pen.press(430, 360)
@@ -352,13 +352,13 @@ def test_escape_takes_an_aimed_tap_back(pinned, settle, qtbot):
     pen = Pen(canvas)
     pen.press(300, 300)
     pen.move(420, 350)
-    qtbot.waitUntil(lambda: bool(session.gestures.live.layers), timeout=5000)
+    qtbot.waitUntil(lambda: bool(session.scene.preview.layers), timeout=5000)
     QTest.keyClick(canvas, Qt.Key.Key_Escape)
     assert not canvas._loupe.isVisible()
     pen.release(420, 350)
     settle(session)
     assert session.selection.model.state.marks == ()
-    assert session.gestures.live.layers == ()
+    assert session.scene.preview.layers == ()
 
 
 def test_a_refused_tap_leaves_no_preview(window, settle):
@@ -369,4 +369,4 @@ def test_a_refused_tap_leaves_no_preview(window, settle):
     pen.release(420, 350)
     settle(session)
     assert "There is no sketch" in session.heard[-1].text
-    assert session.gestures.live.layers == ()
+    assert session.scene.preview.layers == ()

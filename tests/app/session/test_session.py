@@ -232,14 +232,14 @@ def test_undo_and_redo_walk_through_everything_drawn(session, draw, settle):
 @pytest.mark.parametrize(
     "edit",
     [
-        lambda s, m: s.rename(m.id, "Cat"),
-        lambda s, m: s.set_visible(m.id, False),
-        lambda s, m: s.set_locked(m.id, True),
-        lambda s, m: s.set_color(m.id, (10, 200, 30)),
-        lambda s, m: s.delete(m.id),
-        lambda s, m: s.duplicate(m.id),
-        lambda s, m: s.move_to(m.id, 1),
-        lambda s, m: s.set_parameter("size", 42.0),
+        lambda s, m: s.objects.rename(m.id, "Cat"),
+        lambda s, m: s.objects.set_visible(m.id, False),
+        lambda s, m: s.objects.set_locked(m.id, True),
+        lambda s, m: s.objects.set_color(m.id, (10, 200, 30)),
+        lambda s, m: s.objects.delete(m.id),
+        lambda s, m: s.objects.duplicate(m.id),
+        lambda s, m: s.objects.move_to(m.id, 1),
+        lambda s, m: s.objects.set_parameter("size", 42.0),
     ],
     ids="rename hide lock colour delete duplicate reorder parameter".split(),
 )
@@ -508,7 +508,7 @@ def test_a_tap_reaches_the_tool_that_is_in_the_hand(session, boxes, settle):
         return type(state)(size=5.0)
 
     boxes.misdeeds["apply"] = apply
-    session.gestures.tap(10.0, 20.0, shift=True)
+    session.gestures.tap(Tap(10.0, 20.0, session.view.camera, shift=True))
     settle(session)
     assert isinstance(seen[0], Tap)
     assert (seen[0].x, seen[0].y, seen[0].shift) == (10.0, 20.0, True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from bozzetto.plugin.gesture import Drag
 from tests import adviser
 from tests.adviser import MODELER
 from tests.app.tablet import stroke_of
@@ -104,7 +105,7 @@ def test_after_a_drag_of_a_handle_the_tool_in_the_hand_still_speaks(make_window,
     handle = next(item for layer in layers for item in layer.items if hasattr(item, "tip"))
     x, y = session.view.camera.project([handle.point])[0][0]
     path = stroke_of([(x, y), (x + 15.0, y + 15.0)], session.view.camera)
-    session.gestures.handle_released(handle.id, path)
+    session.gestures.handle_released(Drag(handle.id, path))
     settle(session)
     assert session.drawing.history.undo_label == "Arrange"
     assert session.toolbox.tool == "draw"

@@ -205,6 +205,7 @@ class Hand(QObject):
             first = places[0]
             if not self.machine.begin(Press("touch", Button.TIP, first.x(), first.y(), now)):
                 return
+            self._camera = self._session.view.camera
             self._view.touch_began()
         if not places or event.type() == QEvent.Type.TouchCancel:
             self.machine.release("touch", Button.TIP, now)

@@ -103,11 +103,14 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
     -------
     proved
         A first picture was made, read back, and found to be right.
+    painted
+        The newest scene is painted.
     failed : str
         OpenGL does not do what it should; the reason.
     """
 
     proved = Signal()
+    painted = Signal()
     failed = Signal(str)
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -295,6 +298,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
             return
         if not self._is_proved and not self._blank:
             QTimer.singleShot(0, self, self._prove)
+        self.painted.emit()
 
     def drawItemTree(self, item: Any = None, useItemNames: bool = False) -> None:
         """Draw the items in order; unlike pyqtgraph's, errors pass."""

@@ -74,10 +74,13 @@ class SoftwareViewport(QWidget):
     Signals
     -------
     first_painted
-        The widget has been on the screen once.
+        The widget has been painted once.
+    painted
+        The newest frame is painted; none is on its way.
     """
 
     first_painted = Signal()
+    painted = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -170,6 +173,8 @@ class SoftwareViewport(QWidget):
         if not self._was_painted:
             self._was_painted = True
             self.first_painted.emit()
+        if not self._channel.busy:
+            self.painted.emit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         self._ask()

@@ -66,6 +66,7 @@ class Viewports(QObject):
             QOpenGLWidget(canvas).hide()
         software = SoftwareViewport(canvas)
         software.first_painted.connect(self._painted_first, Qt.ConnectionType.QueuedConnection)
+        software.painted.connect(session.solver.frame_painted)
         self.current: ViewportBackend = software
         """The viewport that is shown."""
 
@@ -86,6 +87,7 @@ class Viewports(QObject):
 
     def show_scene(self) -> None:
         """Show the session's scene."""
+        self._session.solver.expect_paint(self._canvas.isVisible())
         for viewport in self._both():
             viewport.set_scene(
                 self._session.scene.visible, moving=self._session.drawing.is_dragging
@@ -154,6 +156,7 @@ class Viewports(QObject):
     def _raise_gl(self, viewport: type[GLViewport]) -> None:
         """Make the OpenGL viewport below the software one, which stays until it is proved."""
         rising = self._rising = viewport(self._canvas)
+        rising.painted.connect(self._session.solver.frame_painted)
         rising.proved.connect(self._proved, Qt.ConnectionType.QueuedConnection)
         rising.failed.connect(self.give_up_gl, Qt.ConnectionType.QueuedConnection)
         self.show_all()
@@ -184,6 +187,7 @@ class Viewports(QObject):
             self.current.release()
             failed = self.current.widget
             software = SoftwareViewport(self._canvas)
+            software.painted.connect(self._session.solver.frame_painted)
             software.setGeometry(failed.geometry())
             software.lower()
             software.show()

@@ -45,6 +45,7 @@ class ParametersPanel(QScrollArea):
             words.setProperty("tone", "quiet")
         self._form = QWidget()
         self._rows: dict[tuple[str, str], ParameterRow] = {}
+        self._values: dict[tuple[str, str], Any] = {}
         self._paces: list[DragPace] = []
         self._part_section: Section | None = None
         self._fields: tuple[object, ...] = ()
@@ -63,8 +64,8 @@ class ParametersPanel(QScrollArea):
         self.setWidget(page)
 
         session.selection.changed.connect(self.refresh)
-        session.selection.changed.connect(self.refresh)
         session.drawing.changed.connect(self.refresh)
+        session.drawing.models_changed.connect(self._value_dragged)
         session.solver.report_changed.connect(self._show_report)
         self.refresh()
         self._show_report()
@@ -105,9 +106,15 @@ class ParametersPanel(QScrollArea):
         self._owner = chosen
         if self._part_section is not None and part is not None:
             self._part_section.rename(part.name)
+        dragging = session.drawing.is_dragging
         for owner, found in (("", own), ("part", inner)):
             for field, value in found:
-                self._rows[owner, field.name].show_value(value)
+                key = owner, field.name
+                if not dragging or key not in self._values or self._values[key] != value:
+                    self._values[key] = value
+                    self._rows[key].show_value(value)
+        if dragging:
+            return
         locked = any(
             model.locked for model in session.drawing.document if model.id == session.selection.id
         )
@@ -121,6 +128,11 @@ class ParametersPanel(QScrollArea):
         self._empty.setVisible(not own and not inner)
         self._form.setVisible(bool(own or inner))
 
+    def _value_dragged(self) -> None:
+        """Follow the values of a drag; `changed` comes only when it ends or pauses."""
+        if self._session.drawing.is_dragging:
+            self.refresh()
+
     def _is_in_use(self) -> bool:
         """Whether something is being typed: it is meant for what was chosen by then."""
         focus = QApplication.focusWidget()
@@ -130,6 +142,7 @@ class ParametersPanel(QScrollArea):
         session = self._session
         old, self._form = self._form, QWidget()
         self._rows = {}
+        self._values = {}
         self._paces = []
         self._part_section = None
         column = QVBoxLayout(self._form)

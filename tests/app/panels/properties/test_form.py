@@ -74,7 +74,7 @@ def test_a_slider_drag_is_one_step(panel, fake_session):
     assert len(made) >= 2, "the first at once, the last at the end"
     assert all(going for *_, going in made)
     assert len(fake_session.calls.named("objects.end_drag")) == 1
-    assert fake_session.calls.made[-1][0] == "end_drag"
+    assert fake_session.calls.made[-1][0] == "objects.end_drag"
     assert fake_session.state.length == made[-1][1]
     assert fake_session.state.length % 1 == 0, "it keeps to the steps"
 
