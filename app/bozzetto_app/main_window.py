@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QCloseEvent, QIcon, QKeyEvent, QKeySequence
+from PySide6.QtGui import QCloseEvent, QIcon, QImage, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QApplication,
     QDialog,
@@ -21,7 +23,6 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto.document.recovery.recovery import CrashedSession
 from bozzetto.errors import UserError
 from bozzetto.ink.drawing import Drawing
 from bozzetto_app.actions.dynamic_menus import ChangingMenus
@@ -30,7 +31,6 @@ from bozzetto_app.actions.registry import ActionRegistry
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.framing import Framing
 from bozzetto_app.dialogs.file_dialogs import FileQuestions
-from bozzetto_app.dialogs.thumbnails import thumbnail_of
 from bozzetto_app.panels.history import HistoryPanel
 from bozzetto_app.panels.modeler_bar import ModelerBar
 from bozzetto_app.panels.objects.panel import ObjectsPanel
@@ -40,13 +40,16 @@ from bozzetto_app.panels.status_line import StatusLine
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.paths import recovery_folder
-from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.files import recent_files
 from bozzetto_app.session.notices import Notice
 from bozzetto_app.session.replay import Replay
 from bozzetto_app.session.session import Session
 from bozzetto_app.settings import keep_plugin_disabled, settings
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
+
+if TYPE_CHECKING:
+    from bozzetto.document.recovery.recovery import CrashedSession
+    from bozzetto_app.session.autosave import Keeper
 
 __all__ = ["Window"]
 
@@ -98,6 +101,13 @@ class _MenuEntry:
         self.registry.run(self.action)
 
 
+def _thumbnail_of(path: Path) -> QImage | None:
+    """Return the small picture of a drawing; readers are imported once one is wanted."""
+    from bozzetto_app.dialogs.thumbnails import thumbnail_of
+
+    return thumbnail_of(path)
+
+
 class Window(QMainWindow):
     """The one window of the program.
 
@@ -113,7 +123,7 @@ class Window(QMainWindow):
         self.setObjectName("window")
         self.session = session
         self.files = FileQuestions(session, self)
-        self.keeper = Keeper(session, recovery or recovery_folder())
+        self._recovery = recovery
         self._dress(Theme(settings().value(THEME, Theme.SYSTEM.value)))
         self.canvas = Canvas(session, current_palette(), self)
         self.actions_ = ActionRegistry(self, self.canvas)
@@ -172,9 +182,17 @@ class Window(QMainWindow):
         self._restore_layout()
         self._show_title()
         if session.toolbox.modelers and not session.toolbox.modeler:
-            session.toolbox.take_modeler(session.toolbox.modelers[0].id)
+            session.toolbox.prefer(session.toolbox.modelers[0].id)
+            self.canvas.viewports.first_painted.connect(session.toolbox.ask_for_tools)
         self._say_what_first()
         self.canvas.setFocus()
+
+    @cached_property
+    def keeper(self) -> Keeper:
+        """What keeps recovery data; made after the first paint, or when it is first needed."""
+        from bozzetto_app.session.autosave import Keeper
+
+        return Keeper(self.session, self._recovery or recovery_folder())
 
     # -- putting it together --
 
@@ -222,7 +240,7 @@ class Window(QMainWindow):
 
     def _welcome(self) -> WelcomeStrip:
         """A strip over the left of the sheet: when it goes, the ink stays where it is."""
-        strip = WelcomeStrip(self.session, recent_files(), thumbnail_of, self.canvas)
+        strip = WelcomeStrip(self.session, recent_files(), _thumbnail_of, self.canvas)
         strip.setAttribute(Qt.WidgetAttribute.WA_NoMousePropagation)
         strip.setCursor(Qt.CursorShape.ArrowCursor)
         strip.sample_chosen.connect(self._open_sample)

@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QImage, QPainter, QPainterPath, QPaintEvent, QPen
+from PySide6.QtCore import QEvent, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QImage, QPainter, QPainterPath, QPaintEvent, QPen, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
     QFrame,
@@ -48,7 +48,7 @@ class _Card(QAbstractButton):
         super().__init__()
         self._below = below
         self._make = picture
-        self._picture = picture()
+        self._picture: QImage | None = None
         self._theme = tones().name
         self._icon = icon
         self.setText(title)
@@ -65,8 +65,12 @@ class _Card(QAbstractButton):
         super().changeEvent(event)
         if self._theme != tones().name:  # pictures of ink have the theme's ink
             self._theme = tones().name
-            self._picture = self._make()
-            self.update()
+            self.show_picture()
+
+    def show_picture(self) -> None:
+        """Read the picture, which takes some milliseconds, and show it instead of the icon."""
+        self._picture = self._make()
+        self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         colors = tones()
@@ -182,6 +186,9 @@ class WelcomeStrip(QScrollArea):
         self._add_recent(recent)
         self._column.addStretch(1)
         self.setWidget(page)
+        self._unread = page.findChildren(_Card)
+        self._reading = QTimer(self, interval=0)
+        self._reading.timeout.connect(self._read_next)
         session.drawing.waiting_changed.connect(self._drawn)
         session.drawing.changed.connect(self._drawn)
 
@@ -220,6 +227,18 @@ class WelcomeStrip(QScrollArea):
             card = _Card(path.stem, str(path.parent), partial(self._thumbnail, path), "drawing")
             card.clicked.connect(lambda _, path=path: self.recent_chosen.emit(path))
             self._column.addWidget(card)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Read the pictures one after the other, once the window is painted."""
+        super().showEvent(event)
+        if self._unread:
+            self._reading.start()
+
+    def _read_next(self) -> None:
+        if self._unread:
+            self._unread.pop(0).show_picture()
+        if not self._unread:
+            self._reading.stop()
 
     def lie_on(self, sheet: QSize) -> None:
         """Take a sheet's upper left corner, no more of it than there is to show."""

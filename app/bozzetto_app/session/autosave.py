@@ -100,6 +100,8 @@ class Keeper(QObject):
         session.drawing.waiting_changed.connect(self._record)
         session.files.saved.connect(self._saved)
         session.files.given_up.connect(self._given_up)
+        if session.drawing.is_modified:
+            self._record()
 
     @property
     def busy(self) -> bool:

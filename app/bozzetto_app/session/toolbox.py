@@ -100,13 +100,23 @@ class Toolbox(QObject):
 
     def take_modeler(self, modeler_id: str) -> None:
         """Draw with another modeler; waiting ink stays."""
-        if modeler_id == self.modeler:
-            return
-        info = self._registry.info(modeler_id)
+        if modeler_id != self.modeler:
+            self.channel.cancel()
+            self.prefer(modeler_id)
+            self.ask_for_tools()
+
+    def prefer(self, modeler_id: str) -> None:
+        """Draw with another modeler, without asking for its tools yet."""
         self.modeler, self.tools, self.tool = modeler_id, (), ""
         self.modeler_changed.emit()
-        self._notices.say_hint(info.hint)
-        bench = self._workbench
+        self._notices.say_hint(self._registry.info(modeler_id).hint)
+
+    def ask_for_tools(self) -> None:
+        """Ask for the tools of the active modeler, whose plugin is imported for that."""
+        bench, modeler_id = self._workbench, self.modeler
+        if self.tools or not modeler_id:
+            return
+        info = self._registry.info(modeler_id)
 
         def work(job: Job) -> tuple[ToolInfo, ...]:
             return tuple(
@@ -128,7 +138,6 @@ class Toolbox(QObject):
                 self.modeler_changed.emit()
                 self.take_first_tool()
 
-        self.channel.cancel()
         self.channel.submit(Request(work, found, self._notices.complain))
 
     def drop_if_gone(self) -> None:

@@ -269,7 +269,7 @@ def test_long_words_do_not_widen_the_window(status, fake_session):
 
 
 @pytest.fixture
-def strip(shown, fake_session):
+def strip(qtbot, shown, fake_session):
     fake_session.drawing.document = Document()
     recent = [Path("/drawings/Lamp.bozz")]
     pictures = []
@@ -279,7 +279,7 @@ def strip(shown, fake_session):
         return QImage(4, 4, QImage.Format.Format_RGB32)
 
     made = shown(WelcomeStrip(fake_session, recent, thumbnail))
-    assert recent[0] in pictures
+    qtbot.waitUntil(lambda: recent[0] in pictures)
     return made
 
 
@@ -309,7 +309,8 @@ def test_a_card_under_the_pointer_keeps_its_picture(qtbot, shown, fake_session):
     made = shown(WelcomeStrip(fake_session, [Path("/drawings/Lamp.bozz")], lambda path: red))
     card = button(made, "Lamp")
     card.setDown(True)
-    assert card.grab().toImage().pixelColor(40, 31) == QColor(Qt.GlobalColor.red)
+    wanted = QColor(Qt.GlobalColor.red)
+    qtbot.waitUntil(lambda: card.grab().toImage().pixelColor(40, 31) == wanted)
 
 
 def test_the_strip_takes_no_more_of_the_sheet_than_it_needs(shown, fake_session):
@@ -322,10 +323,12 @@ def test_the_strip_takes_no_more_of_the_sheet_than_it_needs(shown, fake_session)
     assert few.verticalScrollBar().maximum() == 0
 
 
-def test_pictures_of_ink_follow_the_theme(qapp, shown, fake_session):
+def test_pictures_of_ink_follow_the_theme(qapp, qtbot, shown, fake_session):
     asked = []
     apply_theme(qapp, LIGHT)
     shown(WelcomeStrip(fake_session, [Path("/d/Lamp.bozz")], asked.append))
+    cards = 1 + sum(len(info.samples) for info in fake_session.toolbox.modelers)
+    qtbot.waitUntil(lambda: len(asked) == cards)
     before = len(asked)
     apply_theme(qapp, DARK)
     assert len(asked) == 2 * before

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QMimeData
 from PySide6.QtGui import QImage
 
-from bozzetto.exchange.import_file import is_picture
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING
 
@@ -48,6 +47,8 @@ def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bo
     """
     if data is None:
         return False
+    from bozzetto.exchange.import_file import is_picture
+
     paths = dropped_files(data)
     for path in paths:
         if under and is_picture(path):

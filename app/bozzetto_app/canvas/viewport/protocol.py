@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import Palette
-from bozzetto.scene.renderer.shading import Shading
 from bozzetto.view.camera import Camera
+from bozzetto_app.session.view_state import Shading
 
 __all__ = [
     "BACKEND_VARIABLE",

@@ -21,7 +21,6 @@ from PySide6.QtWidgets import QWidget
 from bozzetto.errors import Cancelled
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene
-from bozzetto.scene.grid import ground_grid, ground_height
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.viewport.protocol import Shading
@@ -173,6 +172,7 @@ class SoftwareViewport(QWidget):
         if not self._was_painted:
             self._was_painted = True
             self.first_painted.emit()
+            self._ask()
         if not self._channel.busy:
             self.painted.emit()
 
@@ -181,8 +181,8 @@ class SoftwareViewport(QWidget):
 
     def _ask(self) -> None:
         """Request a frame of what is to be shown now."""
-        if self.width() < 2 or self.height() < 2:
-            return
+        if self.width() < 2 or self.height() < 2 or not self._was_painted:
+            return  # the first paint asks again
         if self._was_overtaken:
             self._wait_for_rest(REST)
         scale = self.devicePixelRatioF()
@@ -215,8 +215,6 @@ class SoftwareViewport(QWidget):
 
         A frame with a number is given up where it takes long and a later one is asked for.
         """
-        from bozzetto.scene.renderer import render
-
         size = (self.width(), self.height())
         camera = self._camera.with_viewport(*size)
         solid, live, grid = self._scene, self._live, self._grid
@@ -232,6 +230,10 @@ class SoftwareViewport(QWidget):
                     self._frame_time = max(self._frame_time, spent)
                     raise Cancelled("a newer frame is wanted")
                 job.checkpoint(0.0, "frame")
+
+            # Not needed for the first paint of the window, which is the empty sheet.
+            from bozzetto.scene.grid import ground_grid, ground_height
+            from bozzetto.scene.renderer import render
 
             scene = solid.under(live)
             if grid:

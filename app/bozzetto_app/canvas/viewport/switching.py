@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Final
 
-from PySide6.QtCore import QObject, QRect, Qt, QTimer
+from PySide6.QtCore import QObject, QRect, Qt, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.plugin.job import Job
@@ -48,7 +48,14 @@ class Viewports(QObject):
     canvas : QWidget
         Parent of the viewports, which lie below its other children.
     palette : Palette
+
+    Signals
+    -------
+    first_painted
+        The window has been painted once.
     """
+
+    first_painted = Signal()
 
     def __init__(self, session: Session, canvas: QWidget, palette: Palette) -> None:
         super().__init__(canvas)
@@ -143,7 +150,8 @@ class Viewports(QObject):
     # -- the change -----------------------------------------------------------------------------
 
     def _painted_first(self) -> None:
-        """The window is on the screen: now there is time to see whether OpenGL works."""
+        """Look whether OpenGL works, now that the window is on the screen."""
+        self.first_painted.emit()
         if choose_backend() == "gl":
             self._imports.submit(Request(_import_gl, self._raise_gl, self._missing))
 
