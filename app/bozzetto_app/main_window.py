@@ -273,7 +273,8 @@ class Window(QMainWindow):
         for name in RADIAL:
             made = self.actions_.qaction(name)
             title = made.text().replace("&", "").split(",")[0]
-            entries.append(_MenuEntry(title, made.icon(), made.isEnabled(), self.actions_, name))
+            glyph = self.actions_.icon(name)
+            entries.append(_MenuEntry(title, glyph, made.isEnabled(), self.actions_, name))
         return entries
 
     # -- the layout is remembered --
@@ -449,7 +450,6 @@ class Window(QMainWindow):
         settings().setValue(THEME, theme.value)
         self._dress(theme)
         self.canvas.set_palette(current_palette())
-        self.actions_.retint()
 
     def _dress(self, theme: Theme) -> None:
         application = QApplication.instance()

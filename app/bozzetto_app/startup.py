@@ -34,6 +34,9 @@ VIEWPORT = "view/backend"
 HEAVY = ("scipy.optimize", "scipy.spatial", "scipy.sparse.linalg", "shapely", "manifold3d")
 """Imported in a thread after the first paint, so that the first stroke need not wait."""
 
+RECOVERY = "bozzetto_app.session.autosave"
+"""Imported before them: what is drawn from then on survives a crash."""
+
 LAST_MOMENT: Final = 1.0
 """How long a closed program waits for its threads at most, seconds; they stop within a tenth."""
 
@@ -115,7 +118,11 @@ class _FirstPaint(QObject):
 
 
 def _after_first_paint(window: Window, document: Path | None, tidier: Tidier) -> None:
+    """Import in a thread what the first paint did not need, recovery first."""
+
     def import_heavy() -> None:
+        import_module(RECOVERY)
+        ring(window, window.offer_recovery)
         for name in HEAVY:
             import_module(name)
         ring(tidier, tidier.settle)
@@ -123,7 +130,6 @@ def _after_first_paint(window: Window, document: Path | None, tidier: Tidier) ->
     threading.Thread(target=import_heavy, name="bozzetto-imports", daemon=True).start()
     if document is not None:
         window.session.files.open_safely(document)
-    window.offer_recovery()
 
 
 def _log_to_disk() -> TextIO:

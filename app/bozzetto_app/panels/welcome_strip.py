@@ -24,6 +24,7 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import qcolor, small_font, tones
 from bozzetto_app.widgets.icon_button import IconButton, paint_focus
+from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
@@ -36,18 +37,29 @@ PICTURE = QSize(72, 54)
 WIDTH = 276
 """Of the strip over a sheet, px."""
 
+AFTER_PAINT = 50
+"""Time for the first paint of the window before pictures are read, ms."""
+
 Thumbnail = Callable[[Path], QImage | None]
 
 
 class _Card(QAbstractButton):
-    """A picture with two lines of words."""
+    """A picture with two lines of words.
+
+    Signals
+    -------
+    outdated
+        The picture belongs to another theme.
+    """
+
+    outdated = Signal()
 
     def __init__(
         self, title: str, below: str, picture: Callable[[], QImage | None], icon: str | Path
     ) -> None:
         super().__init__()
         self._below = below
-        self._make = picture
+        self.read = picture
         self._picture: QImage | None = None
         self._theme = tones().name
         self._icon = icon
@@ -65,11 +77,11 @@ class _Card(QAbstractButton):
         super().changeEvent(event)
         if self._theme != tones().name:  # pictures of ink have the theme's ink
             self._theme = tones().name
-            self.show_picture()
+            self.outdated.emit()
 
-    def show_picture(self) -> None:
-        """Read the picture, which takes some milliseconds, and show it instead of the icon."""
-        self._picture = self._make()
+    def show_picture(self, picture: QImage | None) -> None:
+        """Show a picture instead of the icon, if there is one."""
+        self._picture = picture
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -117,6 +129,10 @@ class _Card(QAbstractButton):
         )
         if self.hasFocus():
             paint_focus(painter, QRectF(self.rect()), 6)
+
+
+def _raise(problem: BaseException) -> None:
+    raise problem
 
 
 def _heading(words: str) -> QLabel:
@@ -186,9 +202,10 @@ class WelcomeStrip(QScrollArea):
         self._add_recent(recent)
         self._column.addStretch(1)
         self.setWidget(page)
-        self._unread = page.findChildren(_Card)
-        self._reading = QTimer(self, interval=0)
-        self._reading.timeout.connect(self._read_next)
+        self._pictures = Channel("welcome", keep_all=True, parent=self)
+        self._cards = page.findChildren(_Card)
+        for card in self._cards:
+            card.outdated.connect(partial(self._read, card))
         session.drawing.waiting_changed.connect(self._drawn)
         session.drawing.changed.connect(self._drawn)
 
@@ -229,16 +246,17 @@ class WelcomeStrip(QScrollArea):
             self._column.addWidget(card)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Read the pictures one after the other, once the window is painted."""
+        """Have the pictures read in a worker, which takes some milliseconds each."""
         super().showEvent(event)
-        if self._unread:
-            self._reading.start()
+        QTimer.singleShot(AFTER_PAINT, self, self._read_all)
 
-    def _read_next(self) -> None:
-        if self._unread:
-            self._unread.pop(0).show_picture()
-        if not self._unread:
-            self._reading.stop()
+    def _read_all(self) -> None:
+        cards, self._cards = self._cards, []
+        for card in cards:
+            self._read(card)
+
+    def _read(self, card: _Card) -> None:
+        self._pictures.submit(Request(lambda job: card.read(), card.show_picture, _raise))
 
     def lie_on(self, sheet: QSize) -> None:
         """Take a sheet's upper left corner, no more of it than there is to show."""
