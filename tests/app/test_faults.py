@@ -17,6 +17,7 @@ from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Strokes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.scene import Layer, Lines, Scene, Shaded
+from tests.app.seen import part
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER, PLUGIN, UNLUCKY, BoxesState, box
 from tests.app.yardstick import Yardstick
@@ -365,8 +366,8 @@ def test_the_fault_bar_names_the_plugin_and_can_switch_it_off(make_window, boxes
     draw(window.session, settle)
     bar = window.status.faults
     assert bar.isVisible()
-    assert PLUGIN in bar._words.text()
-    bar._switch_off.click()
+    assert PLUGIN in part(bar, "fault-words").text()
+    part(bar, "fault-switch-off").click()
     assert not bar.isVisible()
     assert MODELER not in [info.id for info in window.session.toolbox.modelers]
     window.session.toolbox.take_modeler("bozzetto.silhouette")

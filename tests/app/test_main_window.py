@@ -19,6 +19,7 @@ from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.document.waiting_ink import strokes_of
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
+from tests.app.seen import part
 from tests.app.tablet import Mouse, Stylus, circle
 from tests.app.troublemaker import MODELER
 
@@ -158,7 +159,7 @@ def test_hints_and_title_follow_what_is_done(window, draw, settle, tmp_path):
     assert window.windowTitle().startswith("Untitled")
     assert not window.isWindowModified()
     draw(window, share=0.6)
-    assert window.status._words.text() == "Close the box, or press Enter."
+    assert part(window.status, "status-words").text() == "Close the box, or press Enter."
     assert window.isWindowModified()
     window.session.gestures.commit()
     settle(window.session)
@@ -189,12 +190,14 @@ def test_progress_does_not_move_the_sheet(window, boxes, settle, qtbot):
 
     boxes.misdeeds["solve"] = slow
     Stylus(window.canvas).draw(circle())
-    qtbot.waitUntil(lambda: window.status._cancel.isVisible(), timeout=10_000)
+    qtbot.waitUntil(lambda: part(window.status, "status-cancel").isVisible(), timeout=10_000)
     sizes.add((window.canvas.width(), window.canvas.height()))
-    qtbot.waitUntil(lambda: window.status._step.text() == "inflating", timeout=10_000)
-    window.status._cancel.click()
+    qtbot.waitUntil(
+        lambda: part(window.status, "status-step").text() == "inflating", timeout=10_000
+    )
+    part(window.status, "status-cancel").click()
     settle(window.session)
-    assert not window.status._cancel.isVisible()
+    assert not part(window.status, "status-cancel").isVisible()
     gate.set()
     assert sizes == {(size.width(), size.height())}
 
@@ -203,12 +206,12 @@ def test_slow_work_on_a_gesture_is_shown_and_can_be_stopped(window, boxes, settl
     gate = threading.Event()
     boxes.misdeeds["apply"] = lambda *args: gate.wait(20.0)
     Stylus(window.canvas).draw(circle())
-    qtbot.waitUntil(lambda: window.status._cancel.isVisible(), timeout=10_000)
-    assert window.status._step.text() == "Draw"
-    window.status._cancel.click()
+    qtbot.waitUntil(lambda: part(window.status, "status-cancel").isVisible(), timeout=10_000)
+    assert part(window.status, "status-step").text() == "Draw"
+    part(window.status, "status-cancel").click()
     gate.set()
     settle(window.session)
-    assert not window.status._cancel.isVisible()
+    assert not part(window.status, "status-cancel").isVisible()
     assert not len(window.session.drawing.document)
     assert len(window.session.drawing.pending) == 1, "the ink waits"
 

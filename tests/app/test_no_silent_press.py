@@ -63,7 +63,7 @@ class Watch:
             session.view.camera,
             (session.view.shading, session.view.show_grid, session.view.show_ghost_ink),
             (window.panels_shown, window.is_dark, window.welcome.isVisible()),
-            window.canvas._menu.isVisible(),
+            window.canvas.menu.isVisible(),
             window._replay is not None,
             {id(w) for w in QApplication.topLevelWidgets() if w.isVisible()},
             len(self.asked),
@@ -113,7 +113,7 @@ def asked(monkeypatch):
 
 def close_dialogs(window):
     window._stop_replay()
-    window.canvas._menu.close_menu()
+    window.canvas.menu.close_menu()
     for widget in QApplication.topLevelWidgets():
         if widget is not window and widget.isVisible() and widget.objectName() != "window":
             widget.close()
@@ -230,10 +230,10 @@ def test_no_key_and_no_entry_of_the_radial_menu_is_silent(put, settle, asked, st
         QApplication.processEvents()
         watch = Watch(window, asked)
         watch.before = (*watch.before[:11], False, *watch.before[12:])
-        window.canvas._menu._choose(index)
+        window.canvas.menu._choose(index)
         settle(session, window.keeper)
-        opened = window.canvas._menu.isVisible()
-        window.canvas._menu.close_menu()
+        opened = window.canvas.menu.isVisible()
+        window.canvas.menu.close_menu()
         if watch.is_silent:
             silent.append((entry.title, opened))
     assert silent == []

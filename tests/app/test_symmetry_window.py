@@ -88,11 +88,11 @@ def away(points, curve):
 def test_an_empty_sheet_leads_to_the_first_stroke(make_window, settle):
     window = make_window()
     session, light = window.session, window.canvas.light
-    assert window.canvas._hint.text == "Draw a closed outline."
+    assert window.canvas.empty_hint.text == "Draw a closed outline."
     session.toolbox.take_modeler("bozzetto.symmetry")
     window.resize(1024, 700)
     settle(session)
-    assert "mirror image" in window.canvas._hint.text, "what this modeler wants"
+    assert "mirror image" in window.canvas.empty_hint.text, "what this modeler wants"
     (edges,) = [i for i in shown(window, "box") if isinstance(i, Lines)]
     assert edges.points[:, 2].min() == 0.0, "it stands on the ground"
     assert len(session.drawing.document) == 0
@@ -103,7 +103,7 @@ def test_an_empty_sheet_leads_to_the_first_stroke(make_window, settle):
     press(window, Qt.Key.Key_T, settle)
     assert light.advice.level == "good"
     session.toolbox.take_modeler("bozzetto.silhouette")
-    assert window.canvas._hint.text == "Draw a closed outline."
+    assert window.canvas.empty_hint.text == "Draw a closed outline."
 
 
 # -- drawing -----------------------------------------------------------------------------------
@@ -156,7 +156,7 @@ def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     assert len(state(window).curves) == 2
     session.toolbox.take_modeler("bozzetto.silhouette")
     settle(session)
-    assert window.canvas._hint.text == "", "the sheet is not empty"
+    assert window.canvas.empty_hint.text == "", "the sheet is not empty"
 
 
 def test_warnings_and_impossible_readings_reach_the_person(window, draw, settle):

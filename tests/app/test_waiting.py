@@ -287,9 +287,9 @@ def test_esc_with_an_idle_hand_takes_waiting_ink_back_and_undo_brings_it_again(
     pair[0].mood = "refuse"
     session.gestures.commit()
     settle(session)
-    assert window.canvas._overlay.lit_places == (PLACE,)
+    assert window.canvas.overlay.lit_places == (PLACE,)
     QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
-    assert window.canvas._overlay.lit_places == ()
+    assert window.canvas.overlay.lit_places == ()
 
 
 def test_the_eraser_takes_waiting_strokes_one_by_one_and_undo_brings_them_again(
@@ -336,7 +336,7 @@ def test_a_tool_that_did_not_mark_it_shows_ink_without_a_halo(make_window, pair,
     settle(session)
 
     def lit():
-        return [line.is_lit for line in window.canvas._overlay._marked]
+        return [line.is_lit for line in window.canvas.overlay._marked]
 
     assert lit() == [True]
     session.toolbox.take_tool("trace")

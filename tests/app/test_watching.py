@@ -27,7 +27,7 @@ def test_a_drawing_is_watched_on_a_free_sheet_with_its_ink(window, qtbot, settle
     window._replay.inked.connect(inked.append)
     window._replay._speed = 40.0
     assert not window.welcome.isVisible()
-    assert not canvas._hint.isVisible()
+    assert not canvas.empty_hint.isVisible()
     qtbot.waitUntil(lambda: None in inked, timeout=30_000)
     places = np.concatenate([stroke.points for stroke in inked if stroke is not None])
     drawn = session.view.camera.project(inked[0].camera.on_plane(places, (0, 0, 0), (0, 1, 0)))[0]
@@ -35,7 +35,7 @@ def test_a_drawing_is_watched_on_a_free_sheet_with_its_ink(window, qtbot, settle
     assert (drawn <= session.view.camera.viewport).all()
     qtbot.waitUntil(lambda: bool(session.drawing.document.models), timeout=30_000)
     settle(session)
-    assert canvas._overlay._pending_ink == []
+    assert canvas.overlay._pending_ink == []
 
 
 def test_a_picture_to_trace_stands_on_the_ground(window, tmp_path, settle):
@@ -68,10 +68,10 @@ def test_a_car_among_the_samples_shows_its_sketch_and_opens_with_it(window, sett
 
 
 def test_the_strip_goes_with_the_first_ink_and_leaves_room_for_the_hint(window):
-    assert window.canvas._hint.left == window.welcome.width()
+    assert window.canvas.empty_hint.left == window.welcome.width()
     window.canvas.hand.ink_began.emit()
     assert not window.welcome.isVisible()
-    assert window.canvas._hint.left == 0
+    assert window.canvas.empty_hint.left == 0
 
 
 def test_a_mesh_that_was_brought_in_says_that_it_has_no_parameters(window, tmp_path, settle):

@@ -123,14 +123,14 @@ class Canvas(QWidget):
 
         self.viewports = Viewports(session, self, palette)
         self._sorting = Channel("sort-for-picking", parent=self)
-        self._overlay = InkOverlay(self)
-        self._hint = SheetHint(self)
-        self._cube = ViewCube(self)
+        self.overlay = InkOverlay(self)
+        self.empty_hint = SheetHint(self)
+        self.cube = ViewCube(self)
         self.light = ViewLight(self)
-        self._loupe = Loupe(lambda: self.viewports.current.shown(), self)
-        self._menu = RadialMenu(self)
-        self._menu.refused.connect(self.menu_refused)
-        self.hand = Hand(session, self._overlay)
+        self.loupe = Loupe(lambda: self.viewports.current.shown(), self)
+        self.menu = RadialMenu(self)
+        self.menu.refused.connect(self.menu_refused)
+        self.hand = Hand(session, self.overlay)
         self.motion = ViewMotion(session, self)
         self._sorted = EMPTY
 
@@ -152,18 +152,18 @@ class Canvas(QWidget):
         session.advice.changed.connect(self._show_advice)
         session.pictures.taken.connect(self._got_picture)
         self.hand.pressed.connect(self.motion.finish)
-        self.hand.ink_began.connect(self._hint.fade)
+        self.hand.ink_began.connect(self.empty_hint.fade)
         self.hand.aimed.connect(self._aim)
-        self.hand.aim_ended.connect(self._loupe.put_away)
+        self.hand.aim_ended.connect(self.loupe.put_away)
         self.hand.mode_changed.connect(self._mode_changed)
         self.hand.came_to_nothing.connect(session.gestures.explain)
         self.hand.menu_pressed.connect(self.open_menu)
-        self.hand.menu_moved.connect(self._menu.point)
-        self.hand.menu_released.connect(lambda flicked: self._menu.lift(flicked=flicked))
-        self._cube.direction_chosen.connect(self._look_from)
-        self._cube.turned.connect(self._turn)
-        self._cube.home_chosen.connect(self.fit)
-        self._cube.projection_chosen.connect(self.toggle_projection)
+        self.hand.menu_moved.connect(self.menu.point)
+        self.hand.menu_released.connect(lambda flicked: self.menu.lift(flicked=flicked))
+        self.cube.direction_chosen.connect(self._look_from)
+        self.cube.turned.connect(self._turn)
+        self.cube.home_chosen.connect(self.fit)
+        self.cube.projection_chosen.connect(self.toggle_projection)
         self.light.turn_chosen.connect(self.turn_to_better)
 
         self._mode_changed()
@@ -181,7 +181,7 @@ class Canvas(QWidget):
         """Use the colours of a theme."""
         self._colors = palette
         self.viewports.set_palette(palette)
-        for part in (self._overlay, self._hint, self._cube, self.light, self._loupe, self._menu):
+        for part in (self.overlay, self.empty_hint, self.cube, self.light, self.loupe, self.menu):
             part.set_colors(palette)
 
     def read_settings(self) -> None:
@@ -196,12 +196,12 @@ class Canvas(QWidget):
 
     def show_hint(self, text: str) -> None:
         """Show a line in the middle of the sheet until ink begins; "" takes it away."""
-        self._hint.say(text)
+        self.empty_hint.say(text)
 
     def leave_room(self, left: int) -> None:
         """Centre what is said beside what covers so many pixels of the sheet's left."""
-        self._hint.left = self.light.left = left
-        self._hint.update()
+        self.empty_hint.left = self.light.left = left
+        self.empty_hint.update()
         self.light.lie_on(self.rect())
 
     def describe_viewport(self) -> str:
@@ -309,35 +309,35 @@ class Canvas(QWidget):
     def open_menu(self, place: QPointF | None = None) -> None:
         """Open the radial menu at a place; without one at the pointer, or close it."""
         if place is None:
-            if self._menu.isVisible():
-                self._menu.close_menu()
+            if self.menu.isVisible():
+                self.menu.close_menu()
                 return
             place = QPointF(self.mapFromGlobal(QCursor.pos()))
             if not self.rect().contains(place.toPoint()):
                 place = QPointF(self.rect().center())
-        self._menu.open_at(place, self.menu_entries())
+        self.menu.open_at(place, self.menu_entries())
 
     # -- what the session shows -----------------------------------------------------------------
 
     def _show_scene(self) -> None:
         self.viewports.show_scene()
-        if self._loupe.isVisible():
-            self._loupe.show_scene(self._all_shown(), self._session.view.camera)
+        if self.loupe.isVisible():
+            self.loupe.show_scene(self._all_shown(), self._session.view.camera)
         self.hand.scene_or_view_changed()
         if not self._session.drawing.is_dragging:
             self._prepare_picking(self._session.scene.visible, self._session.view.camera)
 
     def _show_live(self) -> None:
         self.viewports.show_live()
-        if self._loupe.isVisible():
-            self._loupe.show_scene(self._all_shown(), self._session.view.camera)
+        if self.loupe.isVisible():
+            self.loupe.show_scene(self._all_shown(), self._session.view.camera)
 
     def _aim(self, place: QPointF) -> None:
         """A place that must be met exactly is being sought."""
-        if not self._loupe.isVisible():
-            self._hint.fade()
-            self._loupe.show_scene(self._all_shown(), self._session.view.camera)
-        self._loupe.point(place.x(), place.y())
+        if not self.loupe.isVisible():
+            self.empty_hint.fade()
+            self.loupe.show_scene(self._all_shown(), self._session.view.camera)
+        self.loupe.point(place.x(), place.y())
 
     def _all_shown(self) -> Scene:
         return self._session.scene.visible.under(self._session.scene.live)
@@ -355,7 +355,7 @@ class Canvas(QWidget):
 
     def _show_camera(self) -> None:
         self.viewports.show_camera()
-        self._cube.set_camera(self._session.view.camera)
+        self.cube.set_camera(self._session.view.camera)
         self.hand.scene_or_view_changed()
         if self._session.drawing.pending:
             self._show_pending()
@@ -363,9 +363,9 @@ class Canvas(QWidget):
     def _show_pending(self) -> None:
         marked = self._marked_ink()
         if len(marked) < self._marked:
-            self._overlay.light_up(())  # what was wrong is gone, or was mended
+            self.overlay.light_up(())  # what was wrong is gone, or was mended
         self._marked = len(marked)
-        self._overlay.set_pending(self._good_ink(), self._session.view.camera, marked)
+        self.overlay.set_pending(self._good_ink(), self._session.view.camera, marked)
 
     def _good_ink(self) -> tuple[Stroke, ...]:
         return tuple(
@@ -386,7 +386,7 @@ class Canvas(QWidget):
     def follow(self, stroke: Stroke | None) -> None:
         """Show the ink of a stroke that no hand draws here; None when its pen is up."""
         strokes = self._good_ink() if stroke is None else (*self._good_ink(), stroke)
-        self._overlay.set_pending(strokes, self._session.view.camera, self._marked_ink())
+        self.overlay.set_pending(strokes, self._session.view.camera, self._marked_ink())
 
     def _show_advice(self) -> None:
         advising = self._session.advice
@@ -417,12 +417,12 @@ class Canvas(QWidget):
 
     def _notice(self, notice: Notice) -> None:
         if notice.places:
-            self._overlay.light_up(notice.places, notice.text)
+            self.overlay.light_up(notice.places, notice.text)
 
     def _mode_changed(self) -> None:
         mode = self.hand.machine.mode
         if mode not in (Mode.IDLE, Mode.CHOOSING):
-            self._menu.close_menu()
+            self.menu.close_menu()
         if mode is Mode.IDLE:
             # Later: what the hand has just done belongs to the view in which it was done.
             QTimer.singleShot(0, self, self._follow)
@@ -436,11 +436,11 @@ class Canvas(QWidget):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         self.viewports.set_geometry(self.rect())
-        self._overlay.setGeometry(self.rect())
-        self._hint.setGeometry(self.rect())
-        self._cube.move(self.width() - self._cube.width() - CUBE_MARGIN, CUBE_MARGIN)
+        self.overlay.setGeometry(self.rect())
+        self.empty_hint.setGeometry(self.rect())
+        self.cube.move(self.width() - self.cube.width() - CUBE_MARGIN, CUBE_MARGIN)
         self.light.lie_on(self.rect())
-        self._menu.close_menu()
+        self.menu.close_menu()
         camera: Camera = self._session.view.camera
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
         if camera.viewport != size:

@@ -86,7 +86,7 @@ class FaultBar(QFrame):
         self.setAccessibleName(tr("FaultBar", "Fault"))
         sign = _Sign()
         sign.kind = "fault"
-        self._words = QLabel()
+        self._words = QLabel(objectName="fault-words")
         self._words.setWordWrap(True)
         self._words.setTextFormat(Qt.TextFormat.PlainText)
         self._details = QPushButton(tr("FaultBar", "Details"))
@@ -100,6 +100,7 @@ class FaultBar(QFrame):
         self._escape.activated.connect(self._ask_stop)
         close = IconButton("cross", tr("FaultBar", "Close"), side=24, glyph=16, faint=True)
         self._details.clicked.connect(lambda: self.details_wanted.emit(self._notice))
+        self._switch_off.setObjectName("fault-switch-off")
         self._switch_off.clicked.connect(self._ask_switch_off)
         close.clicked.connect(self.hide)
         row = QHBoxLayout(self)
@@ -207,17 +208,20 @@ class StatusLine(QWidget):
         self.faults.switch_off_wanted.connect(self._switch_off)
         self.faults.stop_wanted.connect(session.cancel_work)
         self._progress = _Progress()
+        self._progress.setObjectName("status-progress")
         # A line that takes its room along would resize the sheet whenever work begins.
         room = self._progress.sizePolicy()
         room.setRetainSizeWhenHidden(True)
         self._progress.setSizePolicy(room)
         self._sign = _Sign()
         self._words = _Elided(session.notices.hint)
-        self._step = QLabel()
+        self._words.setObjectName("status-words")
+        self._step = QLabel(objectName="status-step")
         self._step.setProperty("tone", "quiet")
         self._cancel = IconButton(
             "cross", tr("StatusLine", "Stop this work"), side=24, glyph=16, faint=True
         )
+        self._cancel.setObjectName("status-cancel")
         self._cancel.clicked.connect(session.cancel_work)
         units = QLabel(tr("StatusLine", "mm"))
         units.setProperty("tone", "quiet")

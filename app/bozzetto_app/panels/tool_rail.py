@@ -61,7 +61,7 @@ class ToolRail(QWidget):
         self.setFixedWidth(SIDE + 8)
         self._buttons: dict[str, _ToolButton] = {}
 
-        self._count = QLabel()
+        self._count = QLabel(objectName="waiting-count")
         self._count.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._count.setProperty("type", "small")
         self._count.setFont(small_font(self.font()))
@@ -71,14 +71,16 @@ class ToolRail(QWidget):
             side=SIDE,
             key=tr("Keys", "Enter"),
         )
+        self._finish.setObjectName("waiting-finish")
         self._finish.clicked.connect(session.gestures.commit)
         self._drop = IconButton(
             "cross",
             tr("ToolRail", "Take the waiting strokes back; the pen's eraser end erases one"),
             side=SIDE,
         )
+        self._drop.setObjectName("waiting-drop")
         self._drop.clicked.connect(session.gestures.clear)
-        self._waiting = QWidget()
+        self._waiting = QWidget(objectName="waiting")
         waiting = QVBoxLayout(self._waiting)
         waiting.setContentsMargins(0, 0, 0, 0)
         waiting.setSpacing(4)

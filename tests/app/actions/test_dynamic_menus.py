@@ -45,7 +45,7 @@ def test_recent_documents_are_listed_and_open(window, tmp_path, monkeypatch):
     horse, odd = tmp_path / "horse.bozz", tmp_path / "salt & pepper.bozz"
     remember(window, horse, odd)
     opened = []
-    monkeypatch.setattr(window.session, "open", opened.append)
+    monkeypatch.setattr(window.session.files, "open_safely", opened.append)
     found = submenu(window, "File", "Open recent")
     assert list(found) == ["&1 horse", "&2 salt && pepper"]
     found["&2 salt && pepper"].trigger()

@@ -85,10 +85,10 @@ def test_no_tilt_interrupts_a_view_on_its_way(session, canvas, qtbot):
 def test_the_ink_of_a_replay_is_shown_with_what_waits(session, canvas):
     stroke = Stroke([10.0, 60.0, 90.0], [10.0, 20.0, 70.0], camera=session.view.camera)
     canvas.follow(stroke)
-    (ink,) = canvas._overlay._pending_ink
+    (ink,) = canvas.overlay._pending_ink
     assert np.allclose((ink[0][:2], ink[-1][:2]), ((10, 10), (90, 70)))
     canvas.follow(None)
-    assert canvas._overlay._pending_ink == []
+    assert canvas.overlay._pending_ink == []
 
 
 def test_the_tilt_is_a_setting(session, canvas):
@@ -152,7 +152,7 @@ def test_the_camera_follows_the_size_of_the_canvas(session, canvas, qtbot):
 
 def test_clicking_a_face_of_the_cube_looks_at_it(session, canvas, qtbot):
     session.view.set_camera(standard_view(session.view.camera, "three-quarter"))
-    cube = canvas._cube
+    cube = canvas.cube
     places = {
         cube.direction_under(QPointF(x, y)): QPoint(x, y) for x in range(84) for y in range(84)
     }
@@ -164,7 +164,7 @@ def test_clicking_a_face_of_the_cube_looks_at_it(session, canvas, qtbot):
 
 def test_faces_edges_and_corners_of_the_cube_can_be_hit(session, canvas):
     canvas.motion.reduced = True
-    cube = canvas._cube
+    cube = canvas.cube
     found = set()
     for view in ("front", "back", "three-quarter", "top", "bottom", "left", "right"):
         session.view.set_camera(standard_view(session.view.camera, view))
@@ -177,7 +177,7 @@ def test_faces_edges_and_corners_of_the_cube_can_be_hit(session, canvas):
 
 
 def test_dragging_the_cube_turns_the_view_and_chooses_nothing(session, canvas, qtbot):
-    cube, before = canvas._cube, session.view.camera
+    cube, before = canvas.cube, session.view.camera
     qtbot.mousePress(cube, Qt.MouseButton.LeftButton, pos=QPoint(42, 42))
     qtbot.mouseMove(cube, QPoint(62, 42))
     qtbot.mouseRelease(cube, Qt.MouseButton.LeftButton, pos=QPoint(62, 42))
@@ -187,7 +187,7 @@ def test_dragging_the_cube_turns_the_view_and_chooses_nothing(session, canvas, q
 
 
 def test_the_buttons_beneath_the_cube(session, canvas, qtbot):
-    cube = canvas._cube
+    cube = canvas.cube
     name = cube.projection_button.accessibleName()
     qtbot.mouseClick(cube.projection_button, Qt.MouseButton.LeftButton)
     arrived(canvas, qtbot)
@@ -225,19 +225,19 @@ def entries(canvas):
 
 def test_a_flick_with_the_barrel_button_chooses(session, canvas, pen, entries):
     pen.press(400, 300, button=Qt.MouseButton.RightButton)
-    assert canvas._menu.isVisible()
+    assert canvas.menu.isVisible()
     pen.move(420, 301)
     pen.move(450, 302)
     pen.release(450, 302, button=Qt.MouseButton.RightButton)
     assert [entry.count for entry in entries] == [0, 1, 0, 0]
-    assert not canvas._menu.isVisible()
+    assert not canvas.menu.isVisible()
     assert session.strokes == []
 
 
 def test_a_short_press_leaves_the_menu_open_for_a_click(canvas, pen, entries, qtbot):
     pen.press(400, 300, button=Qt.MouseButton.RightButton)
     pen.release(400, 300, button=Qt.MouseButton.RightButton)
-    menu = canvas._menu
+    menu = canvas.menu
     assert menu.isVisible()
     middle = menu.rect().center()
     qtbot.mouseClick(menu, Qt.MouseButton.LeftButton, pos=middle + QPoint(0, 80))
@@ -247,9 +247,9 @@ def test_a_short_press_leaves_the_menu_open_for_a_click(canvas, pen, entries, qt
 
 def test_the_menu_opens_by_key_and_closes_by_escape(canvas, entries, qtbot):
     qtbot.keyClick(canvas, Qt.Key.Key_Q)
-    assert canvas._menu.isVisible()
-    qtbot.keyClick(canvas._menu, Qt.Key.Key_Escape)
-    assert not canvas._menu.isVisible()
+    assert canvas.menu.isVisible()
+    qtbot.keyClick(canvas.menu, Qt.Key.Key_Escape)
+    assert not canvas.menu.isVisible()
     assert not any(entry.count for entry in entries)
 
 
@@ -264,13 +264,13 @@ def test_what_is_disabled_cannot_be_chosen(canvas, entries, pen):
 @pytest.mark.parametrize("place", [(0, 0), (799, 599), (2, 400)])
 def test_the_ring_stays_inside_the_canvas(canvas, entries, place):
     canvas.open_menu(QPointF(*place))
-    assert canvas.rect().contains(canvas._menu.geometry())
+    assert canvas.rect().contains(canvas.menu.geometry())
 
 
 def test_escape_during_a_flick_chooses_nothing(canvas, entries, pen, qtbot):
     pen.press(400, 300, button=Qt.MouseButton.RightButton)
     pen.move(460, 300)
-    qtbot.keyClick(canvas._menu, Qt.Key.Key_Escape)
+    qtbot.keyClick(canvas.menu, Qt.Key.Key_Escape)
     pen.move(470, 300)
     pen.release(470, 300, button=Qt.MouseButton.RightButton)
     assert not any(entry.count for entry in entries)
@@ -279,7 +279,7 @@ def test_escape_during_a_flick_chooses_nothing(canvas, entries, pen, qtbot):
 def test_ink_closes_the_menu(session, canvas, entries, pen):
     canvas.open_menu(QPointF(600, 400))
     pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
-    assert not canvas._menu.isVisible()
+    assert not canvas.menu.isVisible()
     assert len(session.strokes) == 1
 
 
@@ -288,16 +288,16 @@ def test_ink_closes_the_menu(session, canvas, entries, pen):
 
 def test_the_hint_fades_with_the_first_ink(canvas, pen, qtbot):
     canvas.show_hint("Draw a closed outline.")
-    assert canvas._hint.isVisible()
+    assert canvas.empty_hint.isVisible()
     pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
-    qtbot.waitUntil(lambda: not canvas._hint.isVisible(), timeout=2000)
+    qtbot.waitUntil(lambda: not canvas.empty_hint.isVisible(), timeout=2000)
 
 
 def test_places_of_a_notice_are_lit_and_a_plain_hint_does_not_put_them_out(session, canvas):
     session.notices.noticed.emit(Notice("error", "It crosses itself here.", ((100.0, 120.0),)))
     session.notices.noticed.emit(Notice("hint", "Draw a closed outline."))
-    assert canvas._overlay.lit_places == ((100.0, 120.0),)
-    assert canvas._overlay._lit.words == "It crosses itself here."
+    assert canvas.overlay.lit_places == ((100.0, 120.0),)
+    assert canvas.overlay._lit.words == "It crosses itself here."
 
 
 def test_lifted_ink_stays_while_it_is_pending(session, canvas, pen):
@@ -308,11 +308,11 @@ def test_lifted_ink_stays_while_it_is_pending(session, canvas, pen):
 
     session.gestures.stroke_lifted = keep
     pen.stroke([(100, 100, 0.9), (200, 100, 0.9), (300, 100, 0.9), (400, 100, 0.9)])
-    assert not canvas._overlay.has_wet_ink
-    assert canvas._overlay.grab().toImage().pixelColor(250, 100).alpha() > 200
+    assert not canvas.overlay.has_wet_ink
+    assert canvas.overlay.grab().toImage().pixelColor(250, 100).alpha() > 200
     session.drawing.pending = ()
     session.drawing.waiting_changed.emit()
-    assert canvas._overlay.grab().toImage().pixelColor(250, 100).alpha() == 0
+    assert canvas.overlay.grab().toImage().pixelColor(250, 100).alpha() == 0
 
 
 def drop(canvas, paths, keys=Qt.KeyboardModifier.NoModifier):
@@ -429,7 +429,7 @@ pen.press(100, 100, 1.0)
 for x in range(105, 300, 5):
     pen.move(x, 100, 1.0)
 app.processEvents()
-picture = canvas._overlay.grab().toImage()
+picture = canvas.overlay.grab().toImage()
 assert picture.width() == 800
 dark = [y for y in range(600) if picture.pixelColor(400, y).alpha() > 128]
 assert dark and 196 <= dark[0] and dark[-1] <= 204, dark

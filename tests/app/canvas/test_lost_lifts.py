@@ -74,7 +74,7 @@ def test_a_stroke_whose_lift_was_lost_ends_with_the_next_movement(session, canva
     pointer.move(500, 400)
     (stroke,) = session.strokes
     assert stroke.x.tolist() == list(range(100, 210, 10))
-    assert not canvas._overlay.has_wet_ink
+    assert not canvas.overlay.has_wet_ink
     pointer.move(520, 400)
     assert len(session.strokes) == 1
 

@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QLabel, QPushButton, QWidget
 
 from bozzetto.document.model import Document
 from bozzetto.scene.palette import DARK, LIGHT
@@ -21,10 +21,7 @@ from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.style.theme import apply_theme
 from tests.app import fake_session as fakes
-
-
-def button(widget: QWidget, name: str) -> QAbstractButton:
-    return next(b for b in widget.findChildren(QAbstractButton) if b.accessibleName() == name)
+from tests.app.seen import button, buttons, chosen, part
 
 
 @pytest.fixture
@@ -52,7 +49,7 @@ def test_the_active_tool_is_the_sessions(shown, fake_session):
     rail = shown(ToolRail(fake_session))
     fake_session.toolbox.tool = "erase"
     fake_session.toolbox.tool_changed.emit()
-    assert [t for t, b in rail._buttons.items() if b.isChecked()] == ["erase"]
+    assert chosen(rail) == ["Erase"]
 
 
 def test_another_modeler_brings_other_tools(shown, fake_session):
@@ -60,7 +57,7 @@ def test_another_modeler_brings_other_tools(shown, fake_session):
     fake_session.toolbox.tools = (fakes.ToolInfo("spine", "Spine", None, "Draw."),)
     fake_session.toolbox.tool = "spine"
     fake_session.toolbox.modeler_changed.emit()
-    assert list(rail._buttons) == ["spine"]
+    assert [b.accessibleName() for b in buttons(rail)] == ["Spine"]
     assert button(rail, "Spine").isChecked()
 
 
@@ -75,20 +72,20 @@ def test_the_tenth_tool_has_a_key_and_the_eleventh_none(shown, fake_session):
 
 def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
     rail = shown(ToolRail(fake_session))
-    assert not rail._waiting.isVisible()
+    assert not part(rail, "waiting").isVisible()
     fake_session.drawing.pending = (object(), object())
     fake_session.drawing.marked_ink = (SimpleNamespace(reason="It crosses itself."),)
     fake_session.drawing.waiting_changed.emit()
-    assert rail._waiting.isVisible()
-    assert rail._count.text() == "2"
-    assert rail._count.toolTip().endswith("It crosses itself.")
-    rail._finish.click()
-    rail._drop.click()
+    assert part(rail, "waiting").isVisible()
+    assert part(rail, "waiting-count").text() == "2"
+    assert part(rail, "waiting-count").toolTip().endswith("It crosses itself.")
+    part(rail, "waiting-finish").click()
+    part(rail, "waiting-drop").click()
     assert len(fake_session.calls.named("gestures.commit")) == 1
     assert len(fake_session.calls.named("gestures.clear")) == 1
     fake_session.drawing.pending = ()
     fake_session.drawing.waiting_changed.emit()
-    assert not rail._waiting.isVisible()
+    assert not part(rail, "waiting").isVisible()
 
 
 # -- modelers --
@@ -100,16 +97,16 @@ def test_modelers_are_chosen_by_name(shown, fake_session):
     assert fake_session.calls.named("toolbox.take_modeler") == [(("bozzetto.car",), {})]
     fake_session.toolbox.modeler = "bozzetto.car"
     fake_session.toolbox.modeler_changed.emit()
-    assert [b.text() for b in bar._buttons.values() if b.isChecked()] == ["Car"]
+    assert chosen(bar) == ["Car"]
 
 
 def test_names_give_way_where_there_is_no_room(shown, fake_session):
     bar = shown(ModelerBar(fake_session))
     full = bar.sizeHint().width()
     bar.resize(full, bar.height())
-    assert not any(b.compact for b in bar._buttons.values())
+    assert not any(b.compact for b in buttons(bar))
     bar.resize(full // 2, bar.height())
-    assert all(b.compact for b in bar._buttons.values())
+    assert all(b.compact for b in buttons(bar))
     assert bar.sizeHint().width() == full, "it would never grow back"
 
 
@@ -154,52 +151,54 @@ def status(shown, fake_session):
 
 
 def test_the_hint_is_always_there(status, fake_session):
-    assert status._words.text() == "Draw a closed outline."
+    assert part(status, "status-words").text() == "Draw a closed outline."
     fake_session.notices.hint = "Draw the spine."
     fake_session.notices.noticed.emit(fakes.Notice("hint", fake_session.notices.hint))
-    assert status._words.text() == "Draw the spine."
+    assert part(status, "status-words").text() == "Draw the spine."
 
 
 def test_an_error_stays_until_the_next_gesture(status, fake_session):
     fake_session.notices.noticed.emit(fakes.Notice("error", "The outline crosses itself."))
-    assert status._words.text() == "The outline crosses itself."
+    assert part(status, "status-words").text() == "The outline crosses itself."
     fake_session.notices.noticed.emit(fakes.Notice("hint", fake_session.notices.hint))
-    assert status._words.text() == "The outline crosses itself.", "a hint does not hide an error"
+    assert part(status, "status-words").text() == "The outline crosses itself.", (
+        "a hint does not hide an error"
+    )
     status.went_on()
-    assert status._words.text() == fake_session.notices.hint
+    assert part(status, "status-words").text() == fake_session.notices.hint
 
 
 def test_an_error_has_been_read_once_something_was_done(status, fake_session):
     fake_session.notices.noticed.emit(fakes.Notice("error", "There is no underlay to project."))
     fake_session.drawing.changed.emit()
-    assert status._words.text() == fake_session.notices.hint
+    assert part(status, "status-words").text() == fake_session.notices.hint
 
 
 def test_an_error_goes_by_itself(qtbot, monkeypatch, status, fake_session):
     monkeypatch.setattr(status_line, "ERROR_TIME", 20)
     fake_session.notices.noticed.emit(fakes.Notice("error", "No."))
-    qtbot.waitUntil(lambda: status._words.text() == fake_session.notices.hint)
+    qtbot.waitUntil(lambda: part(status, "status-words").text() == fake_session.notices.hint)
     assert status_line.INFO_TIME < 8000
 
 
 def test_work_shows_only_if_it_lasts(qtbot, status, fake_session):
     fake_session.busy_changed.emit(True)
     fake_session.progressed.emit(0.4, "Finding the skeleton")
-    assert not status._cancel.isVisible()
-    qtbot.waitUntil(status._cancel.isVisible)
-    assert status._step.text() == "Finding the skeleton"
-    status._cancel.click()
+    assert not part(status, "status-cancel").isVisible()
+    qtbot.waitUntil(part(status, "status-cancel").isVisible)
+    assert part(status, "status-step").text() == "Finding the skeleton"
+    part(status, "status-cancel").click()
     assert len(fake_session.calls.named("cancel_work")) == 1
     fake_session.busy_changed.emit(False)
-    assert not status._cancel.isVisible()
-    assert not status._progress.isVisible()
+    assert not part(status, "status-cancel").isVisible()
+    assert not part(status, "status-progress").isVisible()
 
 
 def test_short_work_never_shows(qtbot, status, fake_session):
     fake_session.busy_changed.emit(True)
     fake_session.busy_changed.emit(False)
     qtbot.wait(status_line.PATIENCE + 60)
-    assert not status._cancel.isVisible()
+    assert not part(status, "status-cancel").isVisible()
 
 
 def fault(**more):
@@ -214,7 +213,7 @@ def test_a_fault_says_who_and_offers_details(qtbot, status, fake_session):
     with qtbot.waitSignal(status.details_wanted) as asked:
         status.faults._details.click()
     assert asked.args == [notice]
-    assert status._words.text() == fake_session.notices.hint, "the hint stays"
+    assert part(status, "status-words").text() == fake_session.notices.hint, "the hint stays"
 
 
 def test_a_fault_can_be_switched_off(qtbot, status, fake_session):

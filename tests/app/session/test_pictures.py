@@ -321,13 +321,13 @@ def test_a_mark_is_where_the_pen_lifts_and_is_previewed_on_the_way(pinned, settl
     session, canvas = pinned.session, pinned.canvas
     pen = Pen(canvas)
     pen.press(300, 300)
-    assert canvas._loupe.isVisible()
+    assert canvas.loupe.isVisible()
     pen.move(420, 350)
     layers = lambda: [layer.name for layer in session.scene.preview.layers]  # noqa: E731
     qtbot.waitUntil(lambda: "marks" in layers(), timeout=5000)
     pen.move(430, 360)
     pen.release(430, 360)
-    assert not canvas._loupe.isVisible()
+    assert not canvas.loupe.isVisible()
     settle(session)
     (mark,) = session.selection.model.state.marks
     camera = session.view.camera
@@ -339,9 +339,9 @@ def test_a_mark_is_where_the_pen_lifts_and_is_previewed_on_the_way(pinned, settl
     # The handle is dragged with the loupe, too.
     pen.press(430, 360)
     pen.move(460, 380)
-    qtbot.waitUntil(canvas._loupe.isVisible, timeout=5000)
+    qtbot.waitUntil(canvas.loupe.isVisible, timeout=5000)
     pen.release(460, 380)
-    assert not canvas._loupe.isVisible()
+    assert not canvas.loupe.isVisible()
     settle(session)
     (moved,) = session.selection.model.state.marks
     assert moved[0] > mark[0]
@@ -354,7 +354,7 @@ def test_escape_takes_an_aimed_tap_back(pinned, settle, qtbot):
     pen.move(420, 350)
     qtbot.waitUntil(lambda: bool(session.scene.preview.layers), timeout=5000)
     QTest.keyClick(canvas, Qt.Key.Key_Escape)
-    assert not canvas._loupe.isVisible()
+    assert not canvas.loupe.isVisible()
     pen.release(420, 350)
     settle(session)
     assert session.selection.model.state.marks == ()

@@ -177,7 +177,7 @@ def test_escape_takes_the_stroke_back(session, canvas, pen, qtbot):
     pen.release(350, 100)
     assert session.strokes == []
     assert session.calls.named("gestures.cancel")
-    assert not canvas._overlay.has_wet_ink
+    assert not canvas.overlay.has_wet_ink
     pen.stroke(arc(10))
     assert len(session.strokes) == 1
 
@@ -221,13 +221,13 @@ def test_a_tap_knows_shift_and_ctrl(session, pen):
 
 def test_hovering_shows_the_ring_and_pressing_takes_it_away(canvas, pen):
     pen.move(200, 200)
-    assert canvas._overlay._ring[:2] == (200, 200)
+    assert canvas.overlay._ring[:2] == (200, 200)
     pen.press(200, 200)
-    assert canvas._overlay._ring is None
+    assert canvas.overlay._ring is None
     pen.release(200, 200)
     pen.move(210, 200)
     pen.leaves()
-    assert canvas._overlay._ring is None
+    assert canvas.overlay._ring is None
 
 
 def test_a_handle_lights_up_and_is_dragged(session, canvas, pen, box_scene):
@@ -235,7 +235,7 @@ def test_a_handle_lights_up_and_is_dragged(session, canvas, pen, box_scene):
     session.toolbox.tool = "edit"
     ((x, y),), _ = session.view.camera.project([(50.0, -50.0, 50.0)])
     pen.move(x + 15, y)
-    assert canvas._overlay._hot is not None
+    assert canvas.overlay._hot is not None
     pen.press(x + 15, y)
     for step in range(5):
         pen.move(x + 20 + 10 * step, y)

@@ -31,7 +31,7 @@ def test_it_lies_at_the_top_centre_and_keeps_off_the_cube(canvas, session):
     place = canvas.light.geometry()
     assert canvas.light.isVisible()
     assert abs(place.center().x() - canvas.rect().center().x()) <= 1
-    assert not place.intersects(canvas._cube.geometry())
+    assert not place.intersects(canvas.cube.geometry())
     assert place.contains(canvas.light.button.geometry())
     assert canvas.light.words.endswith("…")
 

@@ -28,7 +28,7 @@ AIMING = (FakeTool("mark", "tap", True), FakeTool("edit", "drag", True), FakeToo
 def loupe(canvas, session):
     session.toolbox.tools, session.toolbox.tool = AIMING, "mark"
     session.view.set_camera(FRONT)
-    return canvas._loupe
+    return canvas.loupe
 
 
 # -- the gesture --------------------------------------------------------------------------------
