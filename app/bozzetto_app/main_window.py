@@ -189,7 +189,7 @@ class Window(QMainWindow):
 
     @cached_property
     def keeper(self) -> Keeper:
-        """What keeps recovery data; made after the first paint, or when it is first needed."""
+        """The writer of recovery data; made after the first paint, or when it is first needed."""
         from bozzetto_app.session.autosave import Keeper
 
         return Keeper(self.session, self._recovery or recovery_folder())
@@ -197,7 +197,7 @@ class Window(QMainWindow):
     # -- putting it together --
 
     def _top(self) -> QWidget:
-        """Menus on the left, the row of modelers on the right."""
+        """Return the bar with the menus on the left and the modelers on the right."""
         top = QWidget()
         top.setObjectName("top")
         menus = QMenuBar(top)
@@ -213,7 +213,7 @@ class Window(QMainWindow):
         return top
 
     def _middle(self) -> QWidget:
-        """Rail and sheet side by side."""
+        """Return the tool rail and the sheet, side by side."""
         middle = QWidget()
         row = QHBoxLayout(middle)
         row.setContentsMargins(0, 0, 0, 0)
@@ -223,7 +223,7 @@ class Window(QMainWindow):
         return middle
 
     def _bottom(self) -> QStatusBar:
-        """The status line over the whole width."""
+        """Return the status line over the whole width."""
         bar = QStatusBar()
         bar.setSizeGripEnabled(False)
         bar.setContentsMargins(0, 0, 0, 0)
@@ -239,7 +239,7 @@ class Window(QMainWindow):
         return dock
 
     def _welcome(self) -> WelcomeStrip:
-        """A strip over the left of the sheet: when it goes, the ink stays where it is."""
+        """Return the strip over the left of the sheet; when it closes, the ink does not move."""
         strip = WelcomeStrip(self.session, recent_files(), _thumbnail_of, self.canvas)
         strip.setAttribute(Qt.WidgetAttribute.WA_NoMousePropagation)
         strip.setCursor(Qt.CursorShape.ArrowCursor)
@@ -260,7 +260,7 @@ class Window(QMainWindow):
         return False
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """A key that nobody took: its action cannot be done now, which is told."""
+        """Say why the action of a key cannot be done now."""
         keys = QKeySequence(event.keyCombination()).toString(
             QKeySequence.SequenceFormat.PortableText
         )
@@ -428,7 +428,7 @@ class Window(QMainWindow):
             QTimer.singleShot(0, self, self._make_room)
 
     def _show_what_guides(self) -> None:
-        """A picture came in: the modeler's own panel says what to do with it."""
+        """Show the modeler's own panel, which says what to do with a new picture."""
         if self._plugin_panel.is_filled:
             self._plugin_dock.raise_()
 
@@ -446,7 +446,7 @@ class Window(QMainWindow):
         self.set_theme(Theme.LIGHT if self.is_dark else Theme.DARK)
 
     def set_theme(self, theme: Theme) -> None:
-        """Dress the program."""
+        """Use a theme, and remember it."""
         settings().setValue(THEME, theme.value)
         self._dress(theme)
         self.canvas.set_palette(current_palette())
@@ -513,7 +513,7 @@ class Window(QMainWindow):
         self._show(dialog)
 
     def open_about(self) -> None:
-        """Say who this is."""
+        """Show the names and versions of the software."""
         from bozzetto_app.dialogs.about import AboutDialog
 
         self._show(AboutDialog(self.canvas.describe_viewport(), self))
@@ -536,7 +536,7 @@ class Window(QMainWindow):
         self._stop_replay()
 
     def _keep_off(self, plugin: str) -> None:
-        """A plugin that was switched off stays so at the next start."""
+        """Keep a plugin switched off, also at the next start."""
         try:
             keep_plugin_disabled(plugin, True)
         except UserError as problem:
@@ -544,7 +544,7 @@ class Window(QMainWindow):
         self._plugin_switched(plugin, False)
 
     def _plugin_switched(self, plugin: str, on: bool) -> None:
-        """What is switched off leaves the hand; its objects stay as they are."""
+        """Stop drawing with a plugin that was switched off; its objects stay as they are."""
         self.modelers.refresh()
         self.actions_.refresh()
         if not on:
@@ -553,7 +553,7 @@ class Window(QMainWindow):
             self.session.toolbox.take_modeler(self.session.toolbox.modelers[0].id)
 
     def _say_what_first(self) -> None:
-        """On an empty sheet: what the modeler that was just taken wants to have drawn first."""
+        """Show on an empty sheet what the active modeler wants to have drawn first."""
         modeler = self.session.toolbox.modeler
         if modeler == self._said_first:
             return

@@ -51,8 +51,8 @@ def _plain(title: str) -> str:
 
 
 def _not_now(title: str, help_: str) -> str:
-    """Why a modeler's command cannot be run: only the modeler knows, but it says what it does."""
-    words = tr("Object", "“{title}” means nothing here as things are.", title=title)
+    """Return why a command cannot be run: only the modeler knows, so its help is added."""
+    words = tr("Object", "“{title}” cannot be used on this object as it is now.", title=title)
     return f"{words} {help_}".strip()
 
 
@@ -129,7 +129,10 @@ class ChangingMenus(QObject):
             )
 
     def _commands(self) -> Iterator[Action]:
-        """The selected model's, in a menu of their own; keys that are taken stay where they are."""
+        """Yield the commands of the selected model, in a menu of their own.
+
+        A key that another action has stays with that action.
+        """
         commanding = self._window.session.commands
         if not commanding.commands:
             return

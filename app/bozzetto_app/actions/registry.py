@@ -90,7 +90,7 @@ def _portable(key: str) -> str:
 
 
 def key_text(action: Action) -> str:
-    """The action's first key as this platform writes it; "" where it has none."""
+    """Return the first key of an action as this platform writes it; "" if it has none."""
     if not action.keys:
         return ""
     return QKeySequence(action.keys[0]).toString(QKeySequence.SequenceFormat.NativeText)
@@ -171,7 +171,7 @@ class ActionRegistry(QObject):
         return dispose
 
     def holder(self, key: str) -> Action | None:
-        """The action that has a key; None where the key is free."""
+        """Return the action that has a key; None if the key is free."""
         return self._actions.get(self._keys.get(_portable(key), ""))
 
     def actions(self) -> tuple[Action, ...]:

@@ -67,7 +67,7 @@ CUBE_MARGIN: Final = 16
 
 
 def _ignore(answer: object) -> None:
-    """Nothing is to be done."""
+    """Ignore the answer of work that only warms something up."""
 
 
 def _raise(problem: BaseException) -> None:
@@ -75,7 +75,7 @@ def _raise(problem: BaseException) -> None:
 
 
 class Canvas(QWidget):
-    """Where people draw.
+    """The sheet: what people draw on, with all that lies over it.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ class Canvas(QWidget):
         return self.viewports.current.describe()
 
     def grab_picture(self) -> QImage:
-        """The scene as it is shown now, without wet ink and without the view cube."""
+        """Return a picture of the scene as it is shown now, without wet ink and view cube."""
         return self.viewports.current.grab()
 
     # -- looking ------------------------------------------------------------------------------
@@ -269,7 +269,7 @@ class Canvas(QWidget):
         self.animate_to(framed(self._own_view(), points))
 
     def _own_view(self) -> Camera:
-        """The view now; one that stood where a picture was drawn from as an ordinary view.
+        """Return the view, as an ordinary one if it stands where a picture was drawn from.
 
         There the opening angle was the picture's, and zooming has changed it: from elsewhere
         nothing would look right with it. The scale stays.
@@ -333,7 +333,7 @@ class Canvas(QWidget):
             self.loupe.show_scene(self._all_shown(), self._session.view.camera)
 
     def _aim(self, place: QPointF) -> None:
-        """A place that must be met exactly is being sought."""
+        """Magnify the place that the pen aims at."""
         if not self.loupe.isVisible():
             self.empty_hint.fade()
             self.loupe.show_scene(self._all_shown(), self._session.view.camera)
@@ -412,7 +412,7 @@ class Canvas(QWidget):
             session.view.set_camera(advice.better.with_viewport(*session.view.camera.viewport))
 
     def _got_picture(self, model_id: str) -> None:
-        """A sketch came in: go to where it is seen, once the modeler says where that is."""
+        """Go to the view of a sketch that came in, once the modeler says which it is."""
         self._pictured = model_id
 
     def _notice(self, notice: Notice) -> None:

@@ -39,7 +39,7 @@ EDGE: Final = 0.5
 
 
 def points_to_frame(session: Session) -> Array:
-    """What has to be in view, (n, 3) mm: the objects, or else what a modeler shows without one.
+    """Return the points that have to be in view, (n, 3) mm: the objects, or the modeler's own.
 
     On an empty sheet that is for instance the box in which a first curve is drawn.
     """
@@ -48,7 +48,7 @@ def points_to_frame(session: Session) -> Array:
 
 
 def framed(camera: Camera, points: Array) -> Camera:
-    """The view with all points in it, from the same side; a single point keeps the scale."""
+    """Return the view with all points in it, from the same side; one point keeps the scale."""
     if len(points) and np.ptp(points, axis=0).max() == 0.0:
         points = points[0] + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
     return fit_points(camera, points)
@@ -80,7 +80,7 @@ def same_view(one: Camera, other: Camera) -> bool:
 
 
 class Framing(QObject):
-    """Looks after the view while nobody else does.
+    """Frames the objects until the person takes over the view.
 
     A saved document comes back in its own view if its objects can be seen there. A document
     without a view is seen three-quarter, or as its last waiting stroke was drawn; an empty one
@@ -105,7 +105,7 @@ class Framing(QObject):
         session.drawing.changed.connect(self._changed)
 
     def end(self) -> None:
-        """The person is at work: the view is theirs."""
+        """Leave the view to the person, who is at work."""
         self._camera = None
 
     def _opened(self) -> None:
@@ -150,7 +150,7 @@ class Framing(QObject):
         self._session.view.set_camera(camera)
 
     def _moved(self) -> None:
-        """A sheet of another size shows the same view; any other view is the person's choice."""
+        """Keep framing when the sheet has another size; any other view is the person's choice."""
         now, known = self._session.view.camera, self._camera
         if known is None or now == known:
             return

@@ -131,13 +131,14 @@ def entries_of(
 
 
 def search(typed: str, entries: Iterable[Entry], used: Sequence[str] = ()) -> list[Found]:
-    """The entries that fit, best first.
+    """Return the entries that match, best first.
 
     Parameters
     ----------
     typed : str
         Nothing typed shows everything, what was used lately on top.
     entries : iterable of Entry
+        What can be found.
     used : sequence of str
         Ids, the latest first.
     """

@@ -24,7 +24,7 @@ __all__ = ["RecoveryDialog"]
 
 
 def _clock(seconds: float) -> str:
-    """The time of day; with its date where that is not today."""
+    """Return the time of day, with the date if that is not today."""
     try:
         when = datetime.fromtimestamp(seconds)
     except (ValueError, OverflowError, OSError):  # a clock, or a file, out of order

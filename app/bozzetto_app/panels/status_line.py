@@ -86,7 +86,8 @@ class FaultBar(QFrame):
         self.setAccessibleName(tr("FaultBar", "Fault"))
         sign = _Sign()
         sign.kind = "fault"
-        self._words = QLabel(objectName="fault-words")
+        self._words = QLabel()
+        self._words.setObjectName("fault-words")
         self._words.setWordWrap(True)
         self._words.setTextFormat(Qt.TextFormat.PlainText)
         self._details = QPushButton(tr("FaultBar", "Details"))
@@ -216,7 +217,8 @@ class StatusLine(QWidget):
         self._sign = _Sign()
         self._words = _Elided(session.notices.hint)
         self._words.setObjectName("status-words")
-        self._step = QLabel(objectName="status-step")
+        self._step = QLabel()
+        self._step.setObjectName("status-step")
         self._step.setProperty("tone", "quiet")
         self._cancel = IconButton(
             "cross", tr("StatusLine", "Stop this work"), side=24, glyph=16, faint=True
@@ -269,7 +271,7 @@ class StatusLine(QWidget):
             self._return.start(ERROR_TIME if notice.kind == "error" else INFO_TIME)
 
     def went_on(self) -> None:
-        """The pen is down again, or something was done: what was said has been read."""
+        """Show the hint again: the person went on, so the last message has been read."""
         if self._sign.kind != "hint":
             self._show_hint()
 

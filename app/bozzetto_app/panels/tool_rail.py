@@ -61,7 +61,8 @@ class ToolRail(QWidget):
         self.setFixedWidth(SIDE + 8)
         self._buttons: dict[str, _ToolButton] = {}
 
-        self._count = QLabel(objectName="waiting-count")
+        self._count = QLabel()
+        self._count.setObjectName("waiting-count")
         self._count.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._count.setProperty("type", "small")
         self._count.setFont(small_font(self.font()))
@@ -80,7 +81,8 @@ class ToolRail(QWidget):
         )
         self._drop.setObjectName("waiting-drop")
         self._drop.clicked.connect(session.gestures.clear)
-        self._waiting = QWidget(objectName="waiting")
+        self._waiting = QWidget()
+        self._waiting.setObjectName("waiting")
         waiting = QVBoxLayout(self._waiting)
         waiting.setContentsMargins(0, 0, 0, 0)
         waiting.setSpacing(4)

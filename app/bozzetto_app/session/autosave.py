@@ -1,4 +1,4 @@
-"""Keeping every stroke: the session's changes go to a journal as they are made.
+"""Recovery data: every change of the document goes to a journal at once.
 
 After a crash at most the stroke under the pen is lost. One thread writes, in order; of
 several snapshots that wait only the newest need be written. Nothing of a plugin's runs in
@@ -24,7 +24,7 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim
 from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot
 from bozzetto_app.workers.channel import Channel, Request
-from bozzetto_app.workers.main_thread import ring
+from bozzetto_app.workers.main_thread import call_on_main_thread
 
 if TYPE_CHECKING:
     from bozzetto.document.history import History
@@ -122,13 +122,14 @@ class Keeper(QObject):
     def recover(
         self, crashed: CrashedSession, ended: Callable[[bool], None] = lambda shown: None
     ) -> None:
-        """Bring one back onto the sheet, complete to its last stroke.
+        """Bring a crashed drawing back onto the sheet, complete to its last stroke.
 
         What is on the sheet by then is asked about first, if it is not saved.
 
         Parameters
         ----------
         crashed : CrashedSession
+            One of those that were found.
         ended : callable
             Called with whether it is on the sheet; if not, it is offered again.
         """
@@ -191,6 +192,7 @@ class Keeper(QObject):
         Parameters
         ----------
         crashed : CrashedSession
+            One of those that were found.
         ended : callable
             Called with whether it is gone.
         """
@@ -206,7 +208,7 @@ class Keeper(QObject):
     # -- what is drawn now --
 
     def close(self) -> None:
-        """The drawing leaves the sheet for good, and the program ends."""
+        """Write down what is left: the drawing leaves the sheet, and the program ends."""
         self._leave(self._sheet)
         self._tasks.put(None)
 
@@ -262,7 +264,7 @@ class Keeper(QObject):
                     return
                 task()
             except Exception as problem:
-                ring(self, self._complain, problem)
+                call_on_main_thread(self, self._complain, problem)
             finally:
                 self._tasks.task_done()
 

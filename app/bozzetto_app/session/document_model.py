@@ -105,6 +105,7 @@ class DocumentModel(QObject):
         label : str
             Name of the step.
         document : Document
+            The new snapshot.
         merge_key : str, optional
             Steps with the same key become one; it marks the values of a drag.
         """
@@ -124,6 +125,7 @@ class DocumentModel(QObject):
         label : str
             Name of the step.
         waiting : tuple of WaitingStroke
+            All ink that waits now.
         drawn : bool
             Whether a new stroke is among it; see `History.apply`.
         """
@@ -153,6 +155,7 @@ class DocumentModel(QObject):
         label : str
             Name of the step.
         model : Model
+            The result; it replaces the model with its id.
         is_new : bool
             Whether the document does not hold it yet; it then gets a name of its own.
         only_chosen : bool
@@ -221,6 +224,7 @@ class DocumentModel(QObject):
         Parameters
         ----------
         document : Document
+            The document to show.
         path : Path, optional
             The file of the document.
         read_only : bool

@@ -48,7 +48,7 @@ READ_LIMIT = 60.0
 
 
 def recent_files() -> list[Path]:
-    """Documents opened or saved lately, newest first.
+    """Return the documents that were opened or saved lately, newest first.
 
     The disk is not asked, for it may be slow or far away; those that are gone are left out
     by the next worker that looks.
@@ -59,7 +59,7 @@ def recent_files() -> list[Path]:
 
 
 def _name_of(path: Path) -> str:
-    """A path as settings can hold it: as text, or as an address where it is not text."""
+    """Return a path as settings can hold it: as text, or as a URI if it is no text."""
     try:
         str(path).encode()
     except UnicodeEncodeError:
@@ -201,11 +201,11 @@ class Files(QObject):
         self._reads.cancel()
 
     def close(self) -> None:
-        """The program ends: others may have the document."""
+        """Give up the document: the program ends, and others may open it."""
         self._hold(None)
 
     def tidy(self) -> None:
-        """Beside the window: see which recent documents are there, and what killed processes left.
+        """Drop recent documents that are gone, and what killed processes left; in a worker.
 
         Temporary files of processes that are gone are deleted where those documents lie, and
         where something was saved or exported last.
@@ -276,6 +276,7 @@ class Files(QObject):
         Parameters
         ----------
         path : Path
+            The file of the document.
         held : FileLock, optional
             `lock` as it was when the work began.
         """
@@ -318,10 +319,15 @@ class Files(QObject):
         Parameters
         ----------
         claim : Claim
+            The result of `claim` for the file.
         document : Document
+            The document to show.
         path : Path, optional
+            The file of the document.
         read_only, saved : bool
+            As in `DocumentModel.show`.
         pending : tuple of Stroke
+            As in `DocumentModel.show`.
         stamp : FileStamp, optional
             Stamp of the content that was read.
         """

@@ -19,6 +19,7 @@ def suiting_first(formats: Iterable[Format], *, exact: bool) -> tuple[Format, ..
     Parameters
     ----------
     formats : iterable of Format
+        The formats in any order.
     exact : bool
         Whether all objects have exact curves and surfaces: formats for CAD come first, then
         those that hold curves alone. Otherwise meshes come first.

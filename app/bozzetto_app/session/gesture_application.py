@@ -162,6 +162,7 @@ def ink_to_try(
     Parameters
     ----------
     waiting : tuple of WaitingStroke
+        All ink that waits, oldest first.
     until : Stroke
         The newest one to be tried.
     modeler, tool : str

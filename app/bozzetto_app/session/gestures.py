@@ -379,6 +379,7 @@ class Gestures(QObject):
         tool_id : str
             See `Attempt.tool`.
         failed : callable
+            Called with the problem if the gesture was not taken.
         """
         bench, drawing = self._workbench, self._drawing
         modeler_id, context = self._toolbox.modeler, self._context.now()

@@ -53,6 +53,7 @@ class ObjectEdits:
         change : callable
             Called with the document and the details.
         *details
+            Further arguments of `change`.
         merge_key : str, optional
             See `DocumentModel.commit`.
         """

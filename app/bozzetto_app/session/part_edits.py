@@ -138,6 +138,7 @@ class ObjectParts:
         Parameters
         ----------
         model_id, part_id : str
+            The model and its part.
         group_id : str
             "" for outside all groups.
         at : int
@@ -164,6 +165,7 @@ class ObjectParts:
         Parameters
         ----------
         model_ids, underlay_ids : sequence of str
+            What is deleted as a whole.
         parts : mapping
             Ids of parts by the id of their model.
         """

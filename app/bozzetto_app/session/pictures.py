@@ -81,6 +81,7 @@ class PictureInput(QObject):
         Parameters
         ----------
         path : Path
+            The file of the picture.
         under : bool
             Whether it lies under the sheet in any case.
         """
@@ -104,7 +105,9 @@ class PictureInput(QObject):
         Parameters
         ----------
         image : QImage
+            The picture.
         name : str
+            Its name in the lists of objects and parts.
         under : bool
             Whether it lies under the sheet in any case.
         """
@@ -134,7 +137,7 @@ class PictureInput(QObject):
         try:
             return bool(modeler) and self._workbench.takes_pictures(modeler)
         except UserError:
-            return False  # it cannot be used at all, which is told elsewhere
+            return False  # it cannot be used at all, which is reported elsewhere
 
     def _read(self, work: Any, modeler: str, base: str | None) -> None:
         history = self._drawing.history

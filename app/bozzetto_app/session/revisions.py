@@ -1,4 +1,4 @@
-"""Which picture of which model is made next, and which answers may still be shown.
+"""The order of work on models, and which answers may still be shown.
 
 Every model that the window asks for is a small state machine of three numbers:
 
@@ -85,7 +85,7 @@ class _Course:
         return self.made < (self.asked, stage)
 
     def tell_again(self) -> None:
-        """Have the figures told once more: it was chosen again."""
+        """Have the figures reported again: the model was selected again."""
         self.made = min(self.made, (self.asked, Stage.FINAL))
         self.shown = min(self.shown, (self.asked, Stage.FINAL))
 
@@ -113,6 +113,7 @@ class Revisions:
         Parameters
         ----------
         models : iterable of Model
+            The models to be shown, in their newest state.
         selected : str
             Id of the one whose figures are wanted.
         dragging : bool
@@ -196,7 +197,7 @@ class Revisions:
     # -- the worker --
 
     def next(self) -> Task | None:
-        """The task to be done now, which then counts as running; None where nothing is left."""
+        """Return the task to be done now, which then counts as running; None if nothing is left."""
         with self._lock:
             self._running = task = self._most_urgent()
             if task is not None:

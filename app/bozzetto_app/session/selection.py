@@ -18,6 +18,7 @@ def target_of(model: Model | None, modeler_id: str) -> Model | None:
     model : Model, optional
         The selected model.
     modeler_id : str
+        The modeler that the gesture is for.
     """
     if model is None or model.modeler != modeler_id or model.locked or not model.visible:
         return None

@@ -25,7 +25,7 @@ from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.revisions import Revisions, Stage, Task
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.workers.channel import Channel, Request
-from bozzetto_app.workers.main_thread import ring
+from bozzetto_app.workers.main_thread import call_on_main_thread
 
 __all__ = ["Solver"]
 
@@ -37,7 +37,7 @@ REST: Final = 300
 
 LATEST_PAINT: Final = 250
 """How long the next preview waits for the last one to be painted, ms: where nothing had to be
-painted anew, no viewport tells that it was."""
+repainted, no viewport reports it."""
 
 
 class Solver(QObject):
@@ -215,7 +215,7 @@ class Solver(QObject):
             self._revisions.made(task)
         else:
             self._revisions.give_up(task.model)
-        ring(self, self._complain, task, problem)
+        call_on_main_thread(self, self._complain, task, problem)
 
     def _solve(self, task: Task, job: Job) -> None:
         """Solve one model at one quality, or show its final result if that is cached."""
@@ -224,14 +224,14 @@ class Solver(QObject):
             task = replace(task, stage=Stage.FINAL)
         elif not self._revisions.has_picture(task) and bench.best_result(model) is None:
             ink = replace(task, stage=Stage.INK)
-            ring(self, self._take, ink, bench.model_scene(model, None))
+            call_on_main_thread(self, self._take, ink, bench.model_scene(model, None))
         result = bench.solve(
             model, replace(job, quality="final" if task.stage is Stage.FINAL else "preview")
         )
         scene = bench.model_scene(model, result)
         if not job.cancelled():
             self._revisions.made(task)
-            ring(self, self._take, task, scene)
+            call_on_main_thread(self, self._take, task, scene)
 
     def _report(self, task: Task, job: Job) -> None:
         """Compute the figures of a model that has its final result."""
@@ -242,7 +242,7 @@ class Solver(QObject):
             self._last_report = (model.state, self._workbench.report(model, job))
         if not job.cancelled():
             self._revisions.made(task)
-            ring(self, self._take_report, task, self._last_report[1])
+            call_on_main_thread(self, self._take_report, task, self._last_report[1])
 
     # -- on the window's thread --
 

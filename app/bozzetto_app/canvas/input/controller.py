@@ -121,7 +121,7 @@ class Hand(QObject):
         event.accept()
         kind = event.type()
         if kind == _MOVE:
-            if event.buttons() != _TIP_ALONE:  # seldom, and dearer to look at
+            if event.buttons() != _TIP_ALONE:  # rare, and more expensive to look at
                 self._end_unseen("pen", event)
             if self._recording and self._tool != "mouse":
                 self._keep(tablet_sample(event))
@@ -136,13 +136,13 @@ class Hand(QObject):
             self._move("pen", event.position(), event, eraser=is_eraser(event))
 
     def pen_came(self) -> None:
-        """The pen is near: fingers are a palm from now on."""
+        """Note that the pen is near: from now on a touch is a palm."""
         self.machine.see_pen(perf_counter())
         if self.machine.owns("touch"):
             self.cancel()
 
     def pen_left(self) -> None:
-        """The pen has gone; a stroke that was not lifted ends here."""
+        """Note that the pen has gone; a stroke that was not lifted ends here."""
         self.machine.lose_pen(perf_counter())
         self._overlay.set_hover(None)
         if self.machine.owns("pen"):
@@ -251,11 +251,11 @@ class Hand(QObject):
             self.end()
 
     def scene_or_view_changed(self) -> None:
-        """Handles may stand elsewhere now."""
+        """Forget the positions of handles: they may differ now."""
         self._targets = None
 
     def leave(self) -> None:
-        """The pointer has left the canvas."""
+        """Show nothing under the pointer, which has left the canvas."""
         self._overlay.set_hover(None)
         self._overlay.set_hot_handle(None)
 
@@ -465,7 +465,7 @@ class Hand(QObject):
         return Drag(handle, path, self._keys.shift, self._keys.ctrl)
 
     def _as_lifted(self, sample: RawSample) -> RawSample:
-        """A release reports no pressure; the line ends as wide as it was."""
+        """Return the last sample with the pressure before it: a release reports none."""
         last = self._newest
         return sample if last is None else sample._replace(pressure=last.pressure)
 

@@ -18,7 +18,7 @@ __all__ = ["carries_something", "dropped_files", "take", "take_file"]
 
 
 def dropped_files(data: QMimeData) -> list[Path]:
-    """The files on this machine that a drag carries."""
+    """Return the files on this machine that a drag carries."""
     paths = [Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile()]
     return [path for path in paths if path.is_file()]
 
@@ -34,6 +34,7 @@ def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bo
     Parameters
     ----------
     session : Session
+        Gets the files or the picture.
     data : QMimeData, optional
         A drag out of a browser may carry the picture itself and no file; of a clipboard that
         belongs to nobody there is none at all.

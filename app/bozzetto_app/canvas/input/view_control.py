@@ -57,7 +57,9 @@ class Fingers:
         Parameters
         ----------
         places : sequence of QPointF
+            Canvas positions of the fingers, as many as before.
         camera : Camera
+            The view before.
         eye_fixed : bool
             Whether the eye stays where it is.
         """

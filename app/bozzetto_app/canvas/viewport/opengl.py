@@ -70,7 +70,7 @@ def _unit(color: Color) -> tuple[float, float, float]:
 
 
 def layer_items(layer: Layer, palette: Palette, shading: Shading) -> list[BatchItem]:
-    """The items that draw a layer."""
+    """Return the items that draw a layer."""
     made: list[BatchItem] = []
     solid, glass = buffers.opaque_surfaces(layer), buffers.glass_surfaces(layer)
     if shading == "xray":
@@ -140,7 +140,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
 
     @property
     def widget(self) -> QWidget:
-        """Itself."""
+        """The viewport itself."""
         return self
 
     def set_scene(self, scene: Scene, *, moving: bool = False) -> None:
@@ -175,7 +175,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         self._changed()
 
     def grab(self) -> QImage:
-        """The picture as it is now, at full resolution."""
+        """Return the picture as it is now, at full resolution."""
         image: QImage = self.grabFramebuffer()
         image.setDevicePixelRatio(self.devicePixelRatioF())
         painter = QPainter(image)
@@ -185,7 +185,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         return image
 
     def shown(self) -> QImage:
-        """The picture that is on the screen, read back now and then where it has changed."""
+        """Return the picture on the screen; it is read back now and then if it has changed."""
         now = perf_counter()
         if self._is_newer and now - self._read_back_at > READ_BACK_INTERVAL:
             self._read_back, self._read_back_at = self.grab(), now
@@ -193,7 +193,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         return self._read_back
 
     def describe(self) -> str:
-        """Who draws."""
+        """Return the name of the renderer."""
         return f"OpenGL ({self._renderer})" if self._renderer else "OpenGL"
 
     def release(self) -> None:
@@ -228,7 +228,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         self.update()
 
     def _ground(self) -> Scene:
-        """The grid under what is shown; nothing where it is switched off."""
+        """Draw the grid under the objects, unless it is switched off."""
         if not self._grid:
             return Scene()
         return Scene((ground_grid(self._seen(), ground_height(self._scene.bounds())),))
@@ -285,7 +285,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         return QMatrix4x4(self.frame.projection.ravel().tolist())
 
     def paintGL(self) -> None:
-        """Draw the picture; what goes wrong is told, not printed."""
+        """Draw the picture; errors are signalled, not printed."""
         if self._broken:
             return
         try:

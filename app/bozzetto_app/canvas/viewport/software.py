@@ -2,7 +2,7 @@
 
 The newest request wins. While the view turns, or while what is shown changes faster than frames
 can be made, frames are rendered smaller, and sharpened once there is rest. A full frame that has
-taken long already is given up for a newer request; a smaller one never is, so that there is
+taken long already is abandoned for a newer request; a smaller one never is, so that there is
 always something to see.
 """
 
@@ -45,7 +45,7 @@ COARSE: Final = (0.3, 0.6)
 
 
 def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
-    """A QImage of its own from rows of RGBA, shape (h, w, 4)."""
+    """Return a QImage with its own copy of RGBA pixels, shape (h, w, 4)."""
     rows = np.ascontiguousarray(pixels)
     height, width = rows.shape[:2]
     image = QImage(
@@ -56,7 +56,7 @@ def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
 
 
 def coarseness(frame_time: float) -> float:
-    """The resolution with which a frame is fast enough, as a share of the full one.
+    """Return the resolution at which a frame is fast enough, as a share of the full one.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ class SoftwareViewport(QWidget):
 
     @property
     def widget(self) -> QWidget:
-        """Itself."""
+        """The viewport itself."""
         return self
 
     def set_scene(self, scene: Scene, *, moving: bool = False) -> None:
@@ -139,20 +139,20 @@ class SoftwareViewport(QWidget):
         self._ask()
 
     def grab(self) -> QImage:  # type: ignore[override]
-        """The picture as it is now, at full resolution."""
+        """Return the picture as it is now, at full resolution."""
         scale = self.devicePixelRatioF()
         return to_image(self._work(scale)(Job()), scale)
 
     def shown(self) -> QImage:
-        """The newest frame."""
+        """Return the newest frame."""
         return self._frame
 
     def describe(self) -> str:
-        """Who draws."""
+        """Return the name of the renderer."""
         return "Software renderer (NumPy)"
 
     def release(self) -> None:
-        """Nothing outlives it."""
+        """Do nothing: nothing outlives the widget."""
 
     # -- frames -------------------------------------------------------------------------------
 
@@ -211,9 +211,9 @@ class SoftwareViewport(QWidget):
         self._ask()
 
     def _work(self, scale: float, number: int | None = None) -> Callable[[Job], NDArray[np.uint8]]:
-        """A function that renders what is set now, for a worker.
+        """Return a function for a worker that renders what is set now.
 
-        A frame with a number is given up where it takes long and a later one is asked for.
+        A frame with a number is abandoned if it takes long and a later one is asked for.
         """
         size = (self.width(), self.height())
         camera = self._camera.with_viewport(*size)

@@ -68,7 +68,7 @@ class Viewports(QObject):
         if may_use_gl():
             from PySide6.QtOpenGLWidgets import QOpenGLWidget
 
-            # A window that gets its first OpenGL child later is made anew: it would vanish
+            # A window that gets its first OpenGL child later is rebuilt: it would vanish
             # and come back under the person's eyes. A hidden child from the start avoids it.
             QOpenGLWidget(canvas).hide()
         software = SoftwareViewport(canvas)

@@ -87,7 +87,7 @@ class ObjectsPanel(QWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Show the document as it is now; rows are only made anew where the list differs."""
+        """Show the document as it is now; rows are only rebuilt if the list differs."""
         document = self._session.drawing.document
         wanted = list(
             entries_of(document, self._session.parts.of, self._is_open, self._folded_groups)
@@ -231,7 +231,7 @@ class ObjectsPanel(QWidget):
         return self._entries[row] if 0 <= row < len(self._entries) else Entry("heading")
 
     def _chosen_entries(self) -> list[Entry]:
-        """What is chosen, in the order of the rows."""
+        """Return the chosen objects and parts, in the order of the rows."""
         rows = sorted(self.list.row(item) for item in self.list.selectedItems())
         return [self._entries[row] for row in rows]
 
@@ -299,7 +299,7 @@ class ObjectsPanel(QWidget):
         self._enable()
 
     def _wanted(self) -> Entry | None:
-        """The row of the chosen part, where it is listed, else that of the selected model."""
+        """Return the row of the chosen part if it is listed, else that of the selected model."""
         selected = self._session.selection.id
         if selected is None:
             return None
@@ -320,7 +320,7 @@ class ObjectsPanel(QWidget):
             button.setToolTip(name if button.isEnabled() else f"{name}\n{nothing}")
 
     def _chosen(self) -> None:
-        """A person went to a row."""
+        """Select the object or part of a row that the person went to."""
         if self._filling:
             return
         entry = self._current()
@@ -340,7 +340,7 @@ class ObjectsPanel(QWidget):
             menu.popup(self.list.viewport().mapToGlobal(place))
 
     def menu_for_current(self) -> QMenu:
-        """What can be done with the chosen row."""
+        """Return the menu of the chosen row."""
         menu = QMenu(self)
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         entry = self._current()

@@ -83,6 +83,7 @@ class PartRow(NamedRow):
         Parameters
         ----------
         part : Part
+            The part of this row.
         depth : int
             Groups that it is in.
         is_open : bool, optional
@@ -100,7 +101,7 @@ class PartRow(NamedRow):
 
 
 def _words_of(part: Any, operation: str) -> str:
-    """What its operation is called in the form; "" where it has none."""
+    """Return the name of a part's operation in the form; "" if it has none."""
     for field in parameter_fields(type(part)):
         if field.name == "operation":
             return dict(field.parameter.choices).get(operation, operation)

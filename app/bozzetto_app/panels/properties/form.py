@@ -84,7 +84,7 @@ class ParametersPanel(QScrollArea):
         row.words.buddy().setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def refresh(self) -> None:
-        """Show the values that there are now.
+        """Show the values of the selected model and part.
 
         The form is only rebuilt for other fields, or if a person has the cursor in it while
         another model or part is chosen: every new stroke may choose another part.
@@ -205,7 +205,7 @@ def _changed(change: Callable[..., None], name: str, value: Any, going: bool) ->
 
 
 def _section(title: str, content: QWidget, key: str, is_open: bool) -> Section:
-    """A section that stays folded or open as a person left it, under a key of the settings."""
+    """Return a section that stays folded or open; the settings keep that under a key."""
     section = Section(title, content, open_=bool(settings().value(key, is_open, bool)))
     section.folded.connect(lambda shown: settings().setValue(key, shown))
     return section
