@@ -12,7 +12,6 @@ from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QIcon, QImage, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QApplication,
-    QDialog,
     QDockWidget,
     QHBoxLayout,
     QMainWindow,
@@ -31,6 +30,7 @@ from bozzetto_app.actions.registry import ActionRegistry
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.framing import Framing
 from bozzetto_app.dialogs.file_dialogs import FileQuestions
+from bozzetto_app.dialogs.window_dialogs import Dialogs
 from bozzetto_app.panels.history import HistoryPanel
 from bozzetto_app.panels.modeler_bar import ModelerBar
 from bozzetto_app.panels.objects.panel import ObjectsPanel
@@ -41,10 +41,9 @@ from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.paths import recovery_folder
 from bozzetto_app.session.files import recent_files
-from bozzetto_app.session.notices import Notice
 from bozzetto_app.session.replay import Replay
 from bozzetto_app.session.session import Session
-from bozzetto_app.settings import keep_plugin_disabled, settings
+from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
 
 if TYPE_CHECKING:
@@ -123,6 +122,7 @@ class Window(QMainWindow):
         self.setObjectName("window")
         self.session = session
         self.files = FileQuestions(session, self)
+        self.dialogs = Dialogs(self)
         self._recovery = recovery
         self._dress(Theme(settings().value(THEME, Theme.SYSTEM.value)))
         self.canvas = Canvas(session, current_palette(), self)
@@ -136,8 +136,8 @@ class Window(QMainWindow):
 
         self.status = StatusLine(session)
         self.status.faults.lie_over(self.canvas)
-        self.status.details_wanted.connect(self._show_details)
-        self.status.switched_off.connect(self._keep_off)
+        self.status.details_wanted.connect(self.dialogs.open_details)
+        self.status.switched_off.connect(self.dialogs.keep_off)
         self.modelers = ModelerBar(session)
         self.setCentralWidget(self._middle())
         self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
@@ -156,7 +156,7 @@ class Window(QMainWindow):
         session.pictures.taken.connect(self._show_what_guides)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
-        self._changing = ChangingMenus(self, self.actions_)
+        self.changing_menus = ChangingMenus(self, self.actions_)
         self.actions_.refused.connect(lambda why: session.notices.complain(UserError(why)))
         self.actions_.is_so.connect(session.notices.tell)
         self.canvas.menu_refused.connect(lambda entry: self.actions_.refuse(entry.action))
@@ -383,7 +383,7 @@ class Window(QMainWindow):
                 from bozzetto_app.dialogs.recovery import RecoveryDialog
 
                 keeper = self.keeper
-                self._show(RecoveryDialog(crashed, keeper.recover, keeper.discard, self))
+                self.dialogs.show(RecoveryDialog(crashed, keeper.recover, keeper.discard, self))
 
         self.keeper.find_crashed(found)
         self.session.files.tidy()
@@ -404,7 +404,7 @@ class Window(QMainWindow):
 
     def keep_view(self) -> None:
         """Keep the view that is shown now, with the document."""
-        self._changing.keep_view()
+        self.changing_menus.keep_view()
 
     @property
     def panels_shown(self) -> bool:
@@ -456,101 +456,12 @@ class Window(QMainWindow):
         assert isinstance(application, QApplication)
         apply_theme(application, palette_for(theme))
 
-    # -- dialogs --
-
-    def open_palette(self) -> None:
-        """Find a command by name."""
-        from bozzetto_app.dialogs.command_palette import CommandPalette
-
-        palette = CommandPalette(
-            self.actions_,
-            self.session,
-            self,
-            recent=recent_files,
-            open_document=self.open,
-            focus_parameter=self.parameters.focus_parameter,
-        )
-        palette.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        palette.open_over(self)
-
-    def open_guide(self) -> None:
-        """Show the guide beside the sheet."""
-        from bozzetto_app.dialogs.guide import GuideDialog
-
-        self._show(GuideDialog(self))
-
-    def open_shortcuts(self) -> None:
-        """List keys and gestures."""
-        from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
-
-        self._show(ShortcutsDialog(self.actions_, self))
-
-    def open_preferences(self) -> None:
-        """Change what the program remembers."""
-        from bozzetto_app.dialogs.preferences import PreferencesDialog
-
-        dialog = PreferencesDialog(self)
-        dialog.theme_chosen.connect(self.set_theme)
-        dialog.changed.connect(self.canvas.read_settings)
-        dialog.changed.connect(self._changing.show_recent)
-        dialog.pen_tester_wanted.connect(self.open_pen_tester)
-        self._show(dialog)
-
-    def open_pen_tester(self) -> None:
-        """Try the pen."""
-        from bozzetto_app.dialogs.pen_tester import PenTester
-
-        dialog = PenTester(self)
-        dialog.finished.connect(self.canvas.read_settings)
-        self._show(dialog)
-
-    def open_plugins(self) -> None:
-        """See the plugins, switch them on and off."""
-        from bozzetto_app.dialogs.plugin_manager import PluginManager
-
-        dialog = PluginManager(self.session, self)
-        dialog.switched.connect(self._plugin_switched)
-        self._show(dialog)
-
-    def open_about(self) -> None:
-        """Show the names and versions of the software."""
-        from bozzetto_app.dialogs.about import AboutDialog
-
-        self._show(AboutDialog(self.canvas.describe_viewport(), self))
-
-    def _show_details(self, notice: Notice) -> None:
-        from bozzetto_app.dialogs.fault_details import FaultDetails
-
-        self._show(FaultDetails(notice.text, notice.details, self))
-
-    def _show(self, dialog: QDialog) -> None:
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.setModal(False)
-        dialog.show()
-
     # -- small things --
 
     def _ink_began(self) -> None:
         self.welcome.hide()
         self.status.went_on()
         self._stop_replay()
-
-    def _keep_off(self, plugin: str) -> None:
-        """Keep a plugin switched off, also at the next start."""
-        try:
-            keep_plugin_disabled(plugin, True)
-        except UserError as problem:
-            self.session.notices.complain(problem)
-        self._plugin_switched(plugin, False)
-
-    def _plugin_switched(self, plugin: str, on: bool) -> None:
-        """Stop drawing with a plugin that was switched off; its objects stay as they are."""
-        self.modelers.refresh()
-        self.actions_.refresh()
-        if not on:
-            self.session.toolbox.drop_if_gone()
-        elif self.session.toolbox.modelers and not self.session.toolbox.modeler:
-            self.session.toolbox.take_modeler(self.session.toolbox.modelers[0].id)
 
     def _say_what_first(self) -> None:
         """Show on an empty sheet what the active modeler wants to have drawn first."""

@@ -14,7 +14,7 @@ def told(session):
 def switch(window, plugin, on):
     """As the dialog does it."""
     window.session.registry.set_disabled(plugin, not on)
-    window._plugin_switched(plugin, on)
+    window.dialogs.plugin_switched(plugin, on)
 
 
 def test_a_modeler_that_is_switched_off_leaves_the_hand(make_window, settle):

@@ -164,7 +164,7 @@ def _edit(window: Window) -> Iterator[Action]:
     yield Action(
         "edit.palette",
         tr("Edit", "Find a &command…"),
-        window.open_palette,
+        window.dialogs.open_palette,
         "command",
         ("Ctrl+K", "F3"),
         menu,
@@ -173,7 +173,7 @@ def _edit(window: Window) -> Iterator[Action]:
     yield Action(
         "edit.preferences",
         tr("Edit", "&Preferences…"),
-        window.open_preferences,
+        window.dialogs.open_preferences,
         "settings",
         ("Ctrl+,",),
         menu,
@@ -411,7 +411,7 @@ def _help(window: Window) -> Iterator[Action]:
     yield Action(
         "help.guide",
         tr("Help", "&Guide"),
-        window.open_guide,
+        window.dialogs.open_guide,
         "help",
         ("Shift+F1",),
         menu,
@@ -420,7 +420,7 @@ def _help(window: Window) -> Iterator[Action]:
     yield Action(
         "help.shortcuts",
         tr("Help", "&Keys and gestures"),
-        window.open_shortcuts,
+        window.dialogs.open_shortcuts,
         "keyboard",
         ("F1",),
         menu,
@@ -436,10 +436,19 @@ def _help(window: Window) -> Iterator[Action]:
                 (*menu, tr("Help", "&Watch a drawing")),
             )
     yield Action(
-        "help.pen", tr("Help", "&Pen tester"), window.open_pen_tester, "pen-tester", (), menu
+        "help.pen",
+        tr("Help", "&Pen tester"),
+        window.dialogs.open_pen_tester,
+        "pen-tester",
+        (),
+        menu,
     )
-    yield Action("help.plugins", tr("Help", "P&lugins"), window.open_plugins, "plugin", (), menu)
-    yield Action("help.about", tr("Help", "&About Bozzetto"), window.open_about, "info", (), menu)
+    yield Action(
+        "help.plugins", tr("Help", "P&lugins"), window.dialogs.open_plugins, "plugin", (), menu
+    )
+    yield Action(
+        "help.about", tr("Help", "&About Bozzetto"), window.dialogs.open_about, "info", (), menu
+    )
 
 
 def number_keys(window: Window) -> Iterator[Action]:

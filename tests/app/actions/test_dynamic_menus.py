@@ -56,7 +56,7 @@ def test_recent_documents_are_listed_and_open(window, tmp_path, monkeypatch):
 
 def test_clearing_the_list_empties_the_menu(window, tmp_path):
     remember(window, tmp_path / "horse.bozz")
-    window.open_preferences()
+    window.dialogs.open_preferences()
     (dialog,) = (one for one in window.children() if one.objectName() == "preferences")
     dialog.recent.click()
     assert submenu(window, "File", "Open recent") == {}
