@@ -163,6 +163,7 @@ class Window(QMainWindow):
         self.setMenuWidget(self._top())
         self.setStatusBar(self._bottom())
 
+        session.drawing.changed.connect(self.start_keeping, Qt.ConnectionType.SingleShotConnection)
         session.drawing.changed.connect(self._show_title)
         session.drawing.waiting_changed.connect(self._show_title)
         for signal in (
@@ -187,9 +188,13 @@ class Window(QMainWindow):
         self._say_what_first()
         self.canvas.setFocus()
 
+    def start_keeping(self) -> Keeper:
+        """Keep recovery data from now on: after the first paint, or once something is drawn."""
+        return self.keeper
+
     @cached_property
     def keeper(self) -> Keeper:
-        """The writer of recovery data; made after the first paint, or when it is first needed."""
+        """The writer of recovery data; see `start_keeping`."""
         from bozzetto_app.session.autosave import Keeper
 
         return Keeper(self.session, self._recovery or recovery_folder())
