@@ -23,7 +23,6 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto.errors import UserError
-from bozzetto.ink.drawing import Drawing
 from bozzetto_app.actions.dynamic_menus import ChangingMenus
 from bozzetto_app.actions.menu_actions import commands_of, number_keys
 from bozzetto_app.actions.registry import ActionRegistry
@@ -41,7 +40,7 @@ from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.paths import recovery_folder
 from bozzetto_app.session.files import recent_files
-from bozzetto_app.session.replay import Replay
+from bozzetto_app.session.replay import Replays
 from bozzetto_app.session.session import Session
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
@@ -130,7 +129,9 @@ class Window(QMainWindow):
         self.canvas.menu_entries = self._radial_entries
         self._framing = Framing(session, self)
         self.canvas.hand.pressed.connect(self._framing.end)
-        self._replay: Replay | None = None
+        self.replays = Replays(session, self)
+        self.replays.began.connect(self._replay_began)
+        self.replays.inked.connect(self.canvas.follow)
         self._closing = False
         self._said_first = ""
 
@@ -163,7 +164,7 @@ class Window(QMainWindow):
         self.setMenuWidget(self._top())
         self.setStatusBar(self._bottom())
 
-        session.drawing.changed.connect(self.start_keeping, Qt.ConnectionType.SingleShotConnection)
+        session.drawing.changed.connect(lambda: self.keeper, Qt.ConnectionType.SingleShotConnection)
         session.drawing.changed.connect(self._show_title)
         session.drawing.waiting_changed.connect(self._show_title)
         for signal in (
@@ -175,7 +176,7 @@ class Window(QMainWindow):
         ):
             signal.connect(self.actions_.refresh)
         session.files.imported.connect(self._imported)
-        session.drawing.opened.connect(self._stop_replay)
+        session.drawing.opened.connect(self.replays.stop)
         session.files.busy_changed.connect(self._saving_ended)
         session.toolbox.modeler_changed.connect(self._say_what_first)
         session.files.when_safe = self.files.when_safe
@@ -188,13 +189,9 @@ class Window(QMainWindow):
         self._say_what_first()
         self.canvas.setFocus()
 
-    def start_keeping(self) -> Keeper:
-        """Keep recovery data from now on: after the first paint, or once something is drawn."""
-        return self.keeper
-
     @cached_property
     def keeper(self) -> Keeper:
-        """The writer of recovery data; see `start_keeping`."""
+        """The writer of recovery data; made after the first paint, or once something is drawn."""
         from bozzetto_app.session.autosave import Keeper
 
         return Keeper(self.session, self._recovery or recovery_folder())
@@ -318,7 +315,7 @@ class Window(QMainWindow):
         kept = settings()
         kept.setValue("window/geometry", self.saveGeometry())
         kept.setValue("window/state", self.saveState(LAYOUT_VERSION))
-        self._stop_replay()
+        self.replays.stop()
         self.session.cancel_all()
         self.session.files.close()
         self.canvas.viewports.release()
@@ -345,40 +342,12 @@ class Window(QMainWindow):
         )
 
     def watch(self, modeler_id: str, path: Path) -> None:
-        """Play a recorded drawing, stroke by stroke, on an empty sheet."""
-        from bozzetto.exchange.import_file import read_drawing
+        """Replay a recorded drawing, stroke by stroke, on an empty sheet."""
+        self.files.when_safe(lambda: self.replays.watch(modeler_id, path))
 
-        def begin() -> None:
-            try:
-                drawing = read_drawing(path, trusted=True)  # a sample of a plugin
-            except UserError as problem:
-                self.session.notices.complain(problem)
-                return
-            self.session.files.new()
-            self.session.toolbox.take_modeler(modeler_id)
-            if len(drawing.strokes):
-                self._play(drawing)
-            else:
-                self.session.files.import_file(path)
-
-        self.files.when_safe(begin)
-
-    def _play(self, drawing: Drawing) -> None:
-        self._stop_replay()
-        self.session.view.set_camera(
-            drawing.camera.with_viewport(*self.session.view.camera.viewport)
-        )
+    def _replay_began(self) -> None:
         self.welcome.hide()
         self.canvas.show_hint("")
-        self._replay = Replay(self.session, drawing, parent=self)
-        self._replay.inked.connect(self.canvas.follow)
-        self._replay.start()
-
-    def _stop_replay(self) -> None:
-        replay, self._replay = self._replay, None
-        if replay is not None:
-            replay.stop()
-            replay.deleteLater()
 
     def offer_recovery(self) -> None:
         """Ask about drawings that a crash left behind, if there are any."""
@@ -394,18 +363,6 @@ class Window(QMainWindow):
         self.session.files.tidy()
 
     # -- what the commands need --
-
-    def toggle_visible(self) -> None:
-        """Show or hide the selected object."""
-        model = self.session.selection.model
-        if model is not None:
-            self.session.objects.set_visible(model.id, not model.visible)
-
-    def toggle_locked(self) -> None:
-        """Lock or unlock the selected object."""
-        model = self.session.selection.model
-        if model is not None:
-            self.session.objects.set_locked(model.id, not model.locked)
 
     def keep_view(self) -> None:
         """Keep the view that is shown now, with the document."""
@@ -466,7 +423,7 @@ class Window(QMainWindow):
     def _ink_began(self) -> None:
         self.welcome.hide()
         self.status.went_on()
-        self._stop_replay()
+        self.replays.stop()
 
     def _say_what_first(self) -> None:
         """Show on an empty sheet what the active modeler wants to have drawn first."""
@@ -477,7 +434,7 @@ class Window(QMainWindow):
         drawn = (
             len(self.session.drawing.document)
             or self.session.drawing.pending
-            or self._replay is not None
+            or self.replays.current is not None
         )
         if modeler and not drawn:
             self.canvas.show_hint(self.session.registry.info(modeler).hint)

@@ -64,7 +64,7 @@ class Watch:
             (session.view.shading, session.view.show_grid, session.view.show_ghost_ink),
             (window.panels_shown, window.is_dark, window.welcome.isVisible()),
             window.canvas.menu.isVisible(),
-            window._replay is not None,
+            window.replays.current is not None,
             {id(w) for w in QApplication.topLevelWidgets() if w.isVisible()},
             len(self.asked),
         )
@@ -112,7 +112,7 @@ def asked(monkeypatch):
 
 
 def close_dialogs(window):
-    window._stop_replay()
+    window.replays.stop()
     window.canvas.menu.close_menu()
     for widget in QApplication.topLevelWidgets():
         if widget is not window and widget.isVisible() and widget.objectName() != "window":

@@ -23,9 +23,9 @@ def test_a_drawing_is_watched_on_a_free_sheet_with_its_ink(window, qtbot, settle
     (info,) = (one for one in session.toolbox.modelers if one.id == "bozzetto.silhouette")
     fish = next(path for path in info.samples if path.stem == "fish")
     inked = []
+    window.replays.inked.connect(inked.append)
+    window.replays.speed = 40.0
     window.watch(info.id, fish)
-    window._replay.inked.connect(inked.append)
-    window._replay._speed = 40.0
     assert not window.welcome.isVisible()
     assert not canvas.empty_hint.isVisible()
     qtbot.waitUntil(lambda: None in inked, timeout=30_000)

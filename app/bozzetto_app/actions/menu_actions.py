@@ -252,7 +252,7 @@ def _object(window: Window) -> Iterator[Action]:
     yield Action(
         "object.hide",
         tr("Object", "&Hide or show"),
-        window.toggle_visible,
+        window.session.objects.toggle_visible,
         "eye",
         ("Ctrl+H",),
         menu,
@@ -263,7 +263,7 @@ def _object(window: Window) -> Iterator[Action]:
     yield Action(
         "object.lock",
         tr("Object", "Loc&k or unlock"),
-        window.toggle_locked,
+        window.session.objects.toggle_locked,
         "lock",
         ("Ctrl+L",),
         menu,

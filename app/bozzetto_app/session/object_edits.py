@@ -112,6 +112,18 @@ class ObjectEdits:
         """Lock or unlock a model."""
         self.edit(edit.lock_model, model_id, locked)
 
+    def toggle_visible(self) -> None:
+        """Show or hide the selected model."""
+        model = self._selection.model
+        if model is not None:
+            self.set_visible(model.id, not model.visible)
+
+    def toggle_locked(self) -> None:
+        """Lock or unlock the selected model."""
+        model = self._selection.model
+        if model is not None:
+            self.set_locked(model.id, not model.locked)
+
     def set_color(self, model_id: str, color: tuple[int, int, int] | None) -> None:
         """Give a model a colour (RGB, 0 … 255); None restores the colour of clay."""
         self.edit(edit.color_model, model_id, color)

@@ -166,4 +166,4 @@ def test_a_drawing_that_is_watched_keeps_the_view_that_it_was_drawn_in(make_wind
     window.watch(info.id, info.samples[0])
     camera = window.session.view.camera
     assert camera == drawing.camera.with_viewport(*camera.viewport)
-    window._stop_replay()
+    window.replays.stop()

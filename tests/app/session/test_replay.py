@@ -89,10 +89,12 @@ def test_every_sample_drawing_makes_sound_solids_when_watched(make_window, settl
     session = window.session
     for info in session.toolbox.modelers:
         for sample in info.samples:
+            window.replays.speed = FAST
             window.watch(info.id, sample)
-            if window._replay is not None:  # marks on a picture have no strokes to be watched
-                window._replay._speed = FAST
-                with qtbot.waitSignal(window._replay.finished, timeout=60_000):
+            if (
+                window.replays.current is not None
+            ):  # marks on a picture have no strokes to be watched
+                with qtbot.waitSignal(window.replays.finished, timeout=60_000):
                     pass
             settle(session, window.keeper)
             assert [n.text for n in session.heard if n.kind in ("error", "fault")] == []
@@ -106,15 +108,15 @@ def test_every_sample_drawing_makes_sound_solids_when_watched(make_window, settl
 @pytest.mark.parametrize("by", ["hand", "document"])
 def test_a_hand_or_another_document_stops_it(make_window, boxes, settle, qtbot, by):
     window = make_window(MODELER, extra=[boxes.package])
-    window._play(drawing(window.session, *[1.0] * 10))
+    window.replays.play(drawing(window.session, *[1.0] * 10))
     qtbot.wait(100)
-    assert window._replay is not None
+    assert window.replays.current is not None
     if by == "hand":
         Stylus(window.canvas).draw(circle(radius=33))
     else:
         window.session.files.new()
     settle(window.session)
-    assert window._replay is None
+    assert window.replays.current is None
     count = sum(len(model.state.strokes) for model in window.session.drawing.document)
     qtbot.wait(300)
     assert sum(len(model.state.strokes) for model in window.session.drawing.document) == count
