@@ -159,9 +159,9 @@ def session(make_session, boxes, settle):
         if notice.kind == "slow" and notice.plugin == PLUGIN:
             made.cancel_work()
 
-    made.noticed.connect(stop_what_hangs)
+    made.notices.noticed.connect(stop_what_hangs)
     draw(made, settle)
-    assert len(made.document) == 1
+    assert len(made.drawing.document) == 1
     made.heard.clear()
     return made
 

@@ -9,6 +9,7 @@ import pytest
 
 from bozzetto.document import edit
 from bozzetto.geometry import Mesh
+from bozzetto.plugin.gesture import Tap
 from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
 from bozzetto.testing import Pen
 from bozzetto_app.session.toolbox import ToolInfo
@@ -23,7 +24,7 @@ def session(make_session, settle):
     """Three outlines beside one another in one object."""
     made = make_session()
     for x in (250, 500, 750):
-        made.pen_lifted(circle(made, x))
+        made.gestures.stroke_lifted(circle(made, x))
         settle(made)
     return made
 
@@ -305,7 +306,7 @@ def test_a_gesture_that_only_chooses_is_no_step(session, settle, monkeypatch):
     monkeypatch.setattr(session.workbench, "tool", lambda modeler, name: chooses)
     assert tree(session).selected == ids(session)[-1]
     steps = session.drawing.history.entries
-    session.gestures.tap(10.0, 10.0)
+    session.gestures.tap(Tap(10.0, 10.0, session.view.camera))
     settle(session)
     assert tree(session).selected == ids(session)[0]
     assert session.drawing.history.entries == steps
