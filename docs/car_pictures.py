@@ -205,8 +205,8 @@ def window() -> None:
 
     shown = opened()
     session = shown.session
-    session.activate_modeler("bozzetto.car")
-    session.import_file(CARS / "sedan.png")
+    session.toolbox.take_modeler("bozzetto.car")
+    session.files.import_file(CARS / "sedan.png")
     rest(shown)
     told = json.loads((CARS / "sedan.json").read_text(encoding="utf-8"))["views"][0]["marks"]
     for number in range(MARKED_LAST):
@@ -215,9 +215,9 @@ def window() -> None:
     grab(shown, "car-marked.png")
 
     session.files.new()
-    session.import_file(CARS / "sedan.json")
+    session.files.import_file(CARS / "sedan.json")
     rest(shown)
-    session.set_parameter("shading", "zebra")
+    session.objects.set_parameter("shading", "zebra")
     shown.set_theme(Theme.DARK)
     shown.canvas.look("three-quarter")
     rest(shown)
@@ -246,7 +246,7 @@ def mark(window: Window, told: dict[str, list[float]], picture: str) -> None:
     from bozzetto_car.template.model import twin
 
     session = window.session
-    state = session.selected_model.state
+    state = session.selection.model.state
     body = body_of(state)
     asked = asked_of(state, body.solved)
     if asked is None:
@@ -255,14 +255,14 @@ def mark(window: Window, told: dict[str, list[float]], picture: str) -> None:
     names = [asked.node, twin(asked.node)][: 1 + (len(state.sketch.marks) < 2)]
     name = next((name for name in names if name in told), None)
     if name is None:
-        session.commanding.run("not-visible")
+        session.commands.run("not-visible")
     else:
         sketch_camera = body.sketch_cameras[state.sketch.id]
-        until(
-            lambda: sketch_camera.is_seen_through(session.camera)
-        )  # the view goes along with marks
+        until(  # the view goes along with marks
+            lambda: sketch_camera.is_seen_through(session.view.camera)
+        )
         places = sketch_camera.lifted([told[name]])
-        (at,), _ = session.camera.project(places)
+        (at,), _ = session.view.camera.project(places)
         path = at + np.linspace(1.0, 0.0, 6)[:, None]
         pen_stroke(window.canvas, path, np.full(6, 0.5), lambda: picture and grab(window, picture))
     wait(0.3)

@@ -169,8 +169,8 @@ def window() -> None:
     grab(shown, "window-empty.png")
 
     drawing = read_drawing(SAMPLES / "horse.json")
-    session.set_camera(drawing.camera.with_viewport(*session.camera.viewport))
-    camera = session.camera
+    session.view.set_camera(drawing.camera.with_viewport(*session.view.camera.viewport))
+    camera = session.view.camera
     scale = camera.pixels_per_mm / drawing.camera.pixels_per_mm
     for stroke in drawing.strokes:
         middle = stroke.points - [part / 2 for part in drawing.camera.viewport]
@@ -194,7 +194,7 @@ def window() -> None:
     shown.canvas.look("front")
     wait(0.5)
     turn = np.linspace(0.0, 2.0 * np.pi, 120)
-    middle = np.array(session.camera.viewport) / 2.0
+    middle = np.array(session.view.camera.viewport) / 2.0
     eight = middle + 220.0 * np.stack((np.sin(turn), 0.6 * np.sin(2.0 * turn)), 1)
     pen_stroke(shown.canvas, eight, np.full(len(turn), 0.5), lambda: None)
     until(lambda: not session.busy)
@@ -219,28 +219,28 @@ def creature(shown: Window) -> None:
         wait(2.0)
 
     def drag(held: Handle, way: tuple[float, float]) -> None:
-        (start,), _ = session.camera.project([held.point])
+        (start,), _ = session.view.camera.project([held.point])
         path = start + np.linspace(0.0, 1.0, 60)[:, None] * way
         pen_stroke(shown.canvas, path, np.full(len(path), 0.5), lambda: None)
         rest()
 
     session.files.new()
-    session.import_file(GALLERY / "creature.json")
+    session.files.import_file(GALLERY / "creature.json")
     rest()
     shown.canvas.look("three-quarter")
     wait(1.0)
     shown.canvas.fit()
     rest()
-    model, parts = session.selected, session.parts_of(session.selected).parts
-    session.activate_tool("arrange")
-    session.select_part(model, next(part.id for part in parts if part.name == "Ear"))
+    model, parts = session.selection.id, session.parts.of(session.selection.id).parts
+    session.toolbox.take_tool("arrange")
+    session.parts.select(model, next(part.id for part in parts if part.name == "Ear"))
     rest()
     grab(shown, "arrange.png")
     shown.set_theme(Theme.DARK)
-    session.select_part(model, "")
-    session.set_parameter("posing", True)
+    session.parts.select(model, "")
+    session.objects.set_parameter("posing", True)
     rest()
-    joints = [item for _, item in session.scene.items() if isinstance(item, Handle)]
+    joints = [item for _, item in session.scene.visible.items() if isinstance(item, Handle)]
     tail = [item for item in joints if item.tip.startswith("Tail")]
     drag(tail[-1], (-60.0, 90.0))
     grab(shown, "pose.png")

@@ -113,7 +113,7 @@ def window() -> None:
 
     window = opened()
     session = window.session
-    session.activate_modeler("bozzetto.symmetry")
+    session.toolbox.take_modeler("bozzetto.symmetry")
     look(window, 4.0, 20.0)
     grab(window, "symmetry-advice.png")
 
@@ -121,10 +121,10 @@ def window() -> None:
     side = through((-84, 18, 22), (-52, 33, 50), (0, 38, 64), (52, 31, 56), (88, 14, 30))
     mirror = np.array((1.0, -1.0, 1.0))
     draw(window, side)
-    drawn_from = session.camera
+    drawn_from = session.view.camera
     look(window, 66.0, 34.0)
     grab(window, "symmetry-first.png")
-    session.set_camera(drawn_from)
+    session.view.set_camera(drawn_from)
     draw(window, side * mirror, "symmetry-second.png")
     look(window, 66.0, 34.0)
     grab(window, "symmetry-pair.png")
@@ -133,24 +133,24 @@ def window() -> None:
     for middle, top in ((-26.0, 84.0), (34.0, 82.0)):
         draw(window, bow(middle, top))
     look(window, 38.0, 20.0)
-    session.select_part(session.selected, session.parts_of(session.selected).parts[0].id)
+    session.parts.select(session.selection.id, session.parts.of(session.selection.id).parts[0].id)
     rest(window)
-    session.activate_tool("modify")
+    session.toolbox.take_tool("modify")
     stretch = side[50:170]
     hump = np.sin(np.linspace(0.0, np.pi, len(stretch)))[:, None] ** 2
     draw(window, stretch + hump * np.array((0.0, 2.0, -9.0)), "symmetry-modify.png")
-    session.activate_tool("box")
+    session.toolbox.take_tool("box")
     wait(PREVIEW)
     rest(window)
     grab(window, "symmetry-box.png")
-    session.activate_tool("draw")
+    session.toolbox.take_tool("draw")
 
     session.files.new()
     window.set_theme(Theme.DARK)
-    session.import_file(INKS / "car-lines.json")
+    session.files.import_file(INKS / "car-lines.json")
     rest(window)
     look(window, 38.0, 16.0)
-    session.select_part(session.selected, "")
+    session.parts.select(session.selection.id, "")
     wait(PREVIEW)
     rest(window)
     grab(window, "symmetry-car.png")
@@ -181,8 +181,8 @@ def bow(middle: float, top: float) -> np.ndarray:
 def look(window: Window, azimuth: float, elevation: float) -> None:
     """Turn the view so far from the centre plane, with room around the box."""
     session = window.session
-    viewport = session.camera.viewport
-    session.set_camera(camera(session.scene, azimuth, elevation, size=viewport))
+    viewport = session.view.camera.viewport
+    session.view.set_camera(camera(session.scene.visible, azimuth, elevation, size=viewport))
     window.canvas.fit()
     rest(window)
 
@@ -198,7 +198,7 @@ def draw(window: Window, curve: np.ndarray, picture: str = "") -> None:
     """Draw the image of a curve; with a picture of it when four fifths are drawn."""
     import numpy as np
 
-    ink = window.session.camera.project(curve)[0]
+    ink = window.session.view.camera.project(curve)[0]
     pressure = 0.3 + 0.4 * np.sin(np.linspace(0.0, np.pi, len(ink)))
 
     def seen() -> None:

@@ -94,9 +94,11 @@ def open_sample(modeler: str, stem: str, folder: Path) -> Window:
     window.resize(1280, 800)
     window.show()
     settle(session)
-    session.activate_modeler(modeler)
+    session.toolbox.take_modeler(modeler)
     settle(session)
-    session.import_file(next(p for p in session.registry.info(modeler).samples if p.stem == stem))
+    session.files.import_file(
+        next(p for p in session.registry.info(modeler).samples if p.stem == stem)
+    )
     settle(session)
     return window
 
@@ -138,19 +140,19 @@ class _Paintings(QObject):
 def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
     """Drag one parameter there and back at 60 values in a second, and let go."""
     session, row = window.session, window.parameters._rows[key]
-    model = session.selected_model
+    model = session.selection.model
     assert model is not None
     low, high = _span(window, key)
     asked: list[Any] = []
     shown: list[Any] = []
 
     def changed(model_id: str, solved: bool) -> None:
-        found = session.showing.shown(model_id)
+        found = session.solver.shown(model_id)
         if found is not None and (not shown or shown[-1] is not found.state):
             shown.append(found.state)
 
-    session.history.end_merge()
-    before = len(session.history.entries)
+    session.drawing.history.end_merge()
+    before = len(session.drawing.history.entries)
     begun, spent = time.monotonic(), time.process_time()
     timer = QTimer()
     timer.setTimerType(Qt.TimerType.PreciseTimer)
@@ -163,30 +165,30 @@ def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
             return
         value = low + (high - low) * (0.05 + 0.9 * (1.0 - abs(1.0 - 2.0 * share)))
         row.changed.emit(row._typed(value), True)
-        now = session.selected_model
+        now = session.selection.model
         if now is not None and (not asked or asked[-1] is not now.state):
             asked.append(now.state)
 
     paintings = _Paintings(window.canvas.viewports.current)
     timer.timeout.connect(tick)
-    session.showing.changed.connect(changed)
+    session.solver.changed.connect(changed)
     timer.start()
     pump(lambda: not timer.isActive())
     passed, spent = time.monotonic() - begun, time.process_time() - spent
     frames, released, painted = len(shown), time.monotonic(), paintings.count
     window.canvas.viewports.current.widget.removeEventFilter(paintings)
     row.drag_ended.emit()
-    last = session.selected_model
+    last = session.selection.model
     if last is not None and asked[-1] is not last.state:
         asked.append(last.state)  # what had waited for the next beat
-    pump(lambda: not session.showing.busy)
+    pump(lambda: not session.solver.busy)
     QApplication.processEvents()
     settled = time.monotonic() - released
     settle(session)
-    session.showing.changed.disconnect(changed)
+    session.solver.changed.disconnect(changed)
     numbers = {id(state): number for number, state in enumerate(asked)}
     order = [numbers[id(state)] for state in shown if id(state) in numbers]
-    steps = len(session.history.entries) - before
+    steps = len(session.drawing.history.entries) - before
     result = Dragged(
         row.field.parameter.label, len(asked), frames, painted, passed, spent, settled, steps,
         order == sorted(order), bool(shown) and shown[-1] is asked[-1],
@@ -212,9 +214,9 @@ def _span(window: Window, key: tuple[str, str]) -> tuple[float, float]:
     asked = window.parameters._rows[key].field.parameter
     if not asked.zero and asked.minimum is not None and asked.maximum is not None:
         return asked.minimum, asked.maximum
-    found = session.part_parameters if owner else session.parameters
+    found = session.parts.parameters if owner else session.objects.parameters
     now = next(float(value) for field, value in found if field.name == name)
-    told = session.report.get("dimensions", {}) if not now else {}
+    told = session.solver.report.get("dimensions", {}) if not now else {}
     now = now or float(told.get(name, 0.0)) or CAR.get(name, 100.0)
     share = SPANS.get(name, 0.1)
     return now * (1.0 - share), now * (1.0 + share)

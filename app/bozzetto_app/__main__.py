@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -48,6 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return EXIT_ERROR
     if options.viewport:
         os.environ["BOZZETTO_VIEWPORT"] = options.viewport
+    gc.disable()  # nothing of what is imported now is garbage; `Tidier` collects later
     try:
         from bozzetto_app.startup import start
     except ImportError as problem:

@@ -8,7 +8,7 @@ __all__ = ["tr"]
 
 
 def tr(context: str, text: str, **values: object) -> str:
-    """The words in the person's language, with their places filled in.
+    """Return the words in the person's language, with their placeholders filled in.
 
     Parameters
     ----------

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QCloseEvent, QIcon, QKeyEvent, QKeySequence
+from PySide6.QtGui import QCloseEvent, QIcon, QImage, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QApplication,
-    QDialog,
     QDockWidget,
     QHBoxLayout,
     QMainWindow,
@@ -21,16 +22,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto.document.recovery.recovery import CrashedSession
 from bozzetto.errors import UserError
-from bozzetto.ink.drawing import Drawing
 from bozzetto_app.actions.dynamic_menus import ChangingMenus
 from bozzetto_app.actions.menu_actions import commands_of, number_keys
 from bozzetto_app.actions.registry import ActionRegistry
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.framing import Framing
 from bozzetto_app.dialogs.file_dialogs import FileQuestions
-from bozzetto_app.dialogs.thumbnails import thumbnail_of
+from bozzetto_app.dialogs.window_dialogs import Dialogs
 from bozzetto_app.panels.history import HistoryPanel
 from bozzetto_app.panels.modeler_bar import ModelerBar
 from bozzetto_app.panels.objects.panel import ObjectsPanel
@@ -40,12 +39,15 @@ from bozzetto_app.panels.status_line import StatusLine
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.paths import recovery_folder
-from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.files import recent_files
-from bozzetto_app.session.replay import Replay
-from bozzetto_app.session.session import Notice, Session
-from bozzetto_app.settings import keep_plugin_disabled, settings
+from bozzetto_app.session.replay import Replays
+from bozzetto_app.session.session import Session
+from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
+
+if TYPE_CHECKING:
+    from bozzetto.document.recovery.recovery import CrashedSession
+    from bozzetto_app.session.autosave import Keeper
 
 __all__ = ["Window"]
 
@@ -97,6 +99,13 @@ class _MenuEntry:
         self.registry.run(self.action)
 
 
+def _thumbnail_of(path: Path) -> QImage | None:
+    """Return the small picture of a drawing; readers are imported once one is wanted."""
+    from bozzetto_app.dialogs.thumbnails import thumbnail_of
+
+    return thumbnail_of(path)
+
+
 class Window(QMainWindow):
     """The one window of the program.
 
@@ -112,21 +121,24 @@ class Window(QMainWindow):
         self.setObjectName("window")
         self.session = session
         self.files = FileQuestions(session, self)
-        self.keeper = Keeper(session, recovery or recovery_folder())
+        self.dialogs = Dialogs(self)
+        self._recovery = recovery
         self._dress(Theme(settings().value(THEME, Theme.SYSTEM.value)))
         self.canvas = Canvas(session, current_palette(), self)
         self.actions_ = ActionRegistry(self, self.canvas)
         self.canvas.menu_entries = self._radial_entries
         self._framing = Framing(session, self)
         self.canvas.hand.pressed.connect(self._framing.end)
-        self._replay: Replay | None = None
+        self.replays = Replays(session, self)
+        self.replays.began.connect(self._replay_began)
+        self.replays.inked.connect(self.canvas.follow)
         self._closing = False
         self._said_first = ""
 
         self.status = StatusLine(session)
         self.status.faults.lie_over(self.canvas)
-        self.status.details_wanted.connect(self._show_details)
-        self.status.switched_off.connect(self._keep_off)
+        self.status.details_wanted.connect(self.dialogs.open_details)
+        self.status.switched_off.connect(self.dialogs.keep_off)
         self.modelers = ModelerBar(session)
         self.setCentralWidget(self._middle())
         self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
@@ -142,43 +154,52 @@ class Window(QMainWindow):
         self.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
         self.tabifyDockWidget(self._docks[1], self._plugin_dock)
         self._plugin_panel.changed.connect(self._show_plugin_panel)
-        session.picturing.taken.connect(self._show_what_guides)
+        session.pictures.taken.connect(self._show_what_guides)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
-        self._changing = ChangingMenus(self, self.actions_)
-        self.actions_.refused.connect(lambda why: session.complain(UserError(why)))
-        self.actions_.is_so.connect(session.tell)
+        self.changing_menus = ChangingMenus(self, self.actions_)
+        self.actions_.refused.connect(lambda why: session.notices.complain(UserError(why)))
+        self.actions_.is_so.connect(session.notices.tell)
         self.canvas.menu_refused.connect(lambda entry: self.actions_.refuse(entry.action))
         self.setMenuWidget(self._top())
         self.setStatusBar(self._bottom())
 
-        session.document_changed.connect(self._show_title)
-        session.pending_changed.connect(self._show_title)
+        session.drawing.changed.connect(lambda: self.keeper, Qt.ConnectionType.SingleShotConnection)
+        session.drawing.changed.connect(self._show_title)
+        session.drawing.waiting_changed.connect(self._show_title)
         for signal in (
-            session.document_changed,
-            session.selection_changed,
-            session.pending_changed,
-            session.view_style_changed,
-            session.modeler_changed,
+            session.drawing.changed,
+            session.selection.changed,
+            session.drawing.waiting_changed,
+            session.view.style_changed,
+            session.toolbox.modeler_changed,
         ):
             signal.connect(self.actions_.refresh)
         session.files.imported.connect(self._imported)
-        session.opened.connect(self._stop_replay)
+        session.drawing.opened.connect(self.replays.stop)
         session.files.busy_changed.connect(self._saving_ended)
-        session.modeler_changed.connect(self._say_what_first)
-        session.when_safe = self.files.when_safe
+        session.toolbox.modeler_changed.connect(self._say_what_first)
+        session.files.when_safe = self.files.when_safe
         self.canvas.hand.ink_began.connect(self._ink_began)
         self._restore_layout()
         self._show_title()
-        if session.modelers and not session.active_modeler:
-            session.activate_modeler(session.modelers[0].id)
+        if session.toolbox.modelers and not session.toolbox.modeler:
+            session.toolbox.prefer(session.toolbox.modelers[0].id)
+            self.canvas.viewports.first_painted.connect(session.toolbox.ask_for_tools)
         self._say_what_first()
         self.canvas.setFocus()
+
+    @cached_property
+    def keeper(self) -> Keeper:
+        """The writer of recovery data; made after the first paint, or once something is drawn."""
+        from bozzetto_app.session.autosave import Keeper
+
+        return Keeper(self.session, self._recovery or recovery_folder())
 
     # -- putting it together --
 
     def _top(self) -> QWidget:
-        """Menus on the left, the row of modelers on the right."""
+        """Return the bar with the menus on the left and the modelers on the right."""
         top = QWidget()
         top.setObjectName("top")
         menus = QMenuBar(top)
@@ -194,7 +215,7 @@ class Window(QMainWindow):
         return top
 
     def _middle(self) -> QWidget:
-        """Rail and sheet side by side."""
+        """Return the tool rail and the sheet, side by side."""
         middle = QWidget()
         row = QHBoxLayout(middle)
         row.setContentsMargins(0, 0, 0, 0)
@@ -204,7 +225,7 @@ class Window(QMainWindow):
         return middle
 
     def _bottom(self) -> QStatusBar:
-        """The status line over the whole width."""
+        """Return the status line over the whole width."""
         bar = QStatusBar()
         bar.setSizeGripEnabled(False)
         bar.setContentsMargins(0, 0, 0, 0)
@@ -220,8 +241,8 @@ class Window(QMainWindow):
         return dock
 
     def _welcome(self) -> WelcomeStrip:
-        """A strip over the left of the sheet: when it goes, the ink stays where it is."""
-        strip = WelcomeStrip(self.session, recent_files(), thumbnail_of, self.canvas)
+        """Return the strip over the left of the sheet; when it closes, the ink does not move."""
+        strip = WelcomeStrip(self.session, recent_files(), _thumbnail_of, self.canvas)
         strip.setAttribute(Qt.WidgetAttribute.WA_NoMousePropagation)
         strip.setCursor(Qt.CursorShape.ArrowCursor)
         strip.sample_chosen.connect(self._open_sample)
@@ -241,7 +262,7 @@ class Window(QMainWindow):
         return False
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """A key that nobody took: its action cannot be done now, which is told."""
+        """Say why the action of a key cannot be done now."""
         keys = QKeySequence(event.keyCombination()).toString(
             QKeySequence.SequenceFormat.PortableText
         )
@@ -254,7 +275,8 @@ class Window(QMainWindow):
         for name in RADIAL:
             made = self.actions_.qaction(name)
             title = made.text().replace("&", "").split(",")[0]
-            entries.append(_MenuEntry(title, made.icon(), made.isEnabled(), self.actions_, name))
+            glyph = self.actions_.icon(name)
+            entries.append(_MenuEntry(title, glyph, made.isEnabled(), self.actions_, name))
         return entries
 
     # -- the layout is remembered --
@@ -271,10 +293,10 @@ class Window(QMainWindow):
         if not restored:
             self.resizeDocks(self._docks, list(DOCK_HEIGHTS), Qt.Orientation.Vertical)
         self._plugin_dock.setVisible(self._plugin_panel.is_filled and self.panels_shown)
-        self.welcome.setVisible(not len(self.session.document))
+        self.welcome.setVisible(not len(self.session.drawing.document))
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        if not self._closing and self.session.is_modified:
+        if not self._closing and self.session.drawing.is_modified:
             event.ignore()
             QTimer.singleShot(0, lambda: self.files.when_safe(self._close_now))
         elif self.session.files.saving:
@@ -293,7 +315,7 @@ class Window(QMainWindow):
         kept = settings()
         kept.setValue("window/geometry", self.saveGeometry())
         kept.setValue("window/state", self.saveState(LAYOUT_VERSION))
-        self._stop_replay()
+        self.replays.stop()
         self.session.cancel_all()
         self.session.files.close()
         self.canvas.viewports.release()
@@ -307,51 +329,25 @@ class Window(QMainWindow):
 
     def open(self, path: Path) -> None:
         """Open a document once unsaved work is safe."""
-        self.session.open(path)
+        self.session.files.open_safely(path)
 
     def _open_sample(self, modeler_id: str, path: Path) -> None:
-        self.session.activate_modeler(modeler_id)
-        self.session.import_file(path)
+        self.session.toolbox.take_modeler(modeler_id)
+        self.session.files.import_file(path)
 
     def _imported(self) -> None:
         """Bring what came from a file into view, once there is something to see."""
-        self.session.settled.connect(
+        self.session.solver.settled.connect(
             lambda _: self.canvas.fit(), Qt.ConnectionType.SingleShotConnection
         )
 
     def watch(self, modeler_id: str, path: Path) -> None:
-        """Play a recorded drawing, stroke by stroke, on an empty sheet."""
-        from bozzetto.exchange.import_file import read_drawing
+        """Replay a recorded drawing, stroke by stroke, on an empty sheet."""
+        self.files.when_safe(lambda: self.replays.watch(modeler_id, path))
 
-        def begin() -> None:
-            try:
-                drawing = read_drawing(path, trusted=True)  # a sample of a plugin
-            except UserError as problem:
-                self.session.complain(problem)
-                return
-            self.session.files.new()
-            self.session.activate_modeler(modeler_id)
-            if len(drawing.strokes):
-                self._play(drawing)
-            else:
-                self.session.import_file(path)
-
-        self.files.when_safe(begin)
-
-    def _play(self, drawing: Drawing) -> None:
-        self._stop_replay()
-        self.session.set_camera(drawing.camera.with_viewport(*self.session.camera.viewport))
+    def _replay_began(self) -> None:
         self.welcome.hide()
         self.canvas.show_hint("")
-        self._replay = Replay(self.session, drawing, parent=self)
-        self._replay.inked.connect(self.canvas.follow)
-        self._replay.start()
-
-    def _stop_replay(self) -> None:
-        replay, self._replay = self._replay, None
-        if replay is not None:
-            replay.stop()
-            replay.deleteLater()
 
     def offer_recovery(self) -> None:
         """Ask about drawings that a crash left behind, if there are any."""
@@ -361,28 +357,16 @@ class Window(QMainWindow):
                 from bozzetto_app.dialogs.recovery import RecoveryDialog
 
                 keeper = self.keeper
-                self._show(RecoveryDialog(crashed, keeper.recover, keeper.discard, self))
+                self.dialogs.show(RecoveryDialog(crashed, keeper.recover, keeper.discard, self))
 
         self.keeper.find_crashed(found)
         self.session.files.tidy()
 
     # -- what the commands need --
 
-    def toggle_visible(self) -> None:
-        """Show or hide the selected object."""
-        model = self.session.selected_model
-        if model is not None:
-            self.session.set_visible(model.id, not model.visible)
-
-    def toggle_locked(self) -> None:
-        """Lock or unlock the selected object."""
-        model = self.session.selected_model
-        if model is not None:
-            self.session.set_locked(model.id, not model.locked)
-
     def keep_view(self) -> None:
         """Keep the view that is shown now, with the document."""
-        self._changing.keep_view()
+        self.changing_menus.keep_view()
 
     @property
     def panels_shown(self) -> bool:
@@ -406,7 +390,7 @@ class Window(QMainWindow):
             QTimer.singleShot(0, self, self._make_room)
 
     def _show_what_guides(self) -> None:
-        """A picture came in: the modeler's own panel says what to do with it."""
+        """Show the modeler's own panel, which says what to do with a new picture."""
         if self._plugin_panel.is_filled:
             self._plugin_dock.raise_()
 
@@ -424,125 +408,39 @@ class Window(QMainWindow):
         self.set_theme(Theme.LIGHT if self.is_dark else Theme.DARK)
 
     def set_theme(self, theme: Theme) -> None:
-        """Dress the program."""
+        """Use a theme, and remember it."""
         settings().setValue(THEME, theme.value)
         self._dress(theme)
         self.canvas.set_palette(current_palette())
-        self.actions_.retint()
 
     def _dress(self, theme: Theme) -> None:
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         apply_theme(application, palette_for(theme))
 
-    # -- dialogs --
-
-    def open_palette(self) -> None:
-        """Find a command by name."""
-        from bozzetto_app.dialogs.command_palette import CommandPalette
-
-        palette = CommandPalette(
-            self.actions_,
-            self.session,
-            self,
-            recent=recent_files,
-            open_document=self.open,
-            focus_parameter=self.parameters.focus_parameter,
-        )
-        palette.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        palette.open_over(self)
-
-    def open_guide(self) -> None:
-        """Show the guide beside the sheet."""
-        from bozzetto_app.dialogs.guide import GuideDialog
-
-        self._show(GuideDialog(self))
-
-    def open_shortcuts(self) -> None:
-        """List keys and gestures."""
-        from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
-
-        self._show(ShortcutsDialog(self.actions_, self))
-
-    def open_preferences(self) -> None:
-        """Change what the program remembers."""
-        from bozzetto_app.dialogs.preferences import PreferencesDialog
-
-        dialog = PreferencesDialog(self)
-        dialog.theme_chosen.connect(self.set_theme)
-        dialog.changed.connect(self.canvas.read_settings)
-        dialog.changed.connect(self._changing.show_recent)
-        dialog.pen_tester_wanted.connect(self.open_pen_tester)
-        self._show(dialog)
-
-    def open_pen_tester(self) -> None:
-        """Try the pen."""
-        from bozzetto_app.dialogs.pen_tester import PenTester
-
-        dialog = PenTester(self)
-        dialog.finished.connect(self.canvas.read_settings)
-        self._show(dialog)
-
-    def open_plugins(self) -> None:
-        """See the plugins, switch them on and off."""
-        from bozzetto_app.dialogs.plugin_manager import PluginManager
-
-        dialog = PluginManager(self.session, self)
-        dialog.switched.connect(self._plugin_switched)
-        self._show(dialog)
-
-    def open_about(self) -> None:
-        """Say who this is."""
-        from bozzetto_app.dialogs.about import AboutDialog
-
-        self._show(AboutDialog(self.canvas.describe_viewport(), self))
-
-    def _show_details(self, notice: Notice) -> None:
-        from bozzetto_app.dialogs.fault_details import FaultDetails
-
-        self._show(FaultDetails(notice.text, notice.details, self))
-
-    def _show(self, dialog: QDialog) -> None:
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.setModal(False)
-        dialog.show()
-
     # -- small things --
 
     def _ink_began(self) -> None:
         self.welcome.hide()
         self.status.went_on()
-        self._stop_replay()
-
-    def _keep_off(self, plugin: str) -> None:
-        """A plugin that was switched off stays so at the next start."""
-        try:
-            keep_plugin_disabled(plugin, True)
-        except UserError as problem:
-            self.session.complain(problem)
-        self._plugin_switched(plugin, False)
-
-    def _plugin_switched(self, plugin: str, on: bool) -> None:
-        """What is switched off leaves the hand; its objects stay as they are."""
-        self.modelers.refresh()
-        self.actions_.refresh()
-        if not on:
-            self.session.toolbox.drop_if_gone()
-        elif self.session.modelers and not self.session.active_modeler:
-            self.session.activate_modeler(self.session.modelers[0].id)
+        self.replays.stop()
 
     def _say_what_first(self) -> None:
-        """On an empty sheet: what the modeler that was just taken wants to have drawn first."""
-        modeler = self.session.active_modeler
+        """Show on an empty sheet what the active modeler wants to have drawn first."""
+        modeler = self.session.toolbox.modeler
         if modeler == self._said_first:
             return
         self._said_first = modeler
-        drawn = len(self.session.document) or self.session.pending or self._replay is not None
+        drawn = (
+            len(self.session.drawing.document)
+            or self.session.drawing.pending
+            or self.replays.current is not None
+        )
         if modeler and not drawn:
             self.canvas.show_hint(self.session.registry.info(modeler).hint)
 
     def _show_title(self) -> None:
-        if len(self.session.document):
+        if len(self.session.drawing.document):
             self.canvas.show_hint("")
-        self.setWindowTitle(f"{self.session.title}[*] — Bozzetto")
-        self.setWindowModified(self.session.is_modified)
+        self.setWindowTitle(f"{self.session.drawing.title}[*] — Bozzetto")
+        self.setWindowModified(self.session.drawing.is_modified)

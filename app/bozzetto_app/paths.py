@@ -10,7 +10,7 @@ __all__ = ["cache_folder", "log_file", "recovery_folder", "state_folder"]
 
 
 def state_folder() -> Path:
-    """The program's own folder, made if it is missing; survives a restart of the machine."""
+    """Return the program's own folder, made if missing; it survives a restart of the machine."""
     kind = QStandardPaths.StandardLocation.AppLocalDataLocation
     folder = Path(QStandardPaths.writableLocation(kind))
     folder.mkdir(parents=True, exist_ok=True)

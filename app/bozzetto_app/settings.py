@@ -14,7 +14,7 @@ DISABLED_PLUGINS = "plugins/disabled"
 
 
 def settings() -> QSettings:
-    """The program's settings store (an INI file in the user's configuration folder)."""
+    """Return the program's settings (an INI file in the user's configuration folder)."""
     return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, ORGANISATION, PROGRAM)
 
 

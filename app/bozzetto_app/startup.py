@@ -26,7 +26,7 @@ from bozzetto_app.paths import log_file, state_folder
 from bozzetto_app.session.session import Session
 from bozzetto_app.settings import ORGANISATION, PROGRAM, disabled_plugins, settings
 from bozzetto_app.workers.gc_on_main_thread import Tidier
-from bozzetto_app.workers.main_thread import ring
+from bozzetto_app.workers.main_thread import call_on_main_thread
 
 __all__ = ["application", "start"]
 
@@ -34,12 +34,15 @@ VIEWPORT = "view/backend"
 HEAVY = ("scipy.optimize", "scipy.spatial", "scipy.sparse.linalg", "shapely", "manifold3d")
 """Imported in a thread after the first paint, so that the first stroke need not wait."""
 
+RECOVERY = "bozzetto_app.session.autosave"
+"""Imported before them: what is drawn from then on survives a crash."""
+
 LAST_MOMENT: Final = 1.0
 """How long a closed program waits for its threads at most, seconds; they stop within a tenth."""
 
 
 def application() -> QApplication:
-    """The one Qt application, dressed in the program's theme."""
+    """Return the one Qt application; make it if there is none."""
     existing = QApplication.instance()
     if isinstance(existing, QApplication):
         return existing
@@ -88,7 +91,7 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
 
 
 def _let_workers_end() -> None:
-    """Wait a moment for threads that have been told to stop.
+    """Wait a moment for threads that were asked to stop.
 
     An interpreter that is taken down under one of them crashes now and then; after the moment it
     is taken down all the same, for a hung plugin must not keep a closed program alive.
@@ -115,19 +118,22 @@ class _FirstPaint(QObject):
 
 
 def _after_first_paint(window: Window, document: Path | None, tidier: Tidier) -> None:
+    """Import in a thread what the first paint did not need, recovery first."""
+
     def import_heavy() -> None:
+        import_module(RECOVERY)
+        call_on_main_thread(window, window.offer_recovery)
         for name in HEAVY:
             import_module(name)
-        ring(tidier, tidier.settle)
+        call_on_main_thread(tidier, tidier.settle)
 
     threading.Thread(target=import_heavy, name="bozzetto-imports", daemon=True).start()
     if document is not None:
-        window.session.open(document)
-    window.offer_recovery()
+        window.session.files.open_safely(document)
 
 
 def _log_to_disk() -> TextIO:
-    """Faults go to a rotating log; crashes of native code leave a traceback beside it."""
+    """Log faults to a rotating file; crashes of native code leave a traceback beside it."""
     handler = logging.handlers.RotatingFileHandler(
         log_file(), maxBytes=1_000_000, backupCount=2, encoding="utf-8"
     )

@@ -1,18 +1,15 @@
 from __future__ import annotations
 
 import gc
-import importlib.util
+import importlib
 import os
 import sys
-from pathlib import Path
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 import pytest
 from PySide6.QtCore import QEvent, QSettings
 from PySide6.QtWidgets import QApplication
-
-_FAKE = Path(__file__).with_name("fake_session.py")
 
 
 @pytest.fixture(autouse=True)
@@ -23,21 +20,12 @@ def _settings_apart(tmp_path):
     )
 
 
-@pytest.fixture(scope="session")
-def fakes():
-    """The module with the fake session (tests are no package)."""
-    spec = importlib.util.spec_from_file_location("fake_session", _FAKE)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up there
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.fixture
-def fake_session(fakes, qapp):
+def fake_session(qapp):
     from bozzetto_app.style.icons import FOLDER
+    from tests.app.fake_session import FakeSession
 
-    return fakes.FakeSession(FOLDER)
+    return FakeSession(FOLDER)
 
 
 # -- the real session and the real window ------------------------------------------------------
@@ -143,9 +131,9 @@ def make_session(qtbot, settle, _tidy):
     def make(draw_with="bozzetto.silhouette", extra=()):
         session = Session(Registry(extra=extra))
         session.heard = []
-        session.noticed.connect(session.heard.append)
-        session.camera = session.camera.with_viewport(987.0, 727.0)
-        session.activate_modeler(draw_with)
+        session.notices.noticed.connect(session.heard.append)
+        session.view.camera = session.view.camera.with_viewport(987.0, 727.0)
+        session.toolbox.take_modeler(draw_with)
         settle(session)
         made.append(session)
         return session
@@ -169,8 +157,8 @@ def make_window(qtbot, tmp_path, settle, _tidy):
     def make(draw_with="bozzetto.silhouette", extra=(), recovery=None):
         session = Session(Registry(extra=extra))
         session.heard = []
-        session.noticed.connect(session.heard.append)
-        session.activate_modeler(draw_with)
+        session.notices.noticed.connect(session.heard.append)
+        session.toolbox.take_modeler(draw_with)
         window = Window(session, recovery or tmp_path / "recovery")
         window.canvas.motion.reduced = True
         window.resize(1280, 800)

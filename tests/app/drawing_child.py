@@ -34,15 +34,17 @@ def main(recovery: str) -> int:
         nonlocal count
         across, down = 400.0 + 90 * (count % 5), 200.0 + 90 * (count // 5 % 4)
         share = 0.7 if count % 4 == 3 else 1.0  # every fourth one waits until the next begins
-        if session.pending:
-            session.commit_pending()
+        if session.drawing.pending:
+            session.gestures.commit()
         if count % 20 == 0:
-            session.commit_pending()
+            session.gestures.commit()
         stylus.draw(circle(across, down, 30.0, samples=40, share=share))
         count += 1
         print(count, flush=True)
 
-    session.noticed.connect(lambda said: said.kind == "error" and print(said.text, flush=True))
+    session.notices.noticed.connect(
+        lambda said: said.kind == "error" and print(said.text, flush=True)
+    )
     timer = QTimer(interval=PACE)
     timer.timeout.connect(draw)
 

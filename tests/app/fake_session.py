@@ -1,4 +1,4 @@
-"""A session without plugins, threads or files: it only notes what it is asked to do."""
+"""Sessions without plugins, threads or files: they only note what they are asked to do."""
 
 from __future__ import annotations
 
@@ -10,30 +10,23 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Document, Model, Underlay
-from bozzetto.parameters import Parameter, parameter_fields, set_parameters
+from bozzetto.parameters import Parameter, set_parameters
 from bozzetto.plugin.host.registry import ModelerInfo, PluginInfo
 from bozzetto.plugin.part_tree import PartTree
+from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
+from bozzetto_app.session import toolbox
+from bozzetto_app.session.notices import Notice
+from bozzetto_app.session.object_edits import fields_of
+from bozzetto_app.session.view_state import ViewState
+
+__all__ = ["EmptySession", "FakeSession", "Notice", "ToolInfo", "horse_parts"]
 
 
-@dataclass(frozen=True)
-class Notice:
-    kind: str
-    text: str
-    places: tuple = ()
-    plugin: str = ""
-    details: str = ""
-
-
-@dataclass(frozen=True)
-class ToolInfo:
-    id: str
-    title: str
-    icon: Path | None
-    hint: str
-    gesture: str = "ink"
-    tells_next: bool = False
-    aims: bool = False
+def ToolInfo(
+    id: str, title: str, icon: Path | None, hint: str, gesture: Any = "ink", **more: Any
+) -> toolbox.ToolInfo:
+    return toolbox.ToolInfo(id, title, icon, hint, gesture, **more)
 
 
 @dataclass(frozen=True)
@@ -150,7 +143,7 @@ def _picture(seed: int) -> np.ndarray:
 
 @dataclass
 class _Calls:
-    """What the session was asked to do: (name, arguments, keywords)."""
+    """What a session was asked to do: (part.method, arguments, keywords)."""
 
     made: list[tuple[str, tuple, dict]] = field(default_factory=list)
 
@@ -158,60 +151,241 @@ class _Calls:
         return [(args, kwargs) for called, args, kwargs in self.made if called == name]
 
 
-RECORDED = frozenset(
-    "tell undo redo go_to select activate_modeler activate_tool end_drag rename set_visible "
-    "set_locked set_color delete duplicate move_to set_underlay_opacity set_underlay_visible "
-    "select_part rename_part set_part_visible delete_part duplicate_part move_part group_parts "
-    "ungroup_part delete_several delete_underlay cancel_work commit_pending clear_pending "
-    "open import_file set_shading".split()
-)
+class Part(QObject):
+    """A part of a session; every call of `recorded` is noted."""
+
+    recorded = ""
+
+    def __init__(self, calls: _Calls, **state: Any) -> None:
+        super().__init__()
+        self._calls = calls
+        vars(self).update(state)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in type(self).recorded.split():
+            raise AttributeError(name)
+
+        def call(*args: object, **kwargs: object) -> None:
+            self._calls.made.append((f"{type(self).__name__.lower()}.{name}", args, kwargs))
+
+        return call
 
 
-class FakeUsing:
-    """Two modelers take shapes; what they are given is noted."""
-
-    def __init__(self, icons: Path, calls: _Calls) -> None:
-        self.calls = calls
-        self.takers = tuple(
-            ModelerInfo(f"bozzetto.{name.lower()}", name, "", "", icons, icons)
-            for name in ("Mesh", "Symmetry")
-        )
-
-    def use(self, *args: object) -> None:
-        self.calls.made.append(("use", args, {}))
+class Drawing(Part):
+    changed = Signal()
+    waiting_changed = Signal()
+    opened = Signal()
+    models_changed = Signal()
+    recorded = "undo redo go_to"
 
 
-class FakeSession(QObject):
-    document_changed = Signal()
-    selection_changed = Signal()
+class Selection(Part):
+    changed = Signal()
+    recorded = "select"
+
+    @property
+    def model(self) -> Model | None:
+        found = getattr(self.drawing, "document", ())
+        return next((model for model in found if model.id == self.id), None)
+
+
+class Toolbox(Part):
     modeler_changed = Signal()
     tool_changed = Signal()
-    parameters_changed = Signal()
-    scene_changed = Signal()
+    recorded = "take_modeler take_tool"
+
+    @property
+    def active(self) -> Any:
+        return next((tool for tool in self.tools if tool.id == self.tool), None)
+
+
+class DisplayedScene(Part):
+    changed = Signal()
     live_changed = Signal()
-    pending_changed = Signal()
-    camera_changed = Signal()
-    view_style_changed = Signal()
+
+    def show(self, scene: Scene) -> None:
+        self.visible = scene
+        self.changed.emit()
+
+
+class Advice(Part):
+    """What a modeler says of the view: whatever a test wants."""
+
+    changed = Signal()
+
+    def holds_eye(self, camera: Camera) -> bool:
+        return self.advice is not None and self.advice.pinned
+
+    def say(self, advice: Any) -> None:
+        self.advice = advice
+        self.changed.emit()
+
+
+class Solver(Part):
+    settled = Signal(str)
+    report_changed = Signal()
+
+    def expect_paint(self, paints: bool) -> None:
+        pass
+
+    def frame_painted(self) -> None:
+        pass
+
+
+class Notices(Part):
     noticed = Signal(object)
+    recorded = "tell complain"
+
+
+class Pictures(Part):
+    taken = Signal(str)
+    recorded = "take_file take_image"
+
+
+class Gestures(Part):
+    recorded = (
+        "stroke_moved stroke_lifted cancel commit clear drop_last explain tap tap_moved "
+        "handle_moved handle_released"
+    )
+
+
+class Files(Part):
+    recorded = "open open_safely import_file"
+
+
+class Shapes(Part):
+    """Two modelers take shapes."""
+
+    recorded = "use"
+
+
+class Objects(Part):
+    recorded = (
+        "end_drag rename set_visible set_locked set_color delete duplicate move_to "
+        "set_underlay_opacity set_underlay_visible delete_underlay"
+    )
+
+    @property
+    def parameters(self) -> tuple:
+        return fields_of(self.session.state) if self.session.selection.id is not None else ()
+
+    def set_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
+        self._calls.made.append(("objects.set_parameter", (name, value), {"dragging": dragging}))
+        self.session.state = set_parameters(self.session.state, {name: value})
+        self.session.selection.changed.emit()
+
+
+class Parts(Part):
+    recorded = "select rename set_visible delete duplicate move group ungroup delete_several"
+
+    def of(self, model_id: str) -> PartTree | None:
+        return self.session.trees.get(model_id)
+
+    @property
+    def chosen(self) -> Any:
+        tree = self.session.trees.get(self.session.selection.id or "")
+        return tree.part(tree.selected) if tree is not None and tree.selected else None
+
+    @property
+    def parameters(self) -> tuple:
+        return fields_of(self.chosen)
+
+    def set_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
+        self._calls.made.append(("parts.set_parameter", (name, value), {"dragging": dragging}))
+        chosen, trees = self.session.selection.id, self.session.trees
+        trees[chosen] = trees[chosen].valued(trees[chosen].selected, {name: value})
+        self.session.selection.changed.emit()
+
+
+PARTS = {
+    "drawing": Drawing,
+    "selection": Selection,
+    "toolbox": Toolbox,
+    "scene": DisplayedScene,
+    "advice": Advice,
+    "solver": Solver,
+    "notices": Notices,
+    "pictures": Pictures,
+    "gestures": Gestures,
+    "files": Files,
+    "shapes": Shapes,
+    "objects": Objects,
+    "parts": Parts,
+}
+"""By the names that they have in a session."""
+
+
+class EmptySession(QObject):
+    """A session with nothing on its sheet, and three tools without a modeler."""
+
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
-    report_changed = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.calls = calls = _Calls()
+        self.view = ViewState()
+        self.view.camera = Camera()
+        self.view.show_grid = False
+        self.drawing = Drawing(
+            calls, document=Document(), pending=(), marked_ink=(), is_dragging=False
+        )
+        self.selection = Selection(calls, drawing=self.drawing, id=None)
+        self.toolbox = Toolbox(
+            calls,
+            modeler="",
+            tool="draw",
+            tools=tuple(
+                ToolInfo(id, id, None, "", gesture)
+                for id, gesture in (("draw", "ink"), ("mark", "tap"), ("edit", "drag"))
+            ),
+        )
+        self.scene = DisplayedScene(calls, visible=Scene(), live=Scene(), advice=Scene())
+        self.advice = Advice(calls, advice=None, about=None)
+        self.solver = Solver(calls, report={})
+        self.notices = Notices(calls, hint="")
+        self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
+
+    def cancel_work(self) -> None:
+        self.calls.made.append(("cancel_work", (), {}))
+
+    def escape(self) -> bool:
+        self.calls.made.append(("escape", (), {}))
+        return bool(self.drawing.pending)
+
+    def first(self, name: str) -> list[Any]:
+        """The first arguments of all calls of a method."""
+        return [args[0] for args, _ in self.calls.named(name)]
+
+    @property
+    def strokes(self) -> list[Any]:
+        return self.first("gestures.stroke_lifted")
+
+
+class FakeSession(EmptySession):
+    """A session with four objects, two underlays and five modelers."""
 
     def __init__(self, icons: Path) -> None:
         super().__init__()
-        self.calls = _Calls()
-        self.using = FakeUsing(icons, self.calls)
+        calls = self.calls
         self.state = State()
-        self.history = FakeHistory()
+        self.trees: dict[str, PartTree] = {}
+        """Parts by the id of their model; all of one kind of `Piece`."""
         self.registry = FakeRegistry()
-        self.camera = Camera()
-        self.pending: tuple = ()
-        self.marked_ink: tuple = ()
-        self.path: Path | None = None
-        self.title = "Horse"
-        self.hint = "Draw a closed outline."
+        self.objects = Objects(calls, session=self)
+        self.parts = Parts(calls, session=self)
+        self.shapes = Shapes(
+            calls,
+            takers=tuple(
+                ModelerInfo(f"bozzetto.{name.lower()}", name, "", "", icons, icons)
+                for name in ("Mesh", "Symmetry")
+            ),
+        )
         edges = ((0.0, 0.0, 0.0), (80.0, 0.0, 0.0), (0.0, 0.0, -60.0))
-        self.document = Document(
+        self.drawing.history = FakeHistory()
+        self.drawing.path, self.drawing.title = None, "Horse"
+        self.notices.hint = "Draw a closed outline."
+        self.drawing.document = Document(
             models=(
                 Model("m1", "Horse", "bozzetto.silhouette", State()),
                 Model("m2", "Saddle", "bozzetto.silhouette", State(), color=(0x9C, 0x5B, 0x3C)),
@@ -223,10 +397,8 @@ class FakeSession(QObject):
                 Underlay("u2", "Front.png", _picture(2), *edges, opacity=0.3, visible=False),
             ),
         )
-        self.selected: str | None = "m1"
-        self.trees: dict[str, PartTree] = {}
-        """Parts by the id of their model; all of one kind of `Piece`."""
-        self.modelers = tuple(
+        self.selection.id = "m1"
+        self.toolbox.modelers = tuple(
             ModelerInfo(
                 f"bozzetto.{name.lower()}",
                 name,
@@ -245,15 +417,15 @@ class FakeSession(QObject):
                 ("Polyhedron", "perspective", ()),
             )
         )
-        self.active_modeler = "bozzetto.silhouette"
-        self.tools = (
+        self.toolbox.modeler = "bozzetto.silhouette"
+        self.toolbox.tools = (
             ToolInfo("outline", "Outline", icons / "drawing.svg", "Draw a closed outline."),
             ToolInfo("skeleton", "Skeleton", icons / "curvature.svg", "Draw the spine."),
             ToolInfo("cut", "Cut", None, "Draw across the shape to cut it."),
             ToolInfo("erase", "Erase", icons / "eraser.svg", "Draw over what is to go."),
         )
-        self.active_tool = "outline"
-        self.report: dict[str, Any] = {
+        self.toolbox.tool = "outline"
+        self.solver.report = {
             "watertight": True,
             "volume_mm3": 48213.52,
             "outline_deviation_px": 0.41,
@@ -262,44 +434,3 @@ class FakeSession(QObject):
                 {"name": "Ear", "genus": 1, "closed": False},
             ],
         }
-
-    @property
-    def parameters(self) -> tuple:
-        if self.selected is None:
-            return ()
-        return tuple((f, getattr(self.state, f.name)) for f in parameter_fields(State))
-
-    def parts_of(self, model_id: str) -> PartTree | None:
-        return self.trees.get(model_id)
-
-    @property
-    def chosen_part(self) -> Any:
-        tree = self.trees.get(self.selected or "")
-        return tree.part(tree.selected) if tree is not None and tree.selected else None
-
-    @property
-    def part_parameters(self) -> tuple:
-        part = self.chosen_part
-        if part is None:
-            return ()
-        return tuple((f, getattr(part, f.name)) for f in parameter_fields(type(part)))
-
-    def set_part_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
-        self.calls.made.append(("set_part_parameter", (name, value), {"dragging": dragging}))
-        tree = self.trees[self.selected]
-        self.trees[self.selected] = tree.valued(tree.selected, {name: value})
-        self.parameters_changed.emit()
-
-    def set_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
-        self.calls.made.append(("set_parameter", (name, value), {"dragging": dragging}))
-        self.state = set_parameters(self.state, {name: value})
-        self.parameters_changed.emit()
-
-    def __getattr__(self, name: str) -> Any:
-        if name not in RECORDED:
-            raise AttributeError(name)
-
-        def call(*args: object, **kwargs: object) -> None:
-            self.calls.made.append((name, args, kwargs))
-
-        return call

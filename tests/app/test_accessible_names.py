@@ -46,7 +46,7 @@ def make(name, session, window):
     registry = ActionRegistry(window)
     registry.register(Action("file.save", "Save", print, "save", ("Ctrl+S",), ("File",)))
     crash = CrashedSession("a", "Horse", None, 0.0, time.time())
-    session.pending = (object(),)
+    session.drawing.pending = (object(),)
     swatch = Swatch(window)
     return {
         "history": lambda: HistoryPanel(session),

@@ -19,7 +19,7 @@ def window(make_window, settle):
     settle(made.session, made.keeper)
     made.welcome.hide()
     drop(made, GALLERY / "sedan.json", settle)
-    made.session.select(next(iter(made.session.document)).id)
+    made.session.selection.select(next(iter(made.session.drawing.document)).id)
     rest(made, settle)
     return made
 
@@ -35,10 +35,10 @@ def seen_from(window, azimuth, settle):
     turn = np.radians(azimuth)
     toward = np.array([-np.cos(turn), np.sin(turn), 0.2])
     eye = np.array([2300.0, 0.0, 700.0]) + 9000.0 * toward
-    session.set_camera(
+    session.view.set_camera(
         Camera(
             "perspective", tuple(eye.tolist()), (2300.0, 0.0, 700.0), fov_y=26.0,
-            viewport=session.camera.viewport,
+            viewport=session.view.camera.viewport,
         )
     )  # fmt: skip
     rest(window, settle)
@@ -50,21 +50,21 @@ def handle(window, name):
         item for item in shown_now(window, "handles")
         if isinstance(item, Handle) and item.id == name
     )  # fmt: skip
-    return window.session.camera.project([found.point])[0][0]
+    return window.session.view.camera.project([found.point])[0][0]
 
 
 def shown_now(window, name):
     session = window.session
-    scene = session.scene.under(session.advising.scene)
+    scene = session.scene.visible.under(session.scene.advice)
     return [i for layer in scene.layers if layer.name == name for i in layer.items]
 
 
 def test_nodes_and_tangents_are_dragged_with_the_pen(window, settle):
     session = window.session
     seen_from(window, 60.0, settle)
-    session.activate_tool("shape")
+    session.toolbox.take_tool("shape")
     rest(window, settle)
-    steps = session.history.position
+    steps = session.drawing.history.position
 
     # A touch reveals the tangents of a node; it is no step of the history.
     place = handle(window, "node S3.R")
@@ -73,7 +73,7 @@ def test_nodes_and_tangents_are_dragged_with_the_pen(window, settle):
     stylus.lift(place)
     rest(window, settle)
     assert state(window).revealed == "S3.R"
-    assert session.history.position == steps
+    assert session.drawing.history.position == steps
     tangents = [
         i.id for i in shown_now(window, "handles") if isinstance(i, Handle) and "tangent" in i.id
     ]
@@ -101,7 +101,7 @@ def test_nodes_and_tangents_are_dragged_with_the_pen(window, settle):
     rest(window, settle)
     assert len(state(window).edits) == edits + 2
     assert handle(window, "node S3.R") == pytest.approx(start + np.array([14.0, 9.0]), abs=1.5)
-    session.undo()
+    session.drawing.undo()
     rest(window, settle)
     assert len(state(window).edits) == edits + 1
 
@@ -109,7 +109,7 @@ def test_nodes_and_tangents_are_dragged_with_the_pen(window, settle):
 def test_an_edge_is_traced_and_the_eraser_takes_it_back(window, settle):
     session = window.session
     seen_from(window, 60.0, settle)
-    session.activate_tool("trace")
+    session.toolbox.take_tool("trace")
     rest(window, settle)
     edits = len(state(window).edits)
     body = body_of(state(window))
@@ -117,7 +117,7 @@ def test_an_edge_is_traced_and_the_eraser_takes_it_back(window, settle):
     points = body.network.control_points[edge]
     at = np.linspace(0.0, 1.0, 40)[:, None]
     chord = (1 - at) * points[0] + at * points[3]
-    path = session.camera.project(chord)[0] + 18.0 * np.sin(np.pi * at) * [1.0, 0.0]
+    path = session.view.camera.project(chord)[0] + 18.0 * np.sin(np.pi * at) * [1.0, 0.0]
     Stylus(window.canvas).draw(path)
     rest(window, settle)
     made = state(window).edits
@@ -125,7 +125,9 @@ def test_an_edge_is_traced_and_the_eraser_takes_it_back(window, settle):
     assert made[-1].edges == ("S3.R-B3.R",)
     assert made[-1].sketch == ""
     after = body_of(state(window)).network.control_points[edge]
-    middle = session.camera.project([(after[0] + 3 * after[1] + 3 * after[2] + after[3]) / 8])[0]
+    middle = session.view.camera.project([(after[0] + 3 * after[1] + 3 * after[2] + after[3]) / 8])[
+        0
+    ]
     assert np.linalg.norm(path - middle, axis=1).min() < 3.0
     Stylus(window.canvas, eraser=True).draw(path)
     rest(window, settle)

@@ -44,11 +44,11 @@ def drop(window, path, settle):
 
 
 def state(window):
-    return window.session.selected_model.state
+    return window.session.selection.model.state
 
 
 def shown(window, name):
-    scene = window.session.scene.under(window.session.live_scene)
+    scene = window.session.scene.visible.under(window.session.scene.live)
     return [i for layer in scene.layers if layer.name == name for i in layer.items]
 
 
@@ -56,7 +56,7 @@ def corners(window):
     """The picture's corners on the canvas."""
     (image,) = [i for i in shown(window, "sketch") if isinstance(i, Image)]
     corner, across, down = (np.array(v) for v in (image.corner, image.across, image.down))
-    return window.session.camera.project(
+    return window.session.view.camera.project(
         [corner, corner + across, corner + down, corner + across + down]
     )[0]
 
@@ -67,7 +67,7 @@ def on_canvas(window, pixel):
     sketch = state(window).sketch
     corner, across, down = (np.array(v) for v in (image.corner, image.across, image.down))
     place = corner + pixel[0] / sketch.width * across + pixel[1] / sketch.height * down
-    return window.session.camera.project([place])[0][0]
+    return window.session.view.camera.project([place])[0][0]
 
 
 def tap(window, place, settle):
@@ -104,10 +104,10 @@ def test_a_sketch_is_dropped_marked_and_becomes_a_car(window, settle, qtbot):
     drop(window, picture_of(FIRST), settle)
     # It is in view, pinned, and the guide asks for the first point.
     seen = corners(window)
-    assert ((seen >= -1.0) & (seen <= np.array(session.camera.viewport) + 1.0)).all()
-    assert session.advising.advice.pinned
-    assert "front wheel" in session.hint
-    assert session.active_tool == "mark"
+    assert ((seen >= -1.0) & (seen <= np.array(session.view.camera.viewport) + 1.0)).all()
+    assert session.advice.advice.pinned
+    assert "front wheel" in session.notices.hint
+    assert session.toolbox.tool == "mark"
     qtbot.waitUntil(lambda: guide(window) is not None and not guide(window).busy, timeout=20_000)
     assert guide(window).title.text() == "Front wheel, near side"
     assert guide(window).isVisible()
@@ -121,38 +121,38 @@ def test_a_sketch_is_dropped_marked_and_becomes_a_car(window, settle, qtbot):
     assert state(window).sketch.shows == side
 
     # Six marks more; with the sixth the camera is known and the view goes along.
-    before = session.camera
+    before = session.view.camera
     for node in near_first(marks)[:6]:
         mark(window, node, marks[node], settle)
     placed = {m.node: (m.u, m.v) for m in state(window).sketch.marks}
     assert len(placed) == 8
     for node, place in placed.items():
         assert place == pytest.approx(marks[node], abs=0.75), "within a canvas pixel"
-    assert session.camera.kind == "perspective" != before.kind
-    assert session.advising.advice.pinned
-    assert not session.advising.advice.follow
+    assert session.view.camera.kind == "perspective" != before.kind
+    assert session.advice.advice.pinned
+    assert not session.advice.advice.follow
     assert ((corners(window) > -80.0) & (corners(window) < 980.0)).all(), "the same window of it"
     assert shown(window, "network")
     (thin,) = shown(window, "body")
     assert thin.opacity < 0.5, "the drawing shows through"
 
     # The next point is expected near where it is.
-    asked = session.hint
+    asked = session.notices.hint
     (label,) = [i for i in shown(window, "marks") if isinstance(i, Label)]
     assert label.text
     assert asked.startswith("Touch")
     assert any(isinstance(i, Lines) for i in shown(window, "marks"))
-    rows = session.report["views"][0]
+    rows = session.solver.report["views"][0]
     assert rows["solved"]
     assert max(rows["residual_px"].values()) < 15.0
 
     # Undo takes the last mark back, and the view is still through the sketch.
-    session.undo()
+    session.drawing.undo()
     settle(session, window.keeper)
     settle(session, window.keeper)
     assert len(state(window).sketch.marks) == 7
-    assert session.advising.advice.pinned
-    assert not session.advising.advice.follow
+    assert session.advice.advice.pinned
+    assert not session.advice.advice.follow
     canvas.grab()
 
 
@@ -160,17 +160,17 @@ def test_a_sketch_is_dropped_marked_and_becomes_a_car(window, settle, qtbot):
 def test_a_mark_is_dragged_and_the_car_goes_along(window, settle, qtbot):
     session = window.session
     drop(window, GALLERY / "sedan.json", settle)
-    session.select(next(iter(session.document)).id)
+    session.selection.select(next(iter(session.drawing.document)).id)
     settle(session, window.keeper)
     window.canvas.turn_to_better()
     settle(session, window.keeper)
     settle(session, window.keeper)
-    assert session.active_tool == "mark"
-    assert session.advising.advice.pinned
+    assert session.toolbox.tool == "mark"
+    assert session.advice.advice.pinned
     sketch = state(window).sketch
     old = next(m for m in sketch.marks if m.node == "C3")
     start = on_canvas(window, (old.u, old.v))
-    steps = session.history.position
+    steps = session.drawing.history.position
     stylus = Stylus(window.canvas)
     stylus.press(start)
     for part in np.linspace(0.2, 1.0, 4):
@@ -179,7 +179,7 @@ def test_a_mark_is_dragged_and_the_car_goes_along(window, settle, qtbot):
     assert not shown(window, "body")
     assert not shown(window, "network")
     assert any(isinstance(i, Label) for i in shown(window, "marks"))
-    held = session.camera
+    held = session.view.camera
     stylus.lift(start + np.array([0.0, -12.0]))
     settle(session, window.keeper)
     settle(session, window.keeper)
@@ -188,11 +188,11 @@ def test_a_mark_is_dragged_and_the_car_goes_along(window, settle, qtbot):
     assert new.u == pytest.approx(old.u, abs=1.0)
     assert not shown(window, "car")
     assert shown(window, "network")
-    assert session.camera != held, "it went along"
-    assert session.advising.advice.pinned
+    assert session.view.camera != held, "it went along"
+    assert session.advice.advice.pinned
     handles = [i for i in shown(window, "marks") if isinstance(i, Handle)]
     assert len(handles) == len(sketch.marks)
-    assert session.history.position == steps + 1
+    assert session.drawing.history.position == steps + 1
 
     # A tap on it sets the point that is asked for, in the same place.
     now = state(window).sketch.marks
@@ -221,8 +221,8 @@ def test_a_second_sketch_comes_into_view(window, settle):
     assert [sketch.name for sketch in state(window).sketches] == ["Sketch 1", "Sketch 2"]
     assert state(window).sketch.name == "Sketch 2"
     seen = corners(window)
-    assert ((seen >= -1.0) & (seen <= np.array(session.camera.viewport) + 1.0)).all()
-    assert session.advising.advice.pinned
+    assert ((seen >= -1.0) & (seen <= np.array(session.view.camera.viewport) + 1.0)).all()
+    assert session.advice.advice.pinned
 
 
 @pytest.mark.parametrize("shading", ["shaded", "zebra"])
@@ -238,13 +238,13 @@ def test_a_second_sketch_of_a_finished_car_takes_marks_at_once(
     picture = picture_of(FIRST)
     (tmp_path / picture.name).write_bytes(picture.read_bytes())
     drop(window, tmp_path / "one.json", settle)
-    assert session.report["views"][0]["solved"]
-    session.set_parameter("shading", shading)
-    session.activate_tool("style")
+    assert session.solver.report["views"][0]["solved"]
+    session.objects.set_parameter("shading", shading)
+    session.toolbox.take_tool("style")
     window._docks[1].raise_()
     settle(session, window.keeper)
     drop(window, picture_of(SECOND), settle)
-    assert session.active_tool == "mark"
+    assert session.toolbox.tool == "mark"
     qtbot.waitUntil(lambda: guide(window).isVisible(), timeout=5_000)
     (body,) = shown(window, "body")
     assert body.opacity < 0.5, "the drawing shows through"
@@ -257,10 +257,10 @@ def test_keys_pass_points_over(window, settle):
     drop(window, picture_of(FIRST), settle)
     window.activateWindow()
     window.canvas.setFocus()
-    first = session.hint
+    first = session.notices.hint
     QTest.keyClick(window.canvas, Qt.Key.Key_S)
     settle(session, window.keeper)
-    assert session.hint != first
+    assert session.notices.hint != first
     QTest.keyClick(window.canvas, Qt.Key.Key_N)
     settle(session, window.keeper)
     assert len(state(window).sketch.skipped) == 1

@@ -1,33 +1,35 @@
-"""The fake session promises nothing that the real one does not have."""
+"""The fake sessions promise nothing that the real one does not have."""
 
 from __future__ import annotations
 
 import inspect
 
-from bozzetto_app.session.session import Notice, Session, ToolInfo
+import pytest
+from PySide6.QtCore import Signal
+
+from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.session.session import Session
+from tests.app.fake_session import PARTS
 
 
-def test_what_panels_may_call_is_there(fakes):
-    missing = {name for name in fakes.RECORDED if not callable(getattr(Session, name, None))}
-    assert missing == set()
+@pytest.fixture
+def real(qapp, _tidy):
+    session = Session(Registry(no_plugins=True))
+    yield session
+    session.cancel_all()
 
 
-def test_arguments_agree():
-    for name, keywords in (
-        ("set_parameter", {"dragging"}),
-        ("set_underlay_opacity", {"dragging"}),
-        ("set_part_parameter", {"dragging"}),
-    ):
-        assert keywords <= set(inspect.signature(getattr(Session, name)).parameters), name
+@pytest.mark.parametrize("name", PARTS)
+def test_what_widgets_call_and_listen_to_is_there(real, name):
+    part, fake = getattr(real, name), PARTS[name]
+    own = {key for key, kind in vars(fake).items() if isinstance(kind, Signal)}
+    assert all(hasattr(part, key) for key in own)
+    assert all(callable(getattr(part, key, None)) for key in fake.recorded.split())
 
 
-def test_signals_agree(fakes):
-    from PySide6.QtCore import Signal
-
-    fake = {name for name, kind in vars(fakes.FakeSession).items() if isinstance(kind, Signal)}
-    assert fake <= {name for name in dir(Session) if isinstance(getattr(Session, name), Signal)}
-
-
-def test_records_agree(fakes):
-    for fake, real in ((fakes.Notice, Notice), (fakes.ToolInfo, ToolInfo)):
-        assert set(fake.__dataclass_fields__) == set(real.__dataclass_fields__)
+@pytest.mark.parametrize(
+    ("part", "name"),
+    [("objects", "set_parameter"), ("objects", "set_underlay_opacity"), ("parts", "set_parameter")],
+)
+def test_arguments_agree(real, part, name):
+    assert "dragging" in inspect.signature(getattr(getattr(real, part), name)).parameters

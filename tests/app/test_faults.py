@@ -17,6 +17,7 @@ from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Strokes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.scene import Layer, Lines, Scene, Shaded
+from tests.app.seen import part
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER, PLUGIN, UNLUCKY, BoxesState, box
 from tests.app.yardstick import Yardstick
@@ -144,7 +145,7 @@ def faults(session):
 
 
 def draw(session, settle, **more):
-    session.pen_lifted(stroke_of(circle(**more), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
     settle(session)
 
 
@@ -158,9 +159,9 @@ def session(make_session, boxes, settle):
         if notice.kind == "slow" and notice.plugin == PLUGIN:
             made.cancel_work()
 
-    made.noticed.connect(stop_what_hangs)
+    made.notices.noticed.connect(stop_what_hangs)
     draw(made, settle)
-    assert len(made.document) == 1
+    assert len(made.drawing.document) == 1
     made.heard.clear()
     return made
 
@@ -168,24 +169,24 @@ def session(make_session, boxes, settle):
 def reach(session, boxes, what, tmp_path, settle):
     """Make the session call one of the modeler's functions."""
     if what == "tools":
-        session.activate_modeler("bozzetto.silhouette")
-        session.activate_modeler(MODELER)
+        session.toolbox.take_modeler("bozzetto.silhouette")
+        session.toolbox.take_modeler(MODELER)
     elif what in ("preview", "apply"):
-        points = stroke_of(circle(radius=70), session.camera)
-        session.pen_moved(points)
+        points = stroke_of(circle(radius=70), session.view.camera)
+        session.gestures.stroke_moved(points)
         settle(session)
-        session.pen_lifted(points)
+        session.gestures.stroke_lifted(points)
     elif what == "create":
-        session.select(None)
-        session.pen_lifted(stroke_of(circle(), session.camera))
+        session.selection.select(None)
+        session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
     elif what in ("solve", "scene", "report"):
-        session.set_parameter("size", 21.0)
+        session.objects.set_parameter("size", 21.0)
     elif what == "shapes":
         session.files.export(tmp_path / "out.stl")
     elif what == "read_drawing":
-        ink = Strokes((stroke_of(circle(), session.camera),))
-        write_drawing(Drawing(ink, session.camera), tmp_path / "ink.json")
-        session.import_file(tmp_path / "ink.json")
+        ink = Strokes((stroke_of(circle(), session.view.camera),))
+        write_drawing(Drawing(ink, session.view.camera), tmp_path / "ink.json")
+        session.files.import_file(tmp_path / "ink.json")
     settle(session)
 
 
@@ -207,7 +208,7 @@ DOORS = (
 def test_a_misdeed_is_told_and_nothing_else_changes(
     what, misdeed, session, boxes, settle, tmp_path, caplog
 ):
-    heart, before = Heart(), session.document
+    heart, before = Heart(), session.drawing.document
     boxes.misdeeds[what] = MISDEEDS.get(misdeed, lambda *_: GARBAGE[what])
     with caplog.at_level(logging.ERROR, "bozzetto.plugin"), Yardstick() as machine:
         reach(session, boxes, what, tmp_path, settle)
@@ -222,69 +223,69 @@ def test_a_misdeed_is_told_and_nothing_else_changes(
         # A window that waited for the plugin would stand still for as long as that may hang.
         assert heart.longest < max(0.9 * LIMIT, 3.0 * machine.longest)
     # The one good box is as it was, whatever may have been drawn after it.
-    first, was = session.document.models[0], before.models[0]
+    first, was = session.drawing.document.models[0], before.models[0]
     if what in ("solve", "scene", "report"):
         assert first.state.size == 21.0
         assert first.state.strokes is was.state.strokes
     elif what in ("preview",):
         assert len(first.state.strokes) == 2  # one bad preview does not cost the stroke
     else:
-        assert session.document.models is before.models
+        assert session.drawing.document.models is before.models
     assert isinstance(was.state, BoxesState)
     assert was.state.table == ()
     # Ink that it did not take waits, and says why.
     stopped = misdeed in ("hangs", "sleeps")
-    assert len(session.pending) == (what in ("apply", "create"))
-    assert all(one.status == "failed" for one in session.marked_ink)
-    assert all(stopped or PLUGIN in one.reason for one in session.marked_ink)
-    assert len(session.marked_ink) == len(session.pending)
-    session.clear_pending()
+    assert len(session.drawing.pending) == (what in ("apply", "create"))
+    assert all(one.status == "failed" for one in session.drawing.marked_ink)
+    assert all(stopped or PLUGIN in one.reason for one in session.drawing.marked_ink)
+    assert len(session.drawing.marked_ink) == len(session.drawing.pending)
+    session.gestures.clear()
     assert not (tmp_path / "out.stl").exists()
     # The next stroke works: with this modeler if it has come to its senses, else another.
     del boxes.misdeeds[what]
     let_go.set()
-    session.showing._channel.time_limit = 60.0
-    session.activate_modeler("bozzetto.silhouette")
+    session.solver._channel.time_limit = 60.0
+    session.toolbox.take_modeler("bozzetto.silhouette")
     settle(session)
-    count = len(session.document)
+    count = len(session.drawing.document)
     draw(session, settle, radius=150)
-    assert len(session.document) == count + 1, [n.text for n in session.heard]
-    assert session.report["parts"][0]["watertight"]
+    assert len(session.drawing.document) == count + 1, [n.text for n in session.heard]
+    assert session.solver.report["parts"][0]["watertight"]
 
 
 def test_three_faults_switch_a_plugin_off_and_its_model_stays(session, boxes, settle):
     for number, size in enumerate((20.0, 30.0, 40.0, 50.0), 1):
         boxes.misdeeds["solve"] = raises
-        session.set_parameter("size", size)
+        session.objects.set_parameter("size", size)
         settle(session)
         assert len(faults(session)) == min(number, 3)
     assert session.registry.guard.is_off(PLUGIN)
     assert boxes.calls["solve"] == 2 + 3
-    assert session.document.models[0].state.size == 40.0  # the fourth was refused
+    assert session.drawing.document.models[0].state.size == 40.0  # the fourth was refused
     off = [notice for notice in session.heard if notice.kind == "error"]
     assert "switched off" in off[-1].text
     assert session.registry.plugins()
-    session.undo()
+    session.drawing.undo()
     settle(session)
-    assert session.document.models[0].state.size == 30.0
+    assert session.drawing.document.models[0].state.size == 30.0
 
 
 def test_a_state_that_fails_over_its_own_values_is_a_fault(session):
-    before = session.document
-    session.set_parameter("size", UNLUCKY)
-    assert session.document is before
+    before = session.drawing.document
+    session.objects.set_parameter("size", UNLUCKY)
+    assert session.drawing.document is before
     assert [notice.plugin for notice in faults(session)] == [PLUGIN]
 
 
 def test_a_preview_that_fails_is_not_asked_again_in_this_session(session, boxes, settle):
     boxes.misdeeds["preview"] = raises
     for _ in range(4):
-        session.pen_moved(stroke_of(circle(), session.camera))
+        session.gestures.stroke_moved(stroke_of(circle(), session.view.camera))
         settle(session)
     assert boxes.calls["preview"] == 1
     assert len(faults(session)) == 1
     draw(session, settle)
-    assert len(session.document.models[0].state.strokes) == 2
+    assert len(session.drawing.document.models[0].state.strokes) == 2
 
 
 @pytest.mark.parametrize("misdeed", ["raises", "hangs", "scribbles", "leaves", "recurses"])
@@ -293,17 +294,17 @@ def test_a_document_whose_upgrade_fails_does_not_take_the_window_along(
 ):
     session.files.save(tmp_path / "old.bozz")
     settle(session)
-    before = session.document
+    before = session.drawing.document
     boxes.misdeeds["upgrade"] = MISDEEDS[misdeed]
     boxes.state_version = 3
     saved = (tmp_path / "old.bozz").read_bytes()
-    session.open(tmp_path / "old.bozz")
+    session.files.open_safely(tmp_path / "old.bozz")
     settle(session)
     assert (tmp_path / "old.bozz").read_bytes() == saved
     let_go.set()
     # Either it was refused, or it is open with the part closed; nothing is half open.
-    if session.document is not before:
-        assert all(session.workbench.is_foreign(model) for model in session.document)
+    if session.drawing.document is not before:
+        assert all(session.workbench.is_foreign(model) for model in session.drawing.document)
     assert [n for n in session.heard if n.kind in ("fault", "error", "info")]
     session.files.save(tmp_path / "again.bozz")
     settle(session)
@@ -315,9 +316,9 @@ def test_a_hung_import_does_not_come_between_a_person_and_their_file(
 ):
     session.files._reads.time_limit = 60.0
     boxes.misdeeds["read_drawing"] = sleeps
-    ink = Strokes((stroke_of(circle(), session.camera),))
-    write_drawing(Drawing(ink, session.camera), tmp_path / "ink.json")
-    session.import_file(tmp_path / "ink.json")
+    ink = Strokes((stroke_of(circle(), session.view.camera),))
+    write_drawing(Drawing(ink, session.view.camera), tmp_path / "ink.json")
+    session.files.import_file(tmp_path / "ink.json")
     qtbot.waitUntil(lambda: boxes.calls["read_drawing"] == 1)
     with qtbot.waitSignal(session.files.saved, timeout=10_000):
         session.files.save(tmp_path / "mine.bozz")
@@ -335,10 +336,10 @@ def test_a_mesh_that_its_reader_refuses_is_a_fault_of_that_plugin(
     reader = session.registry.modeler("bozzetto.mesh")
     monkeypatch.setattr(reader, "read_shapes", raises, raising=False)
     monkeypatch.setattr(type(reader), "read_shapes", raises)
-    before = session.document
-    session.import_file(tmp_path / "box.stl")
+    before = session.drawing.document
+    session.files.import_file(tmp_path / "box.stl")
     settle(session)
-    assert session.document is before
+    assert session.drawing.document is before
     assert [notice.plugin for notice in faults(session)] == ["bozzetto.mesh"]
 
 
@@ -355,7 +356,7 @@ def test_a_panel_that_misbehaves_does_not_take_the_window_along(
     assert boxes.calls["panel"] == 1
     assert not window._plugin_panel.is_filled
     draw(session, settle)
-    assert len(session.document.models[0].state.strokes) == 2
+    assert len(session.drawing.document.models[0].state.strokes) == 2
     assert len(faults(session)) == 1
 
 
@@ -365,11 +366,11 @@ def test_the_fault_bar_names_the_plugin_and_can_switch_it_off(make_window, boxes
     draw(window.session, settle)
     bar = window.status.faults
     assert bar.isVisible()
-    assert PLUGIN in bar._words.text()
-    bar._switch_off.click()
+    assert PLUGIN in part(bar, "fault-words").text()
+    part(bar, "fault-switch-off").click()
     assert not bar.isVisible()
-    assert MODELER not in [info.id for info in window.session.modelers]
-    window.session.activate_modeler("bozzetto.silhouette")
+    assert MODELER not in [info.id for info in window.session.toolbox.modelers]
+    window.session.toolbox.take_modeler("bozzetto.silhouette")
     settle(window.session)
     draw(window.session, settle)
-    assert len(window.session.document) == 1
+    assert len(window.session.drawing.document) == 1

@@ -13,7 +13,7 @@ from tests.app.troublemaker import MODELER
 @pytest.fixture
 def window(make_window, boxes, settle):
     made = make_window(MODELER, extra=[boxes.package])
-    made.session.pen_lifted(stroke_of(circle(), made.session.camera))
+    made.session.gestures.stroke_lifted(stroke_of(circle(), made.session.view.camera))
     settle(made.session, made.keeper)
     return made
 
@@ -23,7 +23,7 @@ def saved(window, settle, tmp_path):
     """Where the window's document was saved; it was changed since, here and there."""
     window.session.files.save(tmp_path / "a.bozz")
     settle(window.session, window.keeper)
-    window.session.rename(window.session.selected, "Later")
+    window.session.objects.rename(window.session.selection.id, "Later")
     (tmp_path / "a.bozz").write_bytes(b"theirs")
     return tmp_path / "a.bozz"
 
@@ -48,7 +48,7 @@ def test_a_changed_file_is_shown_and_the_answer_done(window, saved, settle, qtbo
     press(box, answer)
     settle(window.session, window.keeper)
     assert (saved.read_bytes() == b"theirs") is (answer != "Overwrite")
-    assert window.session.is_modified is (answer == "Cancel")
+    assert window.session.drawing.is_modified is (answer == "Cancel")
     assert saved.with_name("a 2.bozz").exists() is (answer == "Keep both")
 
 
@@ -58,7 +58,7 @@ def test_who_closes_the_window_and_cancels_the_save_stays(window, saved, settle,
     press(asked(window, qtbot, "hindered"), "Cancel")
     settle(window.session, window.keeper)
     assert window.isVisible()
-    assert window.session.is_modified
+    assert window.session.drawing.is_modified
 
 
 def test_a_name_that_the_dialog_did_not_ask_about_is_asked_about(
@@ -93,9 +93,9 @@ def test_a_document_that_is_open_elsewhere_can_be_taken_over(
     theirs = FileLock.acquire(document_lock_path(path), "a.bozz")
     window.open(path)
     box = asked(window, qtbot, "locked")
-    assert window.session.read_only
+    assert window.session.drawing.read_only
     assert box.defaultButton().text() == "Look at it"
     press(box, "Take over")
     settle(window.session, window.keeper)
-    assert not window.session.read_only
+    assert not window.session.drawing.read_only
     assert not theirs.is_held

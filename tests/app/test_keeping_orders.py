@@ -25,7 +25,6 @@ from hypothesis.stateful import (
 )
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
 from bozzetto.document.recovery.recovery import RecoveryStore
 from bozzetto.document.waiting_ink import WaitingStroke, strokes_of
@@ -35,6 +34,8 @@ from bozzetto.plugin.job import Job
 from bozzetto_app.session import autosave as keeping
 from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.document_locks import Claim
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.notices import Notices
 from tests.disk_faults import watch
 from tests.document_kit import FakeRegistry, Ink, stroke
 from tests.sizes import sized
@@ -80,7 +81,8 @@ class Loads:
     def turn(self):
         request = self.waiting.pop(0)
         try:
-            answer = request.work(Job())
+            inputs = () if request.inputs is None else (request.inputs(),)
+            answer = request.work(Job(), *inputs)
         except UserError as problem:
             request.failed(problem)
         else:
@@ -88,14 +90,19 @@ class Loads:
 
 
 class FakeFiles(QObject):
+    """Files without a disk; their questions wait for an answer of the test's."""
+
     saved = Signal(object)
     given_up = Signal()
+    lock = stamp = None
 
-    def __init__(self, session):
-        super().__init__(session)
-        self.session, self.stamp = session, None
+    def __init__(self, drawing):
+        super().__init__(drawing)
+        self.drawing = drawing
+        self.question = None
+        self.saving = None
 
-    def claim(self, path):
+    def claim(self, path, held):
         return Claim(None)
 
     def leave(self, claim):
@@ -103,64 +110,34 @@ class FakeFiles(QObject):
 
     def show(self, claim, document, path, *, saved=True, pending=(), stamp=None):
         assert not pending, "only journals of earlier versions have ink beside the document"
-        self.session.replace(document, path, saved=saved)
-
-
-class FakeSession(QObject):
-    """A session without a window; its questions wait for an answer of the test's."""
-
-    document_changed = Signal()
-    pending_changed = Signal()
-
-    def __init__(self):
-        super().__init__()
-        self.registry = FakeRegistry()
-        self.files = FakeFiles(self)
-        self.history = History(Document())
-        self.path = None
-        self.recovered = False
-        self.question = None
-        self.saving = None
-
-    title = "Drawing"
-
-    @property
-    def document(self):
-        return self.history.document
-
-    @property
-    def is_modified(self):
-        return self.recovered or self.history.is_modified
-
-    def replace(self, document, path, *, saved=True):
-        self.history, self.path = History(document), path
-        self.recovered = not saved
-        self.pending_changed.emit()
-        self.document_changed.emit()
-
-    def draw(self, one, waits):
-        if waits:
-            waiting = (*self.document.waiting, WaitingStroke(one))
-            self.history.apply("Draw", self.document.with_waiting(waiting))
-            self.pending_changed.emit()
-            return
-        strokes = [s for m in self.document for s in m.state.strokes]
-        waiting = strokes_of(self.document.waiting)
-        self.history.apply("Draw", document_of([*strokes, *waiting, one]))
-        self.document_changed.emit()
+        self.drawing.show(document, path, saved=saved)
 
     def when_safe(self, then, refused=None):
-        if not self.is_modified:
+        if not self.drawing.is_modified:
             then()
         elif self.question is not None or self.saving is not None:
             (refused or (lambda: None))()
         else:
             self.question = then, refused or (lambda: None)
 
-    def tell(self, text):
-        pass
 
-    complain = tell
+class FakeSession(QObject):
+    """A session with a real document, and nobody to talk to."""
+
+    def __init__(self):
+        super().__init__()
+        self.registry = FakeRegistry()
+        self.drawing = DocumentModel(self)
+        self.files = FakeFiles(self.drawing)
+        self.notices = mock.Mock(spec=Notices)
+
+    def draw(self, one, waits):
+        document = self.drawing.document
+        if waits:
+            self.drawing.set_waiting("Draw", (*document.waiting, WaitingStroke(one)))
+            return
+        strokes = [s for m in document for s in m.state.strokes]
+        self.drawing.commit("Draw", document_of([*strokes, *strokes_of(document.waiting), one]))
 
 
 class Orders(RuleBasedStateMachine):
@@ -186,7 +163,7 @@ class Orders(RuleBasedStateMachine):
         self.sheets = []
 
     def sheet(self):
-        return frozenset(numbers(self.session.document))
+        return frozenset(numbers(self.session.drawing.document))
 
     # -- the disk --
 
@@ -238,11 +215,11 @@ class Orders(RuleBasedStateMachine):
 
     @rule()
     def new(self):
-        self.session.when_safe(lambda: self.session.replace(Document(), None))
+        self.session.files.when_safe(lambda: self.session.drawing.show(Document(), None))
 
     @rule()
     def replaced_without_a_question(self):
-        self.session.replace(Document(), None)
+        self.session.drawing.show(Document(), None)
 
     @rule(which=st.integers(0, 5))
     def open_crashed(self, which):
@@ -255,10 +232,10 @@ class Orders(RuleBasedStateMachine):
     def load_ends(self):
         self.keeper._reads.turn()
 
-    @precondition(lambda self: self.session.question is not None)
+    @precondition(lambda self: self.session.files.question is not None)
     @rule(answer=st.sampled_from(["cancel", "give up", "save"]))
     def answer(self, answer):
-        (then, refused), self.session.question = self.session.question, None
+        (then, refused), self.session.files.question = self.session.files.question, None
         if answer == "give up":
             self.answered |= self.sheet()
             self.session.files.given_up.emit()
@@ -266,30 +243,37 @@ class Orders(RuleBasedStateMachine):
         elif answer == "cancel":
             refused()
         else:
-            self.begin_save(lambda: self.session.when_safe(then, refused), refused)
+            self.begin_save(lambda: self.session.files.when_safe(then, refused), refused)
 
-    @precondition(lambda self: self.session.saving is None and self.session.question is None)
+    @precondition(
+        lambda self: self.session.files.saving is None and self.session.files.question is None
+    )
     @rule()
     def save(self):
         self.begin_save(lambda: None, lambda: None)
 
     def begin_save(self, then, failed):
-        self.session.saving = self.session.history, self.session.document, then, failed
+        self.session.files.saving = (
+            self.session.drawing.history,
+            self.session.drawing.document,
+            then,
+            failed,
+        )
 
-    @precondition(lambda self: self.session.saving is not None)
+    @precondition(lambda self: self.session.files.saving is not None)
     @rule(works=st.booleans())
     def save_ends(self, works):
-        (history, snapshot, then, failed), self.session.saving = self.session.saving, None
+        (history, snapshot, then, failed), self.session.files.saving = (
+            self.session.files.saving,
+            None,
+        )
         if not works:
             failed()
             return
         self.in_files |= frozenset(numbers(snapshot))
-        if self.session.history is history:
-            self.session.path = Path("/drawings/a.bozz")
-            self.session.history.mark_saved(snapshot)
-            self.session.recovered = False
-            self.session.document_changed.emit()
-            self.session.files.saved.emit(self.session.path)
+        if self.session.drawing.history is history:
+            self.session.drawing.saved_as(Path("/drawings/a.bozz"), snapshot)
+            self.session.files.saved.emit(self.session.drawing.path)
         then()
 
     # -- the end --

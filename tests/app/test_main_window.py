@@ -19,6 +19,7 @@ from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.document.waiting_ink import strokes_of
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
+from tests.app.seen import part
 from tests.app.tablet import Mouse, Stylus, circle
 from tests.app.troublemaker import MODELER
 
@@ -41,7 +42,9 @@ def draw(settle):
 
 
 def solids(window):
-    return [item.mesh for _, item in window.session.scene.items() if isinstance(item, Shaded)]
+    return [
+        item.mesh for _, item in window.session.scene.visible.items() if isinstance(item, Shaded)
+    ]
 
 
 def press(window, keys, modifier=Qt.KeyboardModifier.NoModifier):
@@ -74,11 +77,11 @@ def test_a_closed_outline_stands_as_a_watertight_solid(make_window, settle, qtbo
     settle(window.session, window.keeper)
     (solid,) = solids(window)
     assert bounds_volume(solid)
-    assert window.session.report["parts"][0]["watertight"]
+    assert window.session.solver.report["parts"][0]["watertight"]
     after = window.canvas.grab_picture()
     middle = after.width() * 640 // window.canvas.width(), after.height() * 360 // 727
     assert after.pixelColor(*middle) != blank.pixelColor(*middle)
-    stroke = window.session.document.models[0].state.parts[0].strokes[0]
+    stroke = window.session.drawing.document.models[0].state.parts[0].strokes[0]
     assert stroke.has_pressure == (tool is Stylus)
     assert stroke.tool == ("pen" if tool is Stylus else "mouse")
     assert len(stroke) >= 85
@@ -88,24 +91,24 @@ def test_the_shape_swells_while_the_pen_is_down(make_window, qtbot):
     window = make_window()
     stylus = Stylus(window.canvas)
     stylus.draw(circle(share=0.9, radius=150), lift=False)
-    qtbot.waitUntil(lambda: bool(window.session.live_scene.layers), timeout=10_000)
-    assert len(window.session.document) == 0
+    qtbot.waitUntil(lambda: bool(window.session.scene.live.layers), timeout=10_000)
+    assert len(window.session.drawing.document) == 0
 
 
 def test_enter_commits_backspace_drops_and_enter_again_begins_a_new_object(window, draw, settle):
     session = window.session
     draw(window, share=0.6)
     draw(window, share=0.6, radius=60)
-    assert len(session.pending) == 2
+    assert len(session.drawing.pending) == 2
     press(window, Qt.Key.Key_Backspace)
-    assert len(session.pending) == 1
+    assert len(session.drawing.pending) == 1
     press(window, Qt.Key.Key_Return)
     settle(session)
-    assert (len(session.pending), len(session.document)) == (0, 1)
+    assert (len(session.drawing.pending), len(session.drawing.document)) == (0, 1)
     press(window, Qt.Key.Key_Return)
-    assert session.selected is None
+    assert session.selection.id is None
     draw(window)
-    assert len(session.document) == 2
+    assert len(session.drawing.document) == 2
 
 
 def test_keys_undo_and_redo_also_while_work_is_under_way(window, boxes, draw, settle, qtbot):
@@ -123,11 +126,11 @@ def test_keys_undo_and_redo_also_while_work_is_under_way(window, boxes, draw, se
     Stylus(window.canvas).draw(circle(radius=70))
     qtbot.waitUntil(lambda: boxes.calls["solve"] > count)
     press(window, Qt.Key.Key_Z, CTRL)
-    assert len(window.session.document.models[0].state.strokes) == 1
+    assert len(window.session.drawing.document.models[0].state.strokes) == 1
     press(window, Qt.Key.Key_Y, CTRL)
     gate.set()
     settle(window.session)
-    assert len(window.session.document.models[0].state.strokes) == 2
+    assert len(window.session.drawing.document.models[0].state.strokes) == 2
     assert len(solids(window)) == 2
 
 
@@ -136,29 +139,29 @@ def test_the_eraser_takes_a_part_away_and_undo_brings_it_back(make_window, draw,
     draw(window, radius=150)
     Stylus(window.canvas, eraser=True).draw([(600 + 2 * k, 360) for k in range(40)])
     settle(window.session)
-    assert window.session.document.models[0].state.parts == ()
+    assert window.session.drawing.document.models[0].state.parts == ()
     assert solids(window) == []
-    window.session.undo()
+    window.session.drawing.undo()
     settle(window.session)
     assert len(solids(window)) == 1
 
 
 def test_a_camera_key_turns_the_view_but_not_the_drawing(window, draw):
     draw(window)
-    document, eye = window.session.document, window.session.camera.eye
+    document, eye = window.session.drawing.document, window.session.view.camera.eye
     window.canvas.look("right")
     QApplication.processEvents()
-    assert window.session.camera.eye != eye
-    assert window.session.document is document
+    assert window.session.view.camera.eye != eye
+    assert window.session.drawing.document is document
 
 
 def test_hints_and_title_follow_what_is_done(window, draw, settle, tmp_path):
     assert window.windowTitle().startswith("Untitled")
     assert not window.isWindowModified()
     draw(window, share=0.6)
-    assert window.status._words.text() == "Close the box, or press Enter."
+    assert part(window.status, "status-words").text() == "Close the box, or press Enter."
     assert window.isWindowModified()
-    window.session.commit_pending()
+    window.session.gestures.commit()
     settle(window.session)
     window.session.files.save(tmp_path / "cat.bozz")
     settle(window.session)
@@ -187,12 +190,14 @@ def test_progress_does_not_move_the_sheet(window, boxes, settle, qtbot):
 
     boxes.misdeeds["solve"] = slow
     Stylus(window.canvas).draw(circle())
-    qtbot.waitUntil(lambda: window.status._cancel.isVisible(), timeout=10_000)
+    qtbot.waitUntil(lambda: part(window.status, "status-cancel").isVisible(), timeout=10_000)
     sizes.add((window.canvas.width(), window.canvas.height()))
-    qtbot.waitUntil(lambda: window.status._step.text() == "inflating", timeout=10_000)
-    window.status._cancel.click()
+    qtbot.waitUntil(
+        lambda: part(window.status, "status-step").text() == "inflating", timeout=10_000
+    )
+    part(window.status, "status-cancel").click()
     settle(window.session)
-    assert not window.status._cancel.isVisible()
+    assert not part(window.status, "status-cancel").isVisible()
     gate.set()
     assert sizes == {(size.width(), size.height())}
 
@@ -201,14 +206,14 @@ def test_slow_work_on_a_gesture_is_shown_and_can_be_stopped(window, boxes, settl
     gate = threading.Event()
     boxes.misdeeds["apply"] = lambda *args: gate.wait(20.0)
     Stylus(window.canvas).draw(circle())
-    qtbot.waitUntil(lambda: window.status._cancel.isVisible(), timeout=10_000)
-    assert window.status._step.text() == "Draw"
-    window.status._cancel.click()
+    qtbot.waitUntil(lambda: part(window.status, "status-cancel").isVisible(), timeout=10_000)
+    assert part(window.status, "status-step").text() == "Draw"
+    part(window.status, "status-cancel").click()
     gate.set()
     settle(window.session)
-    assert not window.status._cancel.isVisible()
-    assert not len(window.session.document)
-    assert len(window.session.pending) == 1, "the ink waits"
+    assert not part(window.status, "status-cancel").isVisible()
+    assert not len(window.session.drawing.document)
+    assert len(window.session.drawing.pending) == 1, "the ink waits"
 
 
 # -- questions -------------------------------------------------------------------------------------
@@ -247,7 +252,7 @@ def test_what_does_not_print_is_asked_about_before_it_is_exported_for_a_printer(
     draw(window)
     target = tmp_path / f"thing{ending}"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
-    window.session.report = {"print": {"ready": False, "problems": ["It is thin."]}}
+    window.session.solver.report = {"print": {"ready": False, "problems": ["It is thin."]}}
     window.files.ask_export()
     box = window.findChild(QMessageBox, "printable")
     assert (box is not None) == asks
@@ -272,7 +277,7 @@ def test_a_save_that_fails_at_the_question_keeps_the_window(
     answer(window, "Save")
     settle(window.session)
     assert window.isVisible()
-    assert window.session.is_modified
+    assert window.session.drawing.is_modified
 
 
 def test_waiting_ink_is_unsaved_work_that_is_saved_at_the_question(
@@ -281,7 +286,7 @@ def test_waiting_ink_is_unsaved_work_that_is_saved_at_the_question(
     target = tmp_path / "last.bozz"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
     draw(window, share=0.6)
-    drawn = window.session.pending
+    drawn = window.session.drawing.pending
     assert window.isWindowModified()
     window.close()
     qtbot.waitUntil(lambda: question(window) is not None)
@@ -299,7 +304,7 @@ def test_no_road_to_another_document_goes_past_the_question(
     window.session.files.save(tmp_path / "a.bozz")
     settle(window.session)
     draw(window)
-    before = window.session.document
+    before = window.session.drawing.document
     if road == "drop":
         data = QMimeData()
         data.setUrls([QUrl.fromLocalFile(str(tmp_path / "a.bozz"))])
@@ -314,13 +319,13 @@ def test_no_road_to_another_document_goes_past_the_question(
     elif road == "new":
         window.files.ask_new()
     else:
-        info = next(info for info in window.session.modelers if info.samples)
+        info = next(info for info in window.session.toolbox.modelers if info.samples)
         window.watch(info.id, info.samples[0])
     settle(window.session)
     assert question(window) is not None
-    assert window.session.document is before
+    assert window.session.drawing.document is before
     answer(window, "Cancel")
-    assert window.session.document is before
+    assert window.session.drawing.document is before
 
 
 # -- the end ---------------------------------------------------------------------------------------
@@ -337,10 +342,10 @@ def test_twenty_documents_leave_no_widget_and_no_thread(window, draw, settle, qt
     threads = threading.active_count()
     inside = len(window.findChildren(object))
     for _ in range(20):
-        session.open(tmp_path / "a.bozz")
+        session.files.open_safely(tmp_path / "a.bozz")
         settle(session)
         draw(window, radius=70)
-        session.history.mark_saved()
+        session.drawing.history.mark_saved()
         session.files.new()
     settle(session, window.keeper)
     qtbot.wait(50)
@@ -411,15 +416,15 @@ sys.exit(code)
 
 def test_the_program_opens_the_document_it_is_given(window, draw, settle, tmp_path):
     draw(window)
-    window.session.activate_modeler("bozzetto.silhouette")
+    window.session.toolbox.take_modeler("bozzetto.silhouette")
     settle(window.session)
     draw(window)
-    window.session.rename(window.session.selected, "Cat")
+    window.session.objects.rename(window.session.selection.id, "Cat")
     window.session.files.save(tmp_path / "cat.bozz")
     settle(window.session)
     window.session.files.close()
     seen = (
-        "names = [m.name for m in self.session.document]\n"
+        "names = [m.name for m in self.session.drawing.document]\n"
         "        if names and not self.session.busy:\n"
         "            print(self.windowTitle(), names); self.finish()"
     )
@@ -431,7 +436,7 @@ def test_the_program_opens_the_document_it_is_given(window, draw, settle, tmp_pa
 
 def test_the_program_closed_in_the_middle_of_a_solve_ends_at_once(tmp_path):
     sample = next((ROOT / "plugins/bozzetto_silhouette/samples").glob("horse.json"))
-    seen = "self.session.showing.busy and self.finish()"
+    seen = "self.session.solver.busy and self.finish()"
     for _ in range(3):
         done = run("-c", PROBE.format(seen=seen), str(sample), home=tmp_path)
         assert done.returncode == 0, done.stderr
@@ -441,7 +446,7 @@ def test_the_program_closed_in_the_middle_of_a_solve_ends_at_once(tmp_path):
 
 
 def test_without_plugins_the_window_opens_all_the_same(tmp_path):
-    seen = "print('modelers', len(self.session.modelers)); self.finish()"
+    seen = "print('modelers', len(self.session.toolbox.modelers)); self.finish()"
     done = run("-c", PROBE.format(seen=seen), "--no-plugins", home=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "modelers 0" in done.stdout
@@ -489,10 +494,10 @@ def test_ctrl_c_in_the_terminal_closes_an_idle_window(tmp_path):
 # -- OpenGL ---------------------------------------------------------------------------------------
 
 GL_PROBE = """
-if not self.session.scene.layers and not self.session.busy:
+if not self.session.scene.visible.layers and not self.session.busy:
             from tests.app.tablet import Stylus, circle
             Stylus(self.canvas).draw(circle(640, 360, 150))
-        elif self.session.scene.layers and not self.session.busy:
+        elif self.session.scene.visible.layers and not self.session.busy:
             self.waited = getattr(self, "waited", 0) + 1
             if self.waited == 100:
                 self.canvas.motion.finish()

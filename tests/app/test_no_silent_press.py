@@ -51,19 +51,19 @@ class Watch:
     def seen(self):
         session, window = self.session, self.window
         return (
-            session.document.models,
-            session.document.underlays,
-            session.document.views,
-            session.history.position,
-            session.selected,
-            tuple(model.state for model in session.document.models),
-            [id(stroke) for stroke in session.pending],
-            (session.active_modeler, session.active_tool),
-            session.camera,
-            (session.shading, session.show_grid, session.show_ghost_ink),
+            session.drawing.document.models,
+            session.drawing.document.underlays,
+            session.drawing.document.views,
+            session.drawing.history.position,
+            session.selection.id,
+            tuple(model.state for model in session.drawing.document.models),
+            [id(stroke) for stroke in session.drawing.pending],
+            (session.toolbox.modeler, session.toolbox.tool),
+            session.view.camera,
+            (session.view.shading, session.view.show_grid, session.view.show_ghost_ink),
             (window.panels_shown, window.is_dark, window.welcome.isVisible()),
-            window.canvas._menu.isVisible(),
-            window._replay is not None,
+            window.canvas.menu.isVisible(),
+            window.replays.current is not None,
             {id(w) for w in QApplication.topLevelWidgets() if w.isVisible()},
             len(self.asked),
         )
@@ -111,8 +111,8 @@ def asked(monkeypatch):
 
 
 def close_dialogs(window):
-    window._stop_replay()
-    window.canvas._menu.close_menu()
+    window.replays.stop()
+    window.canvas.menu.close_menu()
     for widget in QApplication.topLevelWidgets():
         if widget is not window and widget.isVisible() and widget.objectName() != "window":
             widget.close()
@@ -126,10 +126,10 @@ def put(make_window, settle, asked):
     def make(modeler):
         window = make_window(modeler)
         session = window.session
-        (info,) = [one for one in session.modelers if one.id == modeler]
-        session.import_file(info.samples[SAMPLES[modeler]])
+        (info,) = [one for one in session.toolbox.modelers if one.id == modeler]
+        session.files.import_file(info.samples[SAMPLES[modeler]])
         settle(session, window.keeper)
-        drawn = session.document
+        drawn = session.drawing.document
 
         def restore(state):
             close_dialogs(window)
@@ -139,16 +139,16 @@ def put(make_window, settle, asked):
             if state in ("hidden", "locked"):
                 change = {"visible": False} if state == "hidden" else {"locked": True}
                 document = replace(drawn, models=tuple(replace(m, **change) for m in drawn))
-            session.show_document(document, None)
-            session.activate_modeler(modeler)
+            session.drawing.show(document, None)
+            session.toolbox.take_modeler(modeler)
             settle(session, window.keeper)
             if state == "nothing selected":
-                session.select(None)
+                session.selection.select(None)
             if state == "waiting ink":
                 Stylus(window.canvas).draw([(300.0, 300.0), (420.0, 330.0), (520.0, 300.0)])
             window.canvas.fit()
             settle(session, window.keeper)
-            session.history.mark_saved(session.document)
+            session.drawing.history.mark_saved(session.drawing.document)
 
         return window, restore
 
@@ -186,9 +186,9 @@ def test_no_tool_is_silent_on_nothing_or_on_an_object(put, settle, asked, modele
     session, canvas = window.session, window.canvas
     middle = (canvas.width() / 2, canvas.height() / 2)
     silent = []
-    for tool in [tool.id for tool in session.tools]:
+    for tool in [tool.id for tool in session.toolbox.tools]:
         restore(state)
-        session.activate_tool(tool)
+        session.toolbox.take_tool(tool)
         settle(session)
         for place, eraser, way in product((NOTHING, middle), (False, True), ("tap", "drag")):
             # Twice: the second press finds what the first one left.
@@ -229,10 +229,10 @@ def test_no_key_and_no_entry_of_the_radial_menu_is_silent(put, settle, asked, st
         QApplication.processEvents()
         watch = Watch(window, asked)
         watch.before = (*watch.before[:11], False, *watch.before[12:])
-        window.canvas._menu._choose(index)
+        window.canvas.menu._choose(index)
         settle(session, window.keeper)
-        opened = window.canvas._menu.isVisible()
-        window.canvas._menu.close_menu()
+        opened = window.canvas.menu.isVisible()
+        window.canvas.menu.close_menu()
         if watch.is_silent:
             silent.append((entry.title, opened))
     assert silent == []
@@ -298,8 +298,8 @@ def test_a_step_a_modeler_or_a_view_that_is_there_already_says_so(put, settle, a
     session = window.session
     history = window.findChild(HistoryPanel)
     for press in (
-        lambda: history.itemClicked.emit(history.item(session.history.position)),
-        lambda: window.modelers._take(session.active_modeler),
+        lambda: history.itemClicked.emit(history.item(session.drawing.history.position)),
+        lambda: window.modelers._take(session.toolbox.modeler),
         lambda: window.canvas.fit(),
         lambda: window.actions_.run("view.shading.clay"),
     ):
@@ -337,7 +337,7 @@ def test_short_presses_say_what_is_wanted(put, settle, asked):
     Stylus(canvas).draw([(300.0, 300.0), (301.0, 300.0)])
     settle(session)
     assert "too short" in watch.said[-1]
-    session.activate_tool("mirror")
+    session.toolbox.take_tool("mirror")
     settle(session)
     watch = Watch(window, asked)
     Stylus(canvas).draw(circle())

@@ -84,13 +84,13 @@ def drawn(make_window, settle):
     window = make_window()
     Stylus(window.canvas).draw(circle(radius=190, samples=200, wave=0.25))
     settle(window.session, window.keeper)
-    window.session.set_parameter("resolution", 256)
+    window.session.objects.set_parameter("resolution", 256)
     settle(window.session, window.keeper)
     return window
 
 
 def solve_again(window, inflation, pulse):
-    window.session.set_parameter("inflation", inflation)
+    window.session.objects.set_parameter("inflation", inflation)
     return pulse.during(lambda: window.session.busy)
 
 
@@ -119,7 +119,7 @@ def test_numpy_in_a_plugin_leaves_the_window_free(make_window, boxes, settle):
         return [box(state.size, 0.0)]
 
     boxes.misdeeds["solve"] = solve
-    window.session.set_parameter("size", 20.0)
+    window.session.objects.set_parameter("size", 20.0)
     pulse = Pulse()
     assert_free(pulse.during(lambda: window.session.busy), pulse.machine)
 
@@ -133,12 +133,12 @@ def test_saving_and_journalling_much_ink_leaves_the_window_free(
     Stylus(window.canvas).draw(circle())
     settle(window.session)
     boxes.misdeeds["solve"] = lambda state, job: []
-    model = window.session.selected_model
-    camera = window.session.camera
+    model = window.session.selection.model
+    camera = window.session.view.camera
     ink = Strokes(tuple(stroke_of(circle(radius=50 + 0.01 * k), camera) for k in range(3000)))
     many = replace(model, state=replace(model.state, strokes=ink))
     pulse = Pulse()
-    window.session.commit("Many", window.session.document.with_model(many))
+    window.session.drawing.commit("Many", window.session.drawing.document.with_model(many))
     window.session.files.save(tmp_path / "many.bozz")
     pauses = pulse.during(lambda: window.session.busy or window.keeper.busy, least=0.3)
     assert (tmp_path / "many.bozz").exists()
@@ -146,7 +146,7 @@ def test_saving_and_journalling_much_ink_leaves_the_window_free(
 
 
 def test_drawing_while_a_solve_is_under_way_gets_every_sample(drawn, settle):
-    drawn.session.set_parameter("inflation", 1.7)
+    drawn.session.objects.set_parameter("inflation", 1.7)
     path = circle(640, 360, 60, samples=200)
     stylus = Stylus(drawn.canvas)
     longest = 0.0
@@ -159,7 +159,7 @@ def test_drawing_while_a_solve_is_under_way_gets_every_sample(drawn, settle):
             longest = max(longest, time.perf_counter() - begun)
         stylus.lift(path[-1])
     settle(drawn.session, drawn.keeper)
-    strokes = drawn.session.document.models[0].state.parts[0].strokes
+    strokes = drawn.session.drawing.document.models[0].state.parts[0].strokes
     assert len(strokes) == 2  # a hole
     assert len(strokes[1]) >= 198
     assert longest < GENEROUS + machine.longest

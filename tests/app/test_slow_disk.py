@@ -23,7 +23,9 @@ def drawn(make_window, boxes, tmp_path, settle):
     window = make_window(MODELER, extra=[boxes.package], recovery=folder / "recovery")
 
     def draw(radius=100.0):
-        window.session.pen_lifted(stroke_of(circle(radius=radius), window.session.camera))
+        window.session.gestures.stroke_lifted(
+            stroke_of(circle(radius=radius), window.session.view.camera)
+        )
         settle(window.session, window.keeper)
 
     return window, folder, draw
@@ -61,7 +63,7 @@ def test_the_windows_thread_asks_the_disk_nothing(drawn, settle, monkeypatch, qt
         dialog = window.findChild(RecoveryDialog)
         next(b for b in dialog.findChildren(QPushButton) if b.text() == "Open").click()
         settle(session, window.keeper)
-        assert len(session.document) == 1
+        assert len(session.drawing.document) == 1
         session.files.close()
         window.keeper.close()
         settle(session, window.keeper)
@@ -83,7 +85,7 @@ def test_a_very_slow_disk_holds_up_no_stroke(drawn, settle, qtbot):
         while session.files.saving:
             drawn_meanwhile += 1
             radius = 40.0 + drawn_meanwhile
-            session.pen_lifted(stroke_of(circle(radius=radius), session.camera))
+            session.gestures.stroke_lifted(stroke_of(circle(radius=radius), session.view.camera))
             qtbot.wait(20)
         settle(session, window.keeper)
     assert drawn_meanwhile > 3

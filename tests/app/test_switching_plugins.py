@@ -14,52 +14,54 @@ def told(session):
 def switch(window, plugin, on):
     """As the dialog does it."""
     window.session.registry.set_disabled(plugin, not on)
-    window._plugin_switched(plugin, on)
+    window.dialogs.plugin_switched(plugin, on)
 
 
 def test_a_modeler_that_is_switched_off_leaves_the_hand(make_window, settle):
     window = make_window()
     session = window.session
-    plugin = session.registry.info(session.active_modeler).plugin
-    session.pen_lifted(stroke_of(circle(), session.camera))
+    plugin = session.registry.info(session.toolbox.modeler).plugin
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
     settle(session, window.keeper)
-    document, scene = session.document, session.scene
+    document, scene = session.drawing.document, session.scene.visible
     assert len(document) == 1
     switch(window, plugin, False)
     settle(session, window.keeper)
-    other = session.modelers[0]
-    assert session.active_modeler == other.id
+    other = session.toolbox.modelers[0]
+    assert session.toolbox.modeler == other.id
     assert other.plugin != plugin
-    assert session.tools
+    assert session.toolbox.tools
     assert f"you draw with {other.title} now" in told(session)[-1]
-    assert session.document is document
-    assert [layer.name for layer in session.scene.layers] == [layer.name for layer in scene.layers]
+    assert session.drawing.document is document
+    assert [layer.name for layer in session.scene.visible.layers] == [
+        layer.name for layer in scene.layers
+    ]
     assert "bozzetto.silhouette" not in window.modelers._buttons
     switch(window, plugin, True)
     assert "bozzetto.silhouette" in window.modelers._buttons
-    assert session.active_modeler == other.id
+    assert session.toolbox.modeler == other.id
 
 
 def test_where_no_modeler_is_left_the_hand_is_empty(make_window, settle):
     window = make_window()
     session = window.session
-    plugins = [info.plugin for info in session.modelers]
+    plugins = [info.plugin for info in session.toolbox.modelers]
     for plugin in plugins:
         switch(window, plugin, False)
     settle(session, window.keeper)
-    assert session.active_modeler == ""
-    assert not session.tools
+    assert session.toolbox.modeler == ""
+    assert not session.toolbox.tools
     assert "no other modeler" in told(session)[-1]
     switch(window, plugins[0], True)
     settle(session, window.keeper)
-    assert session.active_modeler
+    assert session.toolbox.modeler
 
 
 def test_another_plugin_that_is_switched_off_changes_nothing(make_window, settle):
     window = make_window()
-    before, heard = window.session.active_modeler, len(told(window.session))
+    before, heard = window.session.toolbox.modeler, len(told(window.session))
     switch(window, "bozzetto.car", False)
-    assert window.session.active_modeler == before
+    assert window.session.toolbox.modeler == before
     assert len(told(window.session)) == heard
 
 

@@ -40,7 +40,7 @@ def window(make_window, settle):
 @pytest.fixture
 def draw(settle):
     def with_pen(window, curve, *, lift=True, eraser=False, step=2):
-        pixels, _ = window.session.camera.project(curve)
+        pixels, _ = window.session.view.camera.project(curve)
         stylus = Stylus(window.canvas, eraser=eraser)
         stylus.draw(pixels[::step], lift=lift)
         if lift:
@@ -58,15 +58,15 @@ def pair(window, draw):
 
 
 def state(window):
-    return window.session.selected_model.state
+    return window.session.selection.model.state
 
 
 def report(window, number=-1):
-    return window.session.report["curves"][number]
+    return window.session.solver.report["curves"][number]
 
 
 def shown(window, name):
-    scene = window.session.scene.under(window.session.live_scene)
+    scene = window.session.scene.visible.under(window.session.scene.live)
     return [i for layer in scene.layers if layer.name == name for i in layer.items]
 
 
@@ -88,22 +88,22 @@ def away(points, curve):
 def test_an_empty_sheet_leads_to_the_first_stroke(make_window, settle):
     window = make_window()
     session, light = window.session, window.canvas.light
-    assert window.canvas._hint.text == "Draw a closed outline."
-    session.activate_modeler("bozzetto.symmetry")
+    assert window.canvas.empty_hint.text == "Draw a closed outline."
+    session.toolbox.take_modeler("bozzetto.symmetry")
     window.resize(1024, 700)
     settle(session)
-    assert "mirror image" in window.canvas._hint.text, "what this modeler wants"
+    assert "mirror image" in window.canvas.empty_hint.text, "what this modeler wants"
     (edges,) = [i for i in shown(window, "box") if isinstance(i, Lines)]
     assert edges.points[:, 2].min() == 0.0, "it stands on the ground"
-    assert len(session.document) == 0
+    assert len(session.drawing.document) == 0
     assert light.advice.level != "good"
     assert light.advice.message.startswith(light.words), "whole words, beside the samples"
     assert not light.words.endswith("…")
     assert light.button.isVisible()
     press(window, Qt.Key.Key_T, settle)
     assert light.advice.level == "good"
-    session.activate_modeler("bozzetto.silhouette")
-    assert window.canvas._hint.text == "Draw a closed outline."
+    session.toolbox.take_modeler("bozzetto.silhouette")
+    assert window.canvas.empty_hint.text == "Draw a closed outline."
 
 
 # -- drawing -----------------------------------------------------------------------------------
@@ -111,12 +111,12 @@ def test_an_empty_sheet_leads_to_the_first_stroke(make_window, settle):
 
 def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     session = window.session
-    first, camera = session.hint, session.camera
+    first, camera = session.notices.hint, session.view.camera
     window.canvas.motion.reduced = False
     draw(window, RAIL)
     assert not window.canvas.motion.is_running, "the other side is aimed at a sheet that stands"
-    assert session.camera == camera
-    assert "draw its mirror image" in session.hint.lower()
+    assert session.view.camera == camera
+    assert "draw its mirror image" in session.notices.hint.lower()
     # It grows while the second side is drawn.
     stylus, _ = draw(window, (RAIL * MIRROR)[:110], lift=False)
     qtbot.waitUntil(lambda: len(shown(window, "heat")) == 2, timeout=5000)
@@ -127,7 +127,7 @@ def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     (rungs,) = shown(window, "ghost")
     ends = rungs.points.reshape(-1, 2, 3)
     assert np.allclose(ends[:, 0] * MIRROR, ends[:, 1], atol=1e-3)
-    for place in session.camera.project((RAIL * MIRROR)[110:])[0]:
+    for place in session.view.camera.project((RAIL * MIRROR)[110:])[0]:
         stylus.move(place)
     stylus.lift(place)
     settle(session, window.keeper)
@@ -136,52 +136,52 @@ def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     assert np.median(away(report(window)["points"], RAIL)) < 0.5
     near, far = shown(window, "curves")
     assert np.allclose(far.points, near.points * MIRROR, atol=1e-3)
-    assert session.hint.startswith("Left and right belong together.")
+    assert session.notices.hint.startswith("Left and right belong together.")
     # Taken back, each in its turn, and what is expected with it.
     press(window, Qt.Key.Key_Z, settle, CTRL)
-    assert "draw its mirror image" in session.hint.lower()
+    assert "draw its mirror image" in session.notices.hint.lower()
     press(window, Qt.Key.Key_Z, settle, CTRL)
-    assert session.hint == first
-    session.activate_tool("split")
+    assert session.notices.hint == first
+    session.toolbox.take_tool("split")
     settle(session)
-    assert session.hint.startswith("Draw a short stroke across a curve")
-    session.redo()
-    session.redo()
+    assert session.notices.hint.startswith("Draw a short stroke across a curve")
+    session.drawing.redo()
+    session.drawing.redo()
     settle(session)
     planes = [i for i in shown(window, "plane") if isinstance(i, Shaded)]
     assert len(planes) == 1, "no second, empty box"
-    session.activate_tool("draw")
+    session.toolbox.take_tool("draw")
     draw(window, ACROSS)
-    assert len(session.document) == 1
+    assert len(session.drawing.document) == 1
     assert len(state(window).curves) == 2
-    session.activate_modeler("bozzetto.silhouette")
+    session.toolbox.take_modeler("bozzetto.silhouette")
     settle(session)
-    assert window.canvas._hint.text == "", "the sheet is not empty"
+    assert window.canvas.empty_hint.text == "", "the sheet is not empty"
 
 
 def test_warnings_and_impossible_readings_reach_the_person(window, draw, settle):
     session = window.session
     draw(window, RAIL)
     draw(window, (RAIL * MIRROR)[:100])
-    session.set_part_parameter("reading", "pair")
+    session.parts.set_parameter("reading", "pair")
     settle(session)
     warnings = report(window)["warnings"]
     assert warnings
-    assert session.hint.startswith(warnings[0])
+    assert session.notices.hint.startswith(warnings[0])
     words = [label.text() for label in window.parameters.findChildren(QLabel)]
     assert warnings[0] in words
-    session.set_part_parameter("reading", "self")
+    session.parts.set_parameter("reading", "self")
     settle(session)
-    assert session.hint.startswith((*report(window)["warnings"], "A curve across")[0])
+    assert session.notices.hint.startswith((*report(window)["warnings"], "A curve across")[0])
 
 
 def test_keys_take_the_curve_for_something_else(pair, draw, settle):
     session = pair.session
-    before, steps = state(pair), session.history.position
+    before, steps = state(pair), session.drawing.history.position
     press(pair, Qt.Key.Key_X, settle)
     assert report(pair)["reading"] != "pair"
-    assert session.history.position == steps + 1
-    session.undo()
+    assert session.drawing.history.position == steps + 1
+    session.drawing.undo()
     settle(session)
     assert state(pair) == before
     assert report(pair)["reading"] == "pair"
@@ -197,27 +197,27 @@ def test_keys_take_the_curve_for_something_else(pair, draw, settle):
 def test_modify_split_and_eraser_are_steps_that_can_be_taken_back(pair, draw, settle):
     session = pair.session
     states = [state(pair)]
-    session.activate_tool("modify")
+    session.toolbox.take_tool("modify")
     higher = RAIL + np.outer(np.sin(np.pi * ALONG), (0.0, 0.0, 6.0))
     draw(pair, higher[40:120])
     assert len(state(pair).curves[0].edits) == 1
     states.append(state(pair))
-    session.activate_tool("split")
-    middle = session.camera.project(higher[80:81])[0][0]
+    session.toolbox.take_tool("split")
+    middle = session.view.camera.project(higher[80:81])[0][0]
     Stylus(pair.canvas).draw([middle + np.array((0.0, d)) for d in np.linspace(-16.0, 16.0, 12)])
     settle(session, pair.keeper)
     assert len(state(pair).curves) == 2
     states.append(state(pair))
-    session.activate_tool("draw")
+    session.toolbox.take_tool("draw")
     draw(pair, RAIL[130:], eraser=True)
     assert state(pair) != states[-1]
     states.append(state(pair))
     for before in states[-2::-1]:
-        session.undo()
+        session.drawing.undo()
         settle(session)
         assert state(pair) == before
     for after in states[1:]:
-        session.redo()
+        session.drawing.redo()
         settle(session)
         assert state(pair) == after
 
@@ -225,10 +225,10 @@ def test_modify_split_and_eraser_are_steps_that_can_be_taken_back(pair, draw, se
 @pytest.mark.slow
 def test_a_face_of_the_box_is_dragged(pair, settle):
     session = pair.session
-    session.activate_tool("box")
+    session.toolbox.take_tool("box")
     settle(session)
     (held,) = [i for i in shown(pair, "box handles") if isinstance(i, Handle) and i.id == "x+"]
-    ends, _ = session.camera.project([held.point, np.add(held.point, (40.0, 0.0, 0.0))])
+    ends, _ = session.view.camera.project([held.point, np.add(held.point, (40.0, 0.0, 0.0))])
     Stylus(pair.canvas).draw(ends[0] + np.linspace(0.0, 1.0, 20)[:, None] * (ends[1] - ends[0]))
     settle(session, pair.keeper)
     assert state(pair).length == 240.0
@@ -241,10 +241,10 @@ def test_a_face_of_the_box_is_dragged(pair, settle):
 def test_curves_stand_in_the_list_and_the_chosen_one_in_the_form(pair, draw, settle):
     draw(pair, ACROSS)
     session = pair.session
-    tree = session.parts_of(session.selected)
+    tree = session.parts.of(session.selection.id)
     assert [part.name for part in tree.parts] == ["Curve 1", "Curve 2"]
     for part, name, other in (("n1", "Curve 1", "Curve 2"), ("n2", "Curve 2", "Curve 1")):
-        session.select_part(session.selected, part)
+        session.parts.select(session.selection.id, part)
         settle(session)
         words = [w.text() for w in pair.parameters._figures.findChildren(QLabel) if w.isVisible()]
         assert name in words
@@ -253,7 +253,7 @@ def test_curves_stand_in_the_list_and_the_chosen_one_in_the_form(pair, draw, set
     page = pair.parameters.widget()
     assert page.width() <= pair.parameters.viewport().width(), "nothing is cut off"
     lines = len(shown(pair, "curves"))
-    session.set_part_visible(session.selected, "n1", False)
+    session.parts.set_visible(session.selection.id, "n1", False)
     settle(session)
     assert len(shown(pair, "curves")) == lines - 2
 
@@ -265,11 +265,11 @@ def test_a_drawing_is_saved_comes_back_and_is_handed_over(pair, settle, tmp_path
     settle(session)
     session.files.new()
     settle(session)
-    session.open(tmp_path / "mouse.bozz")
+    session.files.open_safely(tmp_path / "mouse.bozz")
     settle(session, pair.keeper)
     assert state(pair) == before
     assert report(pair) == told
-    assert session.hint.startswith("Left and right belong together.")
+    assert session.notices.hint.startswith("Left and right belong together.")
     for name, mark in (("out.step", "B_SPLINE_CURVE"), ("out.svg", "<path")):
         session.files.export(tmp_path / name)
         settle(session)
@@ -299,10 +299,10 @@ def test_the_window_is_free_while_curves_are_drawn(window, draw, settle):
 @pytest.mark.slow
 def test_a_turning_view_is_advised_at_most_ten_times_a_second(pair, settle, qtbot):
     asked = []
-    pair.session.advising.changed.connect(lambda: asked.append(time.perf_counter()))
+    pair.session.advice.changed.connect(lambda: asked.append(time.perf_counter()))
     begun = time.perf_counter()
     while time.perf_counter() - begun < 0.6:
-        pair.session.set_camera(turn(pair.session.camera, 0.5, 0.0))
+        pair.session.view.set_camera(turn(pair.session.view.camera, 0.5, 0.0))
         qtbot.wait(5)
     settle(pair.session)
     assert 2 <= len(asked) <= (asked[-1] - begun) / 0.1 + 1.5

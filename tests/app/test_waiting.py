@@ -14,7 +14,7 @@ from bozzetto.document.waiting_ink import WaitingStroke
 from bozzetto.errors import UserError
 from bozzetto.exchange.import_file import read_mesh
 from bozzetto.view.camera import Camera
-from bozzetto_app.session.ink_choice import ink_to_try
+from bozzetto_app.session.gesture_application import ink_to_try
 from tests.app.tablet import Mouse, Stylus, circle, stroke_of
 from tests.app.two_boxes import FIRST, PLACE, REFUSAL, SECOND, two_boxes
 
@@ -36,8 +36,8 @@ def session(make_session, pair):
 @pytest.fixture
 def lift(session, settle):
     def lift(points, tool="pen"):
-        stroke = stroke_of(points, session.camera, tool)
-        session.pen_lifted(stroke)
+        stroke = stroke_of(points, session.view.camera, tool)
+        session.gestures.stroke_lifted(stroke)
         settle(session)
         return stroke
 
@@ -45,11 +45,11 @@ def lift(session, settle):
 
 
 def statuses(session):
-    return [one.status for one in session.document.waiting]
+    return [one.status for one in session.drawing.document.waiting]
 
 
 def strokes(session):
-    return [len(model.state.strokes) for model in session.document]
+    return [len(model.state.strokes) for model in session.drawing.document]
 
 
 # -- who tries what --------------------------------------------------------------------------------
@@ -96,26 +96,26 @@ def test_which_ink_is_tried(waiting, committed, tries):
 def test_refused_ink_waits_with_its_reason_and_undo_and_redo_carry_it(session, pair, lift):
     pair[0].mood = "refuse"
     drawn = lift(circle())
-    (ink,) = session.marked_ink
+    (ink,) = session.drawing.marked_ink
     assert ink.stroke is drawn
     assert (ink.status, ink.reason, ink.places) == ("refused", REFUSAL, (PLACE,))
     assert session.heard[-1].text == REFUSAL
-    session.undo()
-    assert session.pending == ()
-    session.redo()
-    assert session.marked_ink == (ink,)
+    session.drawing.undo()
+    assert session.drawing.pending == ()
+    session.drawing.redo()
+    assert session.drawing.marked_ink == (ink,)
 
 
 def test_the_missing_piece_is_tried_together_with_refused_ink(session, pair, lift, settle):
     lift(circle(share=ARC))
     pair[0].mood = "refuse"
-    session.commit_pending()
+    session.gestures.commit()
     settle(session)
     assert statuses(session) == ["refused"]
     pair[0].mood = "well"
     turn = np.linspace(2 * np.pi * ARC, 2 * np.pi, 40)
     lift(np.column_stack((640 + 120 * np.cos(turn), 360 + 120 * np.sin(turn))))
-    assert session.pending == ()
+    assert session.drawing.pending == ()
     assert strokes(session) == [2]
 
 
@@ -133,25 +133,25 @@ def test_refused_ink_does_not_stand_in_the_way_of_other_ink(session, pair, lift,
     monkeypatch.setattr(pair[0], "do", only_alone)
     lift(circle(radius=60))
     assert strokes(session) == [1]
-    assert session.pending == (bad,)
-    assert session.marked_ink[0].reason == REFUSAL
+    assert session.drawing.pending == (bad,)
+    assert session.drawing.marked_ink[0].reason == REFUSAL
     lift(circle(radius=60, share=ARC))
     assert statuses(session) == ["refused", "unfinished"]
-    assert session.hint == "Close the box, or press Enter."
+    assert session.notices.hint == "Close the box, or press Enter."
 
 
 def test_a_stroke_and_what_comes_of_it_are_one_step_however_fast_they_come(session, pair, settle):
     for number in range(4):
-        session.pen_lifted(stroke_of(circle(radius=40 + number), session.camera))
+        session.gestures.stroke_lifted(stroke_of(circle(radius=40 + number), session.view.camera))
     settle(session)
-    assert session.history.entries == ("Start", "Draw", "Draw", "Draw", "Draw")
+    assert session.drawing.history.entries == ("Start", "Draw", "Draw", "Draw", "Draw")
     for left in (3, 2, 1):
-        session.undo()
+        session.drawing.undo()
         settle(session)
-        assert (strokes(session), session.pending) == ([left], ())
-    session.go_to(4)
+        assert (strokes(session), session.drawing.pending) == ([left], ())
+    session.drawing.go_to(4)
     settle(session)
-    assert (strokes(session), session.pending) == ([4], ())
+    assert (strokes(session), session.drawing.pending) == ([4], ())
 
 
 def test_quick_strokes_of_which_one_is_refused_keep_their_order(session, pair, settle, monkeypatch):
@@ -165,46 +165,46 @@ def test_quick_strokes_of_which_one_is_refused_keep_their_order(session, pair, s
 
     monkeypatch.setattr(pair[0], "do", not_the_second)
     for radius in (50, 51, 52):
-        session.pen_lifted(stroke_of(circle(radius=radius), session.camera))
+        session.gestures.stroke_lifted(stroke_of(circle(radius=radius), session.view.camera))
     settle(session)
-    taken = [np.ptp(s.x) for s in session.document.models[0].state.strokes]
+    taken = [np.ptp(s.x) for s in session.drawing.document.models[0].state.strokes]
     assert taken == sorted(taken)
     assert len(taken) == 2
-    assert [np.ptp(s.x) for s in session.pending] == [pytest.approx(102, abs=0.5)]
-    session.go_to(0)
+    assert [np.ptp(s.x) for s in session.drawing.pending] == [pytest.approx(102, abs=0.5)]
+    session.drawing.go_to(0)
     settle(session)
-    session.go_to(len(session.history.entries) - 1)
+    session.drawing.go_to(len(session.drawing.history.entries) - 1)
     settle(session)
-    assert [np.ptp(s.x) for s in session.document.models[0].state.strokes] == taken
+    assert [np.ptp(s.x) for s in session.drawing.document.models[0].state.strokes] == taken
 
 
 def test_what_enter_makes_of_waiting_ink_is_a_step_that_gives_it_back(session, lift, settle):
     drawn = lift(circle(share=ARC))
-    session.commit_pending()
+    session.gestures.commit()
     settle(session)
-    assert (strokes(session), session.pending) == ([1], ())
-    session.undo()
+    assert (strokes(session), session.drawing.pending) == ([1], ())
+    session.drawing.undo()
     settle(session)
-    assert (strokes(session), session.pending) == ([], (drawn,))
+    assert (strokes(session), session.drawing.pending) == ([], (drawn,))
 
 
 def test_another_modeler_reads_refused_ink_at_enter(session, pair, lift, settle):
     pair[0].mood = "refuse"
     drawn = lift(circle())
-    session.activate_modeler(SECOND)
+    session.toolbox.take_modeler(SECOND)
     settle(session)
-    assert session.pending == (drawn,)
+    assert session.drawing.pending == (drawn,)
     lift(circle(radius=44))  # its own ink comes by itself
-    assert session.pending == (drawn,)
-    session.commit_pending()
+    assert session.drawing.pending == (drawn,)
+    session.gestures.commit()
     settle(session)
-    assert session.pending == ()
-    assert [(model.modeler, len(model.state.strokes)) for model in session.document] == [
+    assert session.drawing.pending == ()
+    assert [(model.modeler, len(model.state.strokes)) for model in session.drawing.document] == [
         (SECOND, 2)
     ]
-    session.undo()
+    session.drawing.undo()
     settle(session)
-    assert session.pending == (drawn,)
+    assert session.drawing.pending == (drawn,)
 
 
 # -- plugins that fail -----------------------------------------------------------------------------
@@ -217,15 +217,15 @@ def test_ink_that_a_plugin_failed_over_waits_and_is_not_tried_again_unasked(
     pair[0].mood = mood
     drawn = lift(circle())
     assert statuses(session) == ["failed"]
-    assert session.marked_ink[0].reason == session.heard[-1].text
+    assert session.drawing.marked_ink[0].reason == session.heard[-1].text
     assert session.heard[-1].kind == "fault"
-    assert session.hint.startswith("The ink waits.")
+    assert session.notices.hint.startswith("The ink waits.")
     pair[0].mood = "well"
     lift(circle(radius=50))
-    assert (strokes(session), session.pending) == ([1], (drawn,))
-    session.commit_pending()
+    assert (strokes(session), session.drawing.pending) == ([1], (drawn,))
+    session.gestures.commit()
     settle(session)
-    assert (strokes(session), session.pending) == ([2], ())
+    assert (strokes(session), session.drawing.pending) == ([2], ())
 
 
 def test_ink_whose_plugin_hangs_waits_and_later_strokes_come_through(
@@ -234,18 +234,18 @@ def test_ink_whose_plugin_hangs_waits_and_later_strokes_come_through(
     monkeypatch.setattr("bozzetto_app.session.gestures.APPLY_LIMIT", 0.3)
     session = make_session(FIRST, extra=pair[0].packages)
     pair[0].mood = "hang"
-    first, second = (stroke_of(circle(radius=r), session.camera) for r in (50, 60))
-    session.pen_lifted(first)
+    first, second = (stroke_of(circle(radius=r), session.view.camera) for r in (50, 60))
+    session.gestures.stroke_lifted(first)
     qtbot.waitUntil(lambda: session.heard and session.heard[-1].kind == "slow", timeout=10_000)
-    assert session.pending == (first,)
+    assert session.drawing.pending == (first,)
     session.cancel_work()
     settle(session)
     assert statuses(session) == ["failed"]
     pair[0].mood = "well"
     pair[0].gate.set()
-    session.pen_lifted(second)
+    session.gestures.stroke_lifted(second)
     settle(session)
-    assert session.pending == (first,)
+    assert session.drawing.pending == (first,)
     assert strokes(session) == [1]
 
 
@@ -257,14 +257,14 @@ def test_esc_stops_a_modeler_and_its_ink_waits(make_window, pair, settle, qtbot)
     qtbot.waitUntil(lambda: pair[0].calls["apply"] == 1)
     QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
     assert statuses(session) == ["failed"]
-    assert "Enter" in session.marked_ink[0].reason
+    assert "Enter" in session.drawing.marked_ink[0].reason
     pair[0].mood = "well"
     pair[0].gate.set()
     settle(session)
-    assert len(session.document) == 0
+    assert len(session.drawing.document) == 0
     QTest.keyClick(window.canvas, Qt.Key.Key_Return)
     settle(session)
-    assert (strokes(session), session.pending) == ([1], ())
+    assert (strokes(session), session.drawing.pending) == ([1], ())
 
 
 # -- how one is rid of it --------------------------------------------------------------------------
@@ -279,17 +279,17 @@ def test_esc_with_an_idle_hand_takes_waiting_ink_back_and_undo_brings_it_again(
     for radius in (60, 90):
         stylus.draw(circle(share=ARC, radius=radius))
         settle(session)
-    waiting = session.document.waiting
+    waiting = session.drawing.document.waiting
     QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
-    assert session.pending == ()
-    session.undo()
-    assert session.document.waiting == waiting
+    assert session.drawing.pending == ()
+    session.drawing.undo()
+    assert session.drawing.document.waiting == waiting
     pair[0].mood = "refuse"
-    session.commit_pending()
+    session.gestures.commit()
     settle(session)
-    assert window.canvas._overlay.lit_places == (PLACE,)
+    assert window.canvas.overlay.lit_places == (PLACE,)
     QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
-    assert window.canvas._overlay.lit_places == ()
+    assert window.canvas.overlay.lit_places == ()
 
 
 def test_the_eraser_takes_waiting_strokes_one_by_one_and_undo_brings_them_again(
@@ -300,13 +300,13 @@ def test_the_eraser_takes_waiting_strokes_one_by_one_and_undo_brings_them_again(
     pair[0].mood = "well"
     calls = pair[0].calls["apply"]
     lift([(800.0, 200.0), (800.0, 300.0)], "eraser")
-    assert session.pending == (left,)
+    assert session.drawing.pending == (left,)
     assert pair[0].calls["apply"] == calls
-    session.undo()
+    session.drawing.undo()
     settle(session)
-    assert session.pending == (left, right)
+    assert session.drawing.pending == (left, right)
     lift([(300.0, 360.0), (310.0, 365.0)], "eraser")  # inside the circle, far from its line
-    assert session.pending == (left, right)
+    assert session.drawing.pending == (left, right)
     assert pair[0].calls["apply"] == calls + 1
 
 
@@ -320,18 +320,18 @@ def test_what_has_no_other_end_erases_with_ctrl(make_window, pair, settle, devic
     for place in (across - 120, across + 120):
         drawn.draw(circle(place, down, 60))
         settle(session)
-    left, _ = session.pending
+    left, _ = session.drawing.pending
     rub = [(across + 180, down + 4 * k) for k in range(-10, 11)]
     device(canvas, keys=Qt.KeyboardModifier.ControlModifier).draw(rub)
     settle(session)
-    assert session.pending == (left,)
+    assert session.drawing.pending == (left,)
 
 
 def test_an_eraser_that_meets_nothing_leaves_nothing_behind(session, pair, lift):
     pair[0].mood = "refuse"
     lift([(10.0, 10.0), (60.0, 10.0)], "eraser")
-    assert session.pending == ()
-    assert session.history.entries == ("Start",)
+    assert session.drawing.pending == ()
+    assert session.drawing.history.entries == ("Start",)
     assert session.heard[-1].text == REFUSAL
 
 
@@ -339,10 +339,10 @@ def test_a_tool_that_does_not_draw_says_so_at_enter(session, pair, lift, monkeyp
     drawn = lift(circle(share=ARC))
     from dataclasses import replace
 
-    session.toolbox.tools = tuple(replace(t, gesture="tap") for t in session.tools)
-    session.commit_pending()
+    session.toolbox.tools = tuple(replace(t, gesture="tap") for t in session.toolbox.tools)
+    session.gestures.commit()
     assert "does not draw" in session.heard[-1].text
-    assert session.pending == (drawn,)
+    assert session.drawing.pending == (drawn,)
 
 
 def test_a_tool_that_did_not_mark_it_shows_ink_without_a_halo(make_window, pair, settle):
@@ -353,28 +353,28 @@ def test_a_tool_that_did_not_mark_it_shows_ink_without_a_halo(make_window, pair,
     settle(session)
 
     def lit():
-        return [line.is_lit for line in window.canvas._overlay._marked]
+        return [line.is_lit for line in window.canvas.overlay._marked]
 
     assert lit() == [True]
-    session.activate_tool("trace")
+    session.toolbox.take_tool("trace")
     assert lit() == [False]
-    session.activate_tool("draw")
+    session.toolbox.take_tool("draw")
     assert lit() == [True]
-    session.activate_modeler(SECOND)
+    session.toolbox.take_modeler(SECOND)
     settle(session)
     assert lit() == [False]
-    assert session.live_scene.layers == ()
+    assert session.scene.live.layers == ()
 
 
 def test_ink_of_a_journal_of_before_waits_as_if_just_drawn(session, settle):
-    drawn = stroke_of(circle(), session.camera)
-    session.show_document(Document(), None, saved=False, pending=(drawn,))
+    drawn = stroke_of(circle(), session.view.camera)
+    session.drawing.show(Document(), None, saved=False, pending=(drawn,))
     settle(session)
-    assert session.pending == (drawn,)
-    assert session.is_modified
-    session.commit_pending()
+    assert session.drawing.pending == (drawn,)
+    assert session.drawing.is_modified
+    session.gestures.commit()
     settle(session)
-    assert (strokes(session), session.pending) == ([1], ())
+    assert (strokes(session), session.drawing.pending) == ([1], ())
 
 
 # -- files -----------------------------------------------------------------------------------------
@@ -387,7 +387,7 @@ def test_a_document_that_is_opened_says_that_ink_waits_and_an_export_that_it_is_
     lift(circle(share=ARC))
     session.files.save(tmp_path / "a.bozz")
     settle(session)
-    assert not session.is_modified
+    assert not session.drawing.is_modified
     session.files.open(tmp_path / "a.bozz")
     settle(session)
     assert statuses(session) == ["unfinished"]
@@ -412,7 +412,7 @@ def test_a_stroke_lifted_while_an_export_runs_is_taken_and_the_export_is_of_befo
     monkeypatch.setattr(pair[0], "shapes", slow)
     session.files.export(tmp_path / "a.stl")
     qtbot.waitUntil(begun.is_set)
-    session.pen_lifted(stroke_of(circle(radius=50), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(radius=50), session.view.camera))
     qtbot.waitUntil(lambda: strokes(session) == [2])
     gate.set()
     settle(session)

@@ -20,65 +20,65 @@ def window(make_window):
 def test_a_drawing_is_watched_on_a_free_sheet_with_its_ink(window, qtbot, settle):
     session, canvas = window.session, window.canvas
     assert window.welcome.isVisible()
-    (info,) = (one for one in session.modelers if one.id == "bozzetto.silhouette")
+    (info,) = (one for one in session.toolbox.modelers if one.id == "bozzetto.silhouette")
     fish = next(path for path in info.samples if path.stem == "fish")
     inked = []
+    window.replays.inked.connect(inked.append)
+    window.replays.speed = 40.0
     window.watch(info.id, fish)
-    window._replay.inked.connect(inked.append)
-    window._replay._speed = 40.0
     assert not window.welcome.isVisible()
-    assert not canvas._hint.isVisible()
+    assert not canvas.empty_hint.isVisible()
     qtbot.waitUntil(lambda: None in inked, timeout=30_000)
     places = np.concatenate([stroke.points for stroke in inked if stroke is not None])
-    drawn = session.camera.project(inked[0].camera.on_plane(places, (0, 0, 0), (0, 1, 0)))[0]
+    drawn = session.view.camera.project(inked[0].camera.on_plane(places, (0, 0, 0), (0, 1, 0)))[0]
     assert (drawn >= 0).all()
-    assert (drawn <= session.camera.viewport).all()
-    qtbot.waitUntil(lambda: bool(session.document.models), timeout=30_000)
+    assert (drawn <= session.view.camera.viewport).all()
+    qtbot.waitUntil(lambda: bool(session.drawing.document.models), timeout=30_000)
     settle(session)
-    assert canvas._overlay._pending_ink == []
+    assert canvas.overlay._pending_ink == []
 
 
 def test_a_picture_to_trace_stands_on_the_ground(window, tmp_path, settle):
     picture = QImage(60, 40, QImage.Format.Format_RGB32)
     picture.fill(0x446688)
     picture.save(str(tmp_path / "side.png"))
-    window.session.import_file(tmp_path / "side.png")
+    window.session.files.import_file(tmp_path / "side.png")
     settle(window.session)
-    (image,) = (item for _, item in window.session.scene.items() if isinstance(item, Image))
-    low, high = window.session.scene.bounds()
+    (image,) = (item for _, item in window.session.scene.visible.items() if isinstance(item, Image))
+    low, high = window.session.scene.visible.bounds()
     np.testing.assert_allclose((low[2], low[0] + high[0]), (0, 0), atol=1e-9)
     assert image.down[2] < 0
 
 
 def test_a_car_among_the_samples_shows_its_sketch_and_opens_with_it(window, settle):
     session = window.session
-    (info,) = (one for one in session.modelers if one.id == "bozzetto.car")
+    (info,) = (one for one in session.toolbox.modelers if one.id == "bozzetto.car")
     (sample,) = info.samples
     shown = thumbnail_of(sample)
     assert shown is not None
     assert not shown.isNull()
     window.welcome.sample_chosen.emit(info.id, sample)
     settle(session)
-    (model,) = session.document.models
+    (model,) = session.drawing.document.models
     (sketch,) = model.state.sketches
     assert sketch.picture is not None
     assert (sketch.picture.width, sketch.picture.height) == sketch.size
-    assert session.active_modeler == info.id
+    assert session.toolbox.modeler == info.id
     assert not window.welcome.isVisible()
 
 
 def test_the_strip_goes_with_the_first_ink_and_leaves_room_for_the_hint(window):
-    assert window.canvas._hint.left == window.welcome.width()
+    assert window.canvas.empty_hint.left == window.welcome.width()
     window.canvas.hand.ink_began.emit()
     assert not window.welcome.isVisible()
-    assert window.canvas._hint.left == 0
+    assert window.canvas.empty_hint.left == 0
 
 
 def test_a_mesh_that_was_brought_in_says_that_it_has_no_parameters(window, tmp_path, settle):
     assert "Draw or choose" in window.parameters._empty.text()
     (tmp_path / "one.obj").write_text("v 0 0 0\nv 50 0 0\nv 0 0 50\nf 1 2 3\n")
-    window.session.import_file(tmp_path / "one.obj")
+    window.session.files.import_file(tmp_path / "one.obj")
     settle(window.session)
-    assert window.session.selected is not None
+    assert window.session.selection.id is not None
     assert window.parameters._empty.isVisible()
     assert window.parameters._empty.text() == "This object has no parameters."

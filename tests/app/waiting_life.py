@@ -36,10 +36,10 @@ class Life:
         self.folder, self.modelers = folder, modelers
         self.registry = Registry(extra=packages)
         self.session = Session(self.registry)
-        self.session.camera = self.session.camera.with_viewport(987.0, 727.0)
+        self.session.view.camera = self.session.view.camera.with_viewport(987.0, 727.0)
         self.drawn = 0
         self.keeper = Keeper(self.session, folder / "recovery")
-        self.session.activate_modeler(MODELERS[0])
+        self.session.toolbox.take_modeler(MODELERS[0])
         self.settle()
 
     def settle(self):
@@ -55,7 +55,7 @@ class Life:
         for modeler in self.modelers:
             modeler.mood = "well"
         self.session.files.new()
-        self.session.activate_modeler(MODELERS[0])
+        self.session.toolbox.take_modeler(MODELERS[0])
         self.settle()
         self.lifted = set()
         self.forgive()
@@ -65,12 +65,14 @@ class Life:
         self.registry.guard._faults.clear()
 
     def snapshots(self):
-        return [step.document for step in self.session.history._steps]
+        return [step.document for step in self.session.drawing.history._steps]
 
     def check(self):
         reachable = set().union(*map(strokes_in, self.snapshots()))
         assert self.lifted <= reachable
-        assert self.session.pending == tuple(w.stroke for w in self.session.document.waiting)
+        assert self.session.drawing.pending == tuple(
+            w.stroke for w in self.session.drawing.document.waiting
+        )
 
     # -- what a person does --
 
@@ -87,9 +89,9 @@ class Life:
         number, self.drawn = self.drawn, self.drawn + 1
         share = 1.0 if kind == "closed" else 0.6
         path = circle(300.0 + 40 * (number % 10), 360.0, 40.0 + 0.01 * number, 24, share)
-        stroke = stroke_of(path, self.session.camera)
+        stroke = stroke_of(path, self.session.view.camera)
         self.lifted.add(stroke.digest)
-        self.session.pen_lifted(stroke)
+        self.session.gestures.stroke_lifted(stroke)
         if patient:
             self.settle()
 
@@ -98,7 +100,7 @@ class Life:
             self.draw("closed", False)
 
     def enter(self, _):
-        self.session.commit_pending()
+        self.session.gestures.commit()
         self.settle()
 
     def escape(self, _):
@@ -111,72 +113,72 @@ class Life:
         self.settle()
 
     def back(self, _):
-        self.session.drop_last_pending()
+        self.session.gestures.drop_last()
 
     def clear(self, _):
-        self.session.clear_pending()
+        self.session.gestures.clear()
 
     def erase(self, place):
         x = 300.0 + 80 * place
-        rub = stroke_of([(x, 250.0), (x, 470.0)], self.session.camera, tool="eraser")
+        rub = stroke_of([(x, 250.0), (x, 470.0)], self.session.view.camera, tool="eraser")
         for modeler in self.modelers:
             modeler.mood = "refuse"  # an eraser that meets no ink would be a box to these
-        self.session.pen_lifted(rub)
+        self.session.gestures.stroke_lifted(rub)
         self.settle()
 
     def undo(self, _):
-        self.session.undo()
+        self.session.drawing.undo()
         self.settle()
 
     def undo_at_once(self, _):
         self.draw("closed", False)
-        self.session.undo()
+        self.session.drawing.undo()
         self.check()
         self.settle()
 
     def redo(self, _):
-        self.session.redo()
+        self.session.drawing.redo()
         self.settle()
 
     def jump(self, place):
-        self.session.go_to(place)
+        self.session.drawing.go_to(place)
         self.settle()
 
     def modeler(self, place):
-        self.session.activate_modeler(MODELERS[place % 2])
+        self.session.toolbox.take_modeler(MODELERS[place % 2])
         if place > 2:
             self.settle()
 
     def tool(self, place):
-        self.session.activate_tool(TOOLS[place % 2])
+        self.session.toolbox.take_tool(TOOLS[place % 2])
 
     def new(self, _):
-        self.session.select(None)
+        self.session.selection.select(None)
 
     def delete(self, place):
-        models = self.session.document.models
+        models = self.session.drawing.document.models
         if len(models):
-            self.session.delete(models[place % len(models)].id)
+            self.session.objects.delete(models[place % len(models)].id)
 
     def slide(self, place):
-        self.session.set_parameter("size", 10.0 + place, dragging=place % 2 == 0)
+        self.session.objects.set_parameter("size", 10.0 + place, dragging=place % 2 == 0)
 
     def save_and_open(self, _):
         path = self.folder / "drawing.bozz"
-        before = self.session.document
+        before = self.session.drawing.document
         self.session.files.save(path, over=Over.ANYTHING)
         self.settle()
-        if self.session.document is before:
-            assert not self.session.is_modified
+        if self.session.drawing.document is before:
+            assert not self.session.drawing.is_modified
         self.session.files.open(path)
         self.settle()
-        self.comes_back(before, self.session.document)
+        self.comes_back(before, self.session.drawing.document)
 
     def crash_and_recover(self, _):
         self.settle()
-        before = self.session.document
+        before = self.session.drawing.document
         record = self.keeper._sheet.record
-        if not self.session.is_modified or record._own is None:
+        if not self.session.drawing.is_modified or record._own is None:
             return
         left = record._own.folder.name
         record._own.set_aside()
@@ -189,7 +191,7 @@ class Life:
         self.settle()
         self.keeper.recover(crashed)
         self.settle()
-        self.comes_back(before, self.session.document)
+        self.comes_back(before, self.session.drawing.document)
 
     def comes_back(self, before, after):
         """Another document is here, with all that was on the sheet; its history begins."""
@@ -204,15 +206,15 @@ class Life:
             self.do(*act)
         self.settle()
         self.check()
-        seen, history = set(), self.session.history
-        self.session.go_to(len(history.entries) - 1)
+        seen, history = set(), self.session.drawing.history
+        self.session.drawing.go_to(len(history.entries) - 1)
         while True:
             seen |= strokes_in(history.document)
             if not history.position:
                 break
             history.undo()
         assert self.lifted <= seen
-        self.session.go_to(0)
+        self.session.drawing.go_to(0)
         self.settle()
 
 

@@ -7,7 +7,7 @@ import statistics
 import time
 
 import numpy as np
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import (
     QColor,
     QImage,
@@ -27,67 +27,13 @@ from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.overlay.loupe import Loupe
 from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
+from tests.app.fake_session import EmptySession
 from tests.benchmarks.timing import Row, in_turn
 
 EVENTS = 5000
 SAMPLES = 2500
 LATE = 2000
 """Samples after which a stroke counts as long."""
-
-
-class Silent(QObject):
-    """Advice on the view that is never given."""
-
-    changed = Signal()
-    advice = about = None
-    scene = Scene()
-
-    def holds_eye(self, camera: Camera) -> bool:
-        """Whether a picture was drawn from there: there is none."""
-        return False
-
-
-class Unpictured(QObject):
-    """No pictures come in."""
-
-    taken = Signal(str)
-
-
-class Quiet(QObject):
-    """A session in which nothing happens."""
-
-    scene_changed = Signal()
-    live_changed = Signal()
-    pending_changed = Signal()
-    tool_changed = Signal()
-    camera_changed = Signal()
-    view_style_changed = Signal()
-    noticed = Signal(object)
-    settled = Signal(str)
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.camera = Camera()
-        self.scene = self.live_scene = Scene()
-        self.pending = self.marked_ink = self.tools = ()
-        self.active_modeler = ""
-        self.active_tool, self.shading, self.selected = "", "clay", None
-        self.advising = Silent(self)
-        self.picturing = Unpictured(self)
-        self.show_grid = False
-
-    def set_camera(self, camera: Camera) -> None:
-        """Look from elsewhere."""
-        self.camera = camera
-        self.camera_changed.emit()
-
-    def pen_moved(self, stroke: object) -> None:
-        """Nothing."""
-
-    pen_lifted = pen_moved
-
-    def pen_cancelled(self) -> None:
-        """Nothing."""
 
 
 class Repainted(QWidget):
@@ -138,7 +84,7 @@ def pen_events(widget: QWidget) -> tuple[QPointingDevice, list[QTabletEvent]]:
 
 def handler() -> Row:
     """Microseconds from Qt's call of the handler to its return, per event."""
-    canvas = Canvas(Quiet(), LIGHT)
+    canvas = Canvas(EmptySession(), LIGHT)
     canvas.resize(1920, 1080)
     canvas.show()
     QApplication.processEvents()

@@ -77,13 +77,13 @@ class Driver(QObject):
     def window(self) -> Window:
         if self._window is None:
             self._window = next(w for w in QApplication.topLevelWidgets() if isinstance(w, Window))
-            keep = self._window.session.pen_lifted
+            keep = self._window.session.gestures.stroke_lifted
 
             def lifted(stroke: Stroke) -> None:
                 self._strokes.append(stroke)
                 keep(stroke)
 
-            self._window.session.pen_lifted = lifted  # type: ignore[method-assign]
+            self._window.session.gestures.stroke_lifted = lifted  # type: ignore[method-assign]
         return self._window
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
@@ -130,9 +130,9 @@ class Driver(QObject):
             "active": window.isActiveWindow(),
             "minimised": window.isMinimized(),
             "mode": canvas.hand.machine.mode.name,
-            "models": len(window.session.document),
-            "pending": len(window.session.pending),
-            "underlays": len(window.session.document.underlays),
+            "models": len(window.session.drawing.document),
+            "pending": len(window.session.drawing.pending),
+            "underlays": len(window.session.drawing.document.underlays),
             "high": QApplication.testAttribute(
                 Qt.ApplicationAttribute.AA_CompressHighFrequencyEvents
             ),
@@ -195,7 +195,7 @@ class Driver(QObject):
     def do_volume(self) -> float:
         """The volume of the newest model's solids, mm³."""
         session = self.window.session
-        model = list(session.document)[-1]
+        model = list(session.drawing.document)[-1]
         solids = session.workbench.shapes([model], Job()).solids
         corners = [s.mesh.vertices.astype(float)[s.mesh.faces] for s in solids]
         return sum(float(np.linalg.det(c).sum()) / 6.0 for c in corners)

@@ -406,7 +406,7 @@ def undo_storm(monkey: Monkey) -> None:
     """Undo and redo many times, quicker than anything can be solved."""
     session = monkey.window.session
     for _ in range(monkey.chance.choice((3, 10, 40))):
-        monkey.chance.choice((session.undo, session.undo, session.redo))()
+        monkey.chance.choice((session.drawing.undo, session.drawing.undo, session.drawing.redo))()
         if monkey.chance.random() < 0.1:
             QApplication.processEvents()
 
@@ -487,10 +487,10 @@ def answer_dialog(monkey: Monkey) -> None:
 def take_modeler(monkey: Monkey) -> None:
     """Take another modeler, or another tool of this one."""
     session, chance = monkey.window.session, monkey.chance
-    if chance.random() < 0.5 and session.tools:
-        session.activate_tool(chance.choice(session.tools).id)
-    elif session.modelers:
-        session.activate_modeler(chance.choice(session.modelers).id)
+    if chance.random() < 0.5 and session.toolbox.tools:
+        session.toolbox.take_tool(chance.choice(session.toolbox.tools).id)
+    elif session.toolbox.modelers:
+        session.toolbox.take_modeler(chance.choice(session.toolbox.modelers).id)
 
 
 def _mime(monkey: Monkey) -> QMimeData:
@@ -558,8 +558,8 @@ def import_sample(monkey: Monkey) -> None:
     """Bring a sample onto the sheet with its modeler."""
     infos = [info for info in monkey.window.session.registry.modelers() if info.samples]
     info = monkey.chance.choice(infos)
-    monkey.window.session.activate_modeler(info.id)
-    monkey.window.session.import_file(monkey.chance.choice(info.samples))
+    monkey.window.session.toolbox.take_modeler(info.id)
+    monkey.window.session.files.import_file(monkey.chance.choice(info.samples))
 
 
 def new_document(monkey: Monkey) -> None:

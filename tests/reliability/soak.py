@@ -62,17 +62,17 @@ class Person:
         """Draw one document, or bring it in, correct it, and take it with them."""
         session, window, chance = self.session, self.stage.window, self.chance
         yield self._do("new", session.files.new)
-        yield self._do("modeler", lambda: session.activate_modeler(info.id))
+        yield self._do("modeler", lambda: session.toolbox.take_modeler(info.id))
         if info.samples and chance.random() < 0.5:
             sample = chance.choice(info.samples)
-            yield self._do("import", lambda: session.import_file(sample))
+            yield self._do("import", lambda: session.files.import_file(sample))
         for _ in range(chance.randrange(2, 6)):
             yield self._do("draw", self._draw)
-        yield self._do("finish", session.commit_pending)
+        yield self._do("finish", session.gestures.commit)
         yield self._do("fit", window.canvas.fit)
         for _ in range(3):
-            yield self._do("undo", session.undo)
-            yield self._do("redo", session.redo)
+            yield self._do("undo", session.drawing.undo)
+            yield self._do("redo", session.drawing.redo)
         yield from self._sliders()
         for view in ("front", "right", "three-quarter"):
             yield self._do("look", lambda view=view: window.canvas.look(view))
@@ -105,7 +105,7 @@ class Person:
 
     def _sliders(self) -> Iterator[float]:
         """Drag every number of the chosen model to and fro."""
-        for field, value in self.session.parameters:
+        for field, value in self.session.objects.parameters:
             if field.kind not in ("number", "integer"):
                 continue
             for tick in range(DRAG):
@@ -113,17 +113,17 @@ class Person:
                 near = round(near) if field.kind == "integer" else near
                 self._do(
                     field.name,
-                    lambda: self.session.set_parameter(field.name, near, dragging=True),  # noqa: B023
+                    lambda: self.session.objects.set_parameter(field.name, near, dragging=True),  # noqa: B023
                 )
                 yield 0.02
-            yield self._do("release", self.session.end_drag)
+            yield self._do("release", self.session.objects.end_drag)
 
     def _turn(self) -> None:
         """Turn the view once round."""
         from bozzetto.view.navigation import orbit
 
         for _ in range(30):
-            self.session.set_camera(orbit(self.session.camera, 30.0, 2.0))
+            self.session.view.set_camera(orbit(self.session.view.camera, 30.0, 2.0))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

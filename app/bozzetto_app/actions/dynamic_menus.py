@@ -51,8 +51,8 @@ def _plain(title: str) -> str:
 
 
 def _not_now(title: str, help_: str) -> str:
-    """Why a modeler's command cannot be run: only the modeler knows, but it says what it does."""
-    words = tr("Object", "“{title}” means nothing here as things are.", title=title)
+    """Return why a command cannot be run: only the modeler knows, so its help is added."""
+    words = tr("Object", "“{title}” cannot be used on this object as it is now.", title=title)
     return f"{words} {help_}".strip()
 
 
@@ -73,27 +73,27 @@ class ChangingMenus(QObject):
         self._dispose: dict[str, Callable[[], None]] = {}
         self._views: tuple[NamedView, ...] = ()
         window.session.files.recent_changed.connect(self.show_recent)
-        window.session.document_changed.connect(self._show_views)
-        window.session.commanding.changed.connect(self._show_commands)
-        window.session.commanding.enabled_changed.connect(actions.refresh)
-        window.session.advising.changed.connect(actions.refresh)
+        window.session.drawing.changed.connect(self._show_views)
+        window.session.commands.changed.connect(self._show_commands)
+        window.session.commands.enabled_changed.connect(actions.refresh)
+        window.session.advice.changed.connect(actions.refresh)
         self.show_recent()
         self._show_views()
 
     def keep_view(self) -> None:
         """Ask for a name, and keep the view under it; an old name is given another view."""
         session = self._window.session
-        taken = {view.name for view in session.document.views}
+        taken = {view.name for view in session.drawing.document.views}
         number = len(taken) + 1
         while (name := tr("View", "View {number}", number=number)) in taken:
             number += 1
-        camera = session.camera
+        camera = session.view.camera
         dialog = QInputDialog(self._window)
         dialog.setWindowTitle(tr("View", "Keep this view"))
         dialog.setLabelText(tr("View", "Name of the view"))
         dialog.setTextValue(name)
         dialog.textValueSelected.connect(
-            lambda wish: session.edit(edit.add_view, wish.strip() or name, camera)
+            lambda wish: session.objects.edit(edit.add_view, wish.strip() or name, camera)
         )
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
@@ -103,7 +103,7 @@ class ChangingMenus(QObject):
         self._replace("recent", self._recent())
 
     def _show_views(self) -> None:
-        views = self._window.session.document.views
+        views = self._window.session.drawing.document.views
         if views != self._views:
             self._views = views
             self._replace("views", self._kept())
@@ -129,8 +129,11 @@ class ChangingMenus(QObject):
             )
 
     def _commands(self) -> Iterator[Action]:
-        """The selected model's, in a menu of their own; keys that are taken stay where they are."""
-        commanding = self._window.session.commanding
+        """Yield the commands of the selected model, in a menu of their own.
+
+        A key that another action has stays with that action.
+        """
+        commanding = self._window.session.commands
         if not commanding.commands:
             return
         title = self._window.session.registry.info(commanding.modeler).title
@@ -172,6 +175,6 @@ class ChangingMenus(QObject):
             yield Action(
                 f"view.forget.{view.name}",
                 _plain(view.name),
-                partial(session.edit, edit.delete_view, view.name),
+                partial(session.objects.edit, edit.delete_view, view.name),
                 menu=(*menu, tr("View", "&Forget")),
             )

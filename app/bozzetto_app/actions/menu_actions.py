@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 from bozzetto_app.actions.registry import Action
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.session import Shading
 from bozzetto_app.session.toolbox import TOOL_KEYS
+from bozzetto_app.session.view_state import Shading
 
 if TYPE_CHECKING:
     from bozzetto_app.main_window import Window
@@ -73,7 +73,7 @@ def _file(window: Window) -> Iterator[Action]:
         ("Ctrl+S",),
         menu,
         "save",
-        enabled=lambda: not session.read_only,
+        enabled=lambda: not session.drawing.read_only,
         why_not=lambda: tr(
             "File", "This document can only be looked at here. Use Save as to keep changes."
         ),
@@ -95,10 +95,10 @@ def _file(window: Window) -> Iterator[Action]:
         ("Ctrl+E",),
         menu,
         "save",
-        enabled=lambda: len(session.document) > 0,
+        enabled=lambda: len(session.drawing.document) > 0,
         why_not=lambda: (
             tr("File", "Ink is waiting. Finish it with Enter, then export.")
-            if session.pending
+            if session.drawing.pending
             else tr("File", "There is nothing to export yet. Draw something first.")
         ),
         tip=tr("File", "For a 3D printer, for Blender, for the web"),
@@ -112,21 +112,21 @@ def _edit(window: Window) -> Iterator[Action]:
     yield Action(
         "edit.undo",
         tr("Edit", "&Undo"),
-        session.undo,
+        session.drawing.undo,
         "undo",
         ("Ctrl+Z",),
         menu,
-        enabled=lambda: session.history.undo_label is not None,
+        enabled=lambda: session.drawing.history.undo_label is not None,
         why_not=lambda: tr("Edit", "There is nothing to undo."),
     )
     yield Action(
         "edit.redo",
         tr("Edit", "&Redo"),
-        session.redo,
+        session.drawing.redo,
         "redo",
         ("Ctrl+Shift+Z", "Ctrl+Y"),
         menu,
-        enabled=lambda: session.history.redo_label is not None,
+        enabled=lambda: session.drawing.history.redo_label is not None,
         why_not=lambda: tr("Edit", "There is nothing to do again: nothing was undone."),
     )
     yield Action("edit.paste", tr("Edit", "&Paste"), files.paste, "", ("Ctrl+V",), menu)
@@ -142,7 +142,7 @@ def _edit(window: Window) -> Iterator[Action]:
     yield Action(
         "edit.commit",
         tr("Edit", "&Finish the stroke, or start a new object"),
-        session.commit_pending,
+        session.gestures.commit,
         "commit",
         ("Return", "Enter"),
         menu,
@@ -152,19 +152,19 @@ def _edit(window: Window) -> Iterator[Action]:
     yield Action(
         "edit.drop",
         tr("Edit", "Take &back the last waiting stroke"),
-        session.drop_last_pending,
+        session.gestures.drop_last,
         "",
         ("Backspace",),
         menu,
         "ink",
-        enabled=lambda: bool(session.pending),
+        enabled=lambda: bool(session.drawing.pending),
         why_not=lambda: tr("Edit", "No stroke is waiting. Undo takes back what is done."),
         on_sheet=True,
     )
     yield Action(
         "edit.palette",
         tr("Edit", "Find a &command…"),
-        window.open_palette,
+        window.dialogs.open_palette,
         "command",
         ("Ctrl+K", "F3"),
         menu,
@@ -173,7 +173,7 @@ def _edit(window: Window) -> Iterator[Action]:
     yield Action(
         "edit.preferences",
         tr("Edit", "&Preferences…"),
-        window.open_preferences,
+        window.dialogs.open_preferences,
         "settings",
         ("Ctrl+,",),
         menu,
@@ -186,19 +186,19 @@ def _object(window: Window) -> Iterator[Action]:
     menu = (tr("Menu", "&Object"),)
 
     def has_selection() -> bool:
-        return session.selected is not None
+        return session.selection.id is not None
 
     def free() -> bool:
-        model = session.selected_model
+        model = session.selection.model
         return model is not None and not model.locked
 
     def no_selection() -> str:
-        if not len(session.document):
+        if not len(session.drawing.document):
             return tr("Object", "There is no object yet. Draw one first.")
         return tr("Object", "No object is selected. Click one in the list of objects.")
 
     def not_free() -> str:
-        if session.selected_model is None:
+        if session.selection.model is None:
             return no_selection()
         return tr("Object", "This object is locked. Unlock it to change it.")
 
@@ -210,7 +210,7 @@ def _object(window: Window) -> Iterator[Action]:
     yield Action(
         "object.duplicate",
         tr("Object", "&Duplicate"),
-        session.duplicate_chosen,
+        session.parts.duplicate_chosen,
         "duplicate",
         ("Ctrl+D",),
         menu,
@@ -220,7 +220,7 @@ def _object(window: Window) -> Iterator[Action]:
     yield Action(
         "object.delete",
         tr("Object", "De&lete"),
-        session.delete_chosen,
+        session.parts.delete_chosen,
         "trash",
         ("Delete",),
         menu,
@@ -231,19 +231,19 @@ def _object(window: Window) -> Iterator[Action]:
     yield Action(
         "object.ungroup",
         tr("Object", "&Ungroup"),
-        session.ungroup_chosen,
+        session.parts.ungroup_chosen,
         "group",
         ("Ctrl+Shift+G",),
         menu,
-        enabled=lambda: free() and bool(session.chosen_group),
+        enabled=lambda: free() and bool(session.parts.chosen_group),
         why_not=no_group,
         tip=tr("Object", "The chosen group goes; what is in it stays where it is"),
     )
-    for info in session.using.takers:
+    for info in session.shapes.takers:
         yield Action(
             f"object.use.{info.id}",
             info.title,
-            partial(session.using.use_chosen, info.id),
+            partial(session.shapes.use_chosen, info.id),
             menu=(*menu, tr("Object", "U&se as input for")),
             enabled=has_selection,
             why_not=no_selection,
@@ -252,7 +252,7 @@ def _object(window: Window) -> Iterator[Action]:
     yield Action(
         "object.hide",
         tr("Object", "&Hide or show"),
-        window.toggle_visible,
+        window.session.objects.toggle_visible,
         "eye",
         ("Ctrl+H",),
         menu,
@@ -263,7 +263,7 @@ def _object(window: Window) -> Iterator[Action]:
     yield Action(
         "object.lock",
         tr("Object", "Loc&k or unlock"),
-        window.toggle_locked,
+        window.session.objects.toggle_locked,
         "lock",
         ("Ctrl+L",),
         menu,
@@ -278,7 +278,7 @@ def _view(window: Window) -> Iterator[Action]:
     menu = (tr("Menu", "&View"),)
 
     def shades(shading: str) -> bool:
-        return session.shading == shading
+        return session.view.shading == shading
 
     titles: dict[str, str] = {
         "front": tr("View", "Front"),
@@ -348,7 +348,7 @@ def _view(window: Window) -> Iterator[Action]:
         yield Action(
             f"view.shading.{shading}",
             shadings[shading],
-            partial(session.set_shading, shading),
+            partial(session.view.set_shading, shading),
             shading,
             (),
             (*menu, tr("View", "&Shading")),
@@ -357,22 +357,22 @@ def _view(window: Window) -> Iterator[Action]:
     yield Action(
         "view.grid",
         tr("View", "&Ground grid"),
-        lambda: session.set_show_grid(not session.show_grid),
+        lambda: session.view.set_show_grid(not session.view.show_grid),
         "grid",
         ("G",),
         menu,
         "show",
-        checked=lambda: session.show_grid,
+        checked=lambda: session.view.show_grid,
     )
     yield Action(
         "view.ghost",
         tr("View", "Processed &ink"),
-        lambda: session.set_show_ghost_ink(not session.show_ghost_ink),
+        lambda: session.view.set_show_ghost_ink(not session.view.show_ghost_ink),
         "ghost-ink",
         ("I",),
         menu,
         "show",
-        checked=lambda: session.show_ghost_ink,
+        checked=lambda: session.view.show_ghost_ink,
     )
     yield Action(
         "view.panels",
@@ -411,7 +411,7 @@ def _help(window: Window) -> Iterator[Action]:
     yield Action(
         "help.guide",
         tr("Help", "&Guide"),
-        window.open_guide,
+        window.dialogs.open_guide,
         "help",
         ("Shift+F1",),
         menu,
@@ -420,12 +420,12 @@ def _help(window: Window) -> Iterator[Action]:
     yield Action(
         "help.shortcuts",
         tr("Help", "&Keys and gestures"),
-        window.open_shortcuts,
+        window.dialogs.open_shortcuts,
         "keyboard",
         ("F1",),
         menu,
     )
-    for info in window.session.modelers:
+    for info in window.session.toolbox.modelers:
         for sample, title in zip(info.samples, info.sample_titles, strict=True):
             yield Action(
                 f"help.watch.{info.id}.{sample.stem}",
@@ -436,28 +436,37 @@ def _help(window: Window) -> Iterator[Action]:
                 (*menu, tr("Help", "&Watch a drawing")),
             )
     yield Action(
-        "help.pen", tr("Help", "&Pen tester"), window.open_pen_tester, "pen-tester", (), menu
+        "help.pen",
+        tr("Help", "&Pen tester"),
+        window.dialogs.open_pen_tester,
+        "pen-tester",
+        (),
+        menu,
     )
-    yield Action("help.plugins", tr("Help", "P&lugins"), window.open_plugins, "plugin", (), menu)
-    yield Action("help.about", tr("Help", "&About Bozzetto"), window.open_about, "info", (), menu)
+    yield Action(
+        "help.plugins", tr("Help", "P&lugins"), window.dialogs.open_plugins, "plugin", (), menu
+    )
+    yield Action(
+        "help.about", tr("Help", "&About Bozzetto"), window.dialogs.open_about, "info", (), menu
+    )
 
 
 def number_keys(window: Window) -> Iterator[Action]:
     """1 … 9 and 0 take the tools of the active modeler."""
 
     def there_is(place: int) -> bool:
-        return place < len(window.session.tools)
+        return place < len(window.session.toolbox.tools)
 
     def take(place: int) -> None:
         if there_is(place):
-            window.session.activate_tool(window.session.tools[place].id)
+            window.session.toolbox.take_tool(window.session.toolbox.tools[place].id)
 
     def too_few() -> str:
         session = window.session
-        if not session.active_modeler:
+        if not session.toolbox.modeler:
             return tr("Tool", "Choose a modeler at the top right first.")
-        title = session.registry.info(session.active_modeler).title
-        count = len(session.tools)
+        title = session.registry.info(session.toolbox.modeler).title
+        count = len(session.toolbox.tools)
         return tr("Tool", "{title} has {count} tools.", title=title, count=count)
 
     for number, key in enumerate(TOOL_KEYS, 1):

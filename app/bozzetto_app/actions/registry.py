@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtGui import QAction, QIcon, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
 from bozzetto_app.i18n import tr
@@ -90,7 +90,7 @@ def _portable(key: str) -> str:
 
 
 def key_text(action: Action) -> str:
-    """The action's first key as this platform writes it; "" where it has none."""
+    """Return the first key of an action as this platform writes it; "" if it has none."""
     if not action.keys:
         return ""
     return QKeySequence(action.keys[0]).toString(QKeySequence.SequenceFormat.NativeText)
@@ -171,7 +171,7 @@ class ActionRegistry(QObject):
         return dispose
 
     def holder(self, key: str) -> Action | None:
-        """The action that has a key; None where the key is free."""
+        """Return the action that has a key; None if the key is free."""
         return self._actions.get(self._keys.get(_portable(key), ""))
 
     def actions(self) -> tuple[Action, ...]:
@@ -179,8 +179,16 @@ class ActionRegistry(QObject):
         return tuple(self._actions.values())
 
     def qaction(self, action_id: str) -> QAction:
-        """The Qt action made from a record."""
+        """Return the Qt action made from a record."""
         return self._made[action_id]
+
+    def icon(self, action_id: str) -> QIcon:
+        """Return the icon of an action in the colours of the theme.
+
+        Menus show none, so it is painted only where one is wanted: it takes milliseconds.
+        """
+        name = self._actions[action_id].icon
+        return icon(name, current_palette()) if name else QIcon()
 
     def run(self, action_id: str) -> None:
         """Do it, if it can be done now; else say why not."""
@@ -216,12 +224,6 @@ class ActionRegistry(QObject):
             if action.checked is not None:
                 made.setChecked(action.checked())
 
-    def retint(self) -> None:
-        """Take the icons in the colours of the theme that is shown now."""
-        for action_id, action in self._actions.items():
-            if action.icon:
-                self._made[action_id].setIcon(icon(action.icon, current_palette()))
-
     def attach(self, bar: QMenuBar) -> None:
         """Keep a menu bar filled."""
         self._bar = bar
@@ -233,10 +235,7 @@ class ActionRegistry(QObject):
         made.setToolTip(action.tip or action.plain_title)
         made.setStatusTip(action.tip)
         made.setShortcuts([QKeySequence(key) for key in action.keys])
-        made.setIconVisibleInMenu(False)
         made.setMenuRole(QAction.MenuRole.NoRole)
-        if action.icon:
-            made.setIcon(icon(action.icon, current_palette()))
         if action.checked is not None:
             made.setCheckable(True)
             made.setChecked(action.checked())

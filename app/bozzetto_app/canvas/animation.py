@@ -57,9 +57,9 @@ class ViewMotion(QObject):
 
     def animate_to(self, camera: Camera) -> None:
         """Go to another view, easing in and out."""
-        begin: Camera = self._session.camera
+        begin: Camera = self._session.view.camera
         if self.reduced:
-            self._session.set_camera(camera)
+            self._session.view.set_camera(camera)
             return
         self._start(lambda share: interpolate(begin, camera, share), VIEW_TIME)
 
@@ -67,7 +67,7 @@ class ViewMotion(QObject):
         """Lean the view a few degrees and back, so that the eye sees depth."""
         if self.reduced:
             return
-        begin: Camera = self._session.camera
+        begin: Camera = self._session.view.camera
 
         def leaning(share: float) -> Camera:
             if share >= 1.0:
@@ -94,8 +94,8 @@ class ViewMotion(QObject):
         if self._path is None:
             return
         # The canvas may have been resized meanwhile.
-        camera = self._path(share).with_viewport(*self._session.camera.viewport)
+        camera = self._path(share).with_viewport(*self._session.view.camera.viewport)
         if share >= 1.0:
             self._path = None
             self._timer.stop()
-        self._session.set_camera(camera)
+        self._session.view.set_camera(camera)

@@ -55,7 +55,8 @@ from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.ink.stroke import Stroke
-    from bozzetto_app.session.session import Notice, Session
+    from bozzetto_app.session.notices import Notice
+from bozzetto_app.session.session import Session
 
 __all__ = ["Canvas"]
 
@@ -66,7 +67,7 @@ CUBE_MARGIN: Final = 16
 
 
 def _ignore(answer: object) -> None:
-    """Nothing is to be done."""
+    """Ignore the answer of work that only warms something up."""
 
 
 def _raise(problem: BaseException) -> None:
@@ -74,7 +75,7 @@ def _raise(problem: BaseException) -> None:
 
 
 class Canvas(QWidget):
-    """Where people draw.
+    """The sheet: what people draw on, with all that lies over it.
 
     Parameters
     ----------
@@ -122,14 +123,14 @@ class Canvas(QWidget):
 
         self.viewports = Viewports(session, self, palette)
         self._sorting = Channel("sort-for-picking", parent=self)
-        self._overlay = InkOverlay(self)
-        self._hint = SheetHint(self)
-        self._cube = ViewCube(self)
+        self.overlay = InkOverlay(self)
+        self.empty_hint = SheetHint(self)
+        self.cube = ViewCube(self)
         self.light = ViewLight(self)
-        self._loupe = Loupe(lambda: self.viewports.current.shown(), self)
-        self._menu = RadialMenu(self)
-        self._menu.refused.connect(self.menu_refused)
-        self.hand = Hand(session, self._overlay)
+        self.loupe = Loupe(lambda: self.viewports.current.shown(), self)
+        self.menu = RadialMenu(self)
+        self.menu.refused.connect(self.menu_refused)
+        self.hand = Hand(session, self.overlay)
         self.motion = ViewMotion(session, self)
         self._sorted = EMPTY
 
@@ -140,29 +141,29 @@ class Canvas(QWidget):
         if application is not None:
             application.installEventFilter(self._proximity)
 
-        session.scene_changed.connect(self._show_scene)
-        session.live_changed.connect(self._show_live)
-        session.camera_changed.connect(self._show_camera)
-        session.pending_changed.connect(self._show_pending)
-        session.tool_changed.connect(self._show_pending)
-        session.view_style_changed.connect(self.viewports.show_style)
-        session.noticed.connect(self._notice)
-        session.settled.connect(self._settled)
-        session.advising.changed.connect(self._show_advice)
-        session.picturing.taken.connect(self._got_picture)
+        session.scene.changed.connect(self._show_scene)
+        session.scene.live_changed.connect(self._show_live)
+        session.view.camera_changed.connect(self._show_camera)
+        session.drawing.waiting_changed.connect(self._show_pending)
+        session.toolbox.tool_changed.connect(self._show_pending)
+        session.view.style_changed.connect(self.viewports.show_style)
+        session.notices.noticed.connect(self._notice)
+        session.solver.settled.connect(self._settled)
+        session.advice.changed.connect(self._show_advice)
+        session.pictures.taken.connect(self._got_picture)
         self.hand.pressed.connect(self.motion.finish)
-        self.hand.ink_began.connect(self._hint.fade)
+        self.hand.ink_began.connect(self.empty_hint.fade)
         self.hand.aimed.connect(self._aim)
-        self.hand.aim_ended.connect(self._loupe.put_away)
+        self.hand.aim_ended.connect(self.loupe.put_away)
         self.hand.mode_changed.connect(self._mode_changed)
-        self.hand.came_to_nothing.connect(session.explain_gesture)
+        self.hand.came_to_nothing.connect(session.gestures.explain)
         self.hand.menu_pressed.connect(self.open_menu)
-        self.hand.menu_moved.connect(self._menu.point)
-        self.hand.menu_released.connect(lambda flicked: self._menu.lift(flicked=flicked))
-        self._cube.direction_chosen.connect(self._look_from)
-        self._cube.turned.connect(self._turn)
-        self._cube.home_chosen.connect(self.fit)
-        self._cube.projection_chosen.connect(self.toggle_projection)
+        self.hand.menu_moved.connect(self.menu.point)
+        self.hand.menu_released.connect(lambda flicked: self.menu.lift(flicked=flicked))
+        self.cube.direction_chosen.connect(self._look_from)
+        self.cube.turned.connect(self._turn)
+        self.cube.home_chosen.connect(self.fit)
+        self.cube.projection_chosen.connect(self.toggle_projection)
         self.light.turn_chosen.connect(self.turn_to_better)
 
         self._mode_changed()
@@ -180,7 +181,7 @@ class Canvas(QWidget):
         """Use the colours of a theme."""
         self._colors = palette
         self.viewports.set_palette(palette)
-        for part in (self._overlay, self._hint, self._cube, self.light, self._loupe, self._menu):
+        for part in (self.overlay, self.empty_hint, self.cube, self.light, self.loupe, self.menu):
             part.set_colors(palette)
 
     def read_settings(self) -> None:
@@ -195,12 +196,12 @@ class Canvas(QWidget):
 
     def show_hint(self, text: str) -> None:
         """Show a line in the middle of the sheet until ink begins; "" takes it away."""
-        self._hint.say(text)
+        self.empty_hint.say(text)
 
     def leave_room(self, left: int) -> None:
         """Centre what is said beside what covers so many pixels of the sheet's left."""
-        self._hint.left = self.light.left = left
-        self._hint.update()
+        self.empty_hint.left = self.light.left = left
+        self.empty_hint.update()
         self.light.lie_on(self.rect())
 
     def describe_viewport(self) -> str:
@@ -208,7 +209,7 @@ class Canvas(QWidget):
         return self.viewports.current.describe()
 
     def grab_picture(self) -> QImage:
-        """The scene as it is shown now, without wet ink and without the view cube."""
+        """Return a picture of the scene as it is shown now, without wet ink and view cube."""
         return self.viewports.current.grab()
 
     # -- looking ------------------------------------------------------------------------------
@@ -216,14 +217,14 @@ class Canvas(QWidget):
     def animate_to(self, camera: Camera) -> None:
         """Go to another view, or say that it is shown."""
         self.motion.finish()
-        if same_view(camera, self._session.camera):
-            self._session.tell(tr("Canvas", "This view is shown already."))
+        if same_view(camera, self._session.view.camera):
+            self._session.notices.tell(tr("Canvas", "This view is shown already."))
         else:
             self.motion.animate_to(camera)
 
     def show_camera(self, camera: Camera) -> None:
         """Go to a view that was kept, perhaps on a sheet of another size."""
-        self.animate_to(camera.with_viewport(*self._session.camera.viewport))
+        self.animate_to(camera.with_viewport(*self._session.view.camera.viewport))
 
     def look(self, name: str) -> None:
         """Go to a standard view by its name: "front", "three-quarter" and so on."""
@@ -233,14 +234,14 @@ class Canvas(QWidget):
     def toggle_projection(self) -> None:
         """Change between perspective and parallel projection."""
         self.motion.finish()
-        camera: Camera = self._session.camera
+        camera: Camera = self._session.view.camera
         other = "perspective" if camera.kind == "orthographic" else "orthographic"
         self.animate_to(with_kind(camera, other))  # type: ignore[arg-type]
 
     @property
     def better_view(self) -> Camera | None:
         """Where the modeler would rather have the person draw; None where it names no view."""
-        advice = self._session.advising.advice
+        advice = self._session.advice.advice
         return None if advice is None else advice.better
 
     def turn_to_better(self) -> None:
@@ -254,8 +255,10 @@ class Canvas(QWidget):
 
     def frame_selection(self) -> None:
         """Show the selected model, or everything where none is selected."""
-        selected = self._session.selected
-        layers = tuple(layer for layer in self._session.scene.layers if layer.owner == selected)
+        selected = self._session.selection.id
+        layers = tuple(
+            layer for layer in self._session.scene.visible.layers if layer.owner == selected
+        )
         if selected and layers:
             self._frame(Scene(layers).points())
         else:
@@ -266,13 +269,13 @@ class Canvas(QWidget):
         self.animate_to(framed(self._own_view(), points))
 
     def _own_view(self) -> Camera:
-        """The view now; one that stood where a picture was drawn from as an ordinary view.
+        """Return the view, as an ordinary one if it stands where a picture was drawn from.
 
         There the opening angle was the picture's, and zooming has changed it: from elsewhere
         nothing would look right with it. The scale stays.
         """
-        camera: Camera = self._session.camera
-        if camera.kind == "orthographic" or not self._session.advising.holds_eye(camera):
+        camera: Camera = self._session.view.camera
+        if camera.kind == "orthographic" or not self._session.advice.holds_eye(camera):
             return camera
         flat = with_kind(camera, "orthographic")
         return with_kind(replace(flat, fov_y=Camera().fov_y), "perspective")
@@ -284,10 +287,10 @@ class Canvas(QWidget):
 
     def _turn(self, camera: Camera) -> None:
         self.motion.finish()
-        self._session.set_camera(camera)
+        self._session.view.set_camera(camera)
 
     def _settled(self, model_id: str) -> None:
-        if self._session.advising.holds_eye(self._session.camera) or self._pictured == model_id:
+        if self._session.advice.holds_eye(self._session.view.camera) or self._pictured == model_id:
             return
         idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
         if self._tilts and not self._tilted and idle and not self._is_of_lines(model_id):
@@ -296,7 +299,7 @@ class Canvas(QWidget):
 
     def _is_of_lines(self, model_id: str) -> bool:
         """Whether a model has no surface: the next line is aimed at where the last one is seen."""
-        layers = [layer for layer in self._session.scene.layers if layer.owner == model_id]
+        layers = [layer for layer in self._session.scene.visible.layers if layer.owner == model_id]
         items = [item for layer in layers for item in layer.items]
         surfaces = (item for item in items if isinstance(item, Shaded) and item.pickable)
         return bool(items) and not any(surfaces)
@@ -306,38 +309,38 @@ class Canvas(QWidget):
     def open_menu(self, place: QPointF | None = None) -> None:
         """Open the radial menu at a place; without one at the pointer, or close it."""
         if place is None:
-            if self._menu.isVisible():
-                self._menu.close_menu()
+            if self.menu.isVisible():
+                self.menu.close_menu()
                 return
             place = QPointF(self.mapFromGlobal(QCursor.pos()))
             if not self.rect().contains(place.toPoint()):
                 place = QPointF(self.rect().center())
-        self._menu.open_at(place, self.menu_entries())
+        self.menu.open_at(place, self.menu_entries())
 
     # -- what the session shows -----------------------------------------------------------------
 
     def _show_scene(self) -> None:
         self.viewports.show_scene()
-        if self._loupe.isVisible():
-            self._loupe.show_scene(self._all_shown(), self._session.camera)
+        if self.loupe.isVisible():
+            self.loupe.show_scene(self._all_shown(), self._session.view.camera)
         self.hand.scene_or_view_changed()
-        if not self._session.is_dragging:
-            self._prepare_picking(self._session.scene, self._session.camera)
+        if not self._session.drawing.is_dragging:
+            self._prepare_picking(self._session.scene.visible, self._session.view.camera)
 
     def _show_live(self) -> None:
         self.viewports.show_live()
-        if self._loupe.isVisible():
-            self._loupe.show_scene(self._all_shown(), self._session.camera)
+        if self.loupe.isVisible():
+            self.loupe.show_scene(self._all_shown(), self._session.view.camera)
 
     def _aim(self, place: QPointF) -> None:
-        """A place that must be met exactly is being sought."""
-        if not self._loupe.isVisible():
-            self._hint.fade()
-            self._loupe.show_scene(self._all_shown(), self._session.camera)
-        self._loupe.point(place.x(), place.y())
+        """Magnify the place that the pen aims at."""
+        if not self.loupe.isVisible():
+            self.empty_hint.fade()
+            self.loupe.show_scene(self._all_shown(), self._session.view.camera)
+        self.loupe.point(place.x(), place.y())
 
     def _all_shown(self) -> Scene:
-        return self._session.scene.under(self._session.live_scene)
+        return self._session.scene.visible.under(self._session.scene.live)
 
     def _prepare_picking(self, scene: Scene, camera: Camera) -> None:
         """Cast a first ray beside the window: it sorts large meshes, which takes a moment."""
@@ -352,45 +355,45 @@ class Canvas(QWidget):
 
     def _show_camera(self) -> None:
         self.viewports.show_camera()
-        self._cube.set_camera(self._session.camera)
+        self.cube.set_camera(self._session.view.camera)
         self.hand.scene_or_view_changed()
-        if self._session.pending:
+        if self._session.drawing.pending:
             self._show_pending()
 
     def _show_pending(self) -> None:
         marked = self._marked_ink()
         if len(marked) < self._marked:
-            self._overlay.light_up(())  # what was wrong is gone, or was mended
+            self.overlay.light_up(())  # what was wrong is gone, or was mended
         self._marked = len(marked)
-        self._overlay.set_pending(self._good_ink(), self._session.camera, marked)
+        self.overlay.set_pending(self._good_ink(), self._session.view.camera, marked)
 
     def _good_ink(self) -> tuple[Stroke, ...]:
         return tuple(
             stroke
-            for stroke in self._session.pending
-            if all(stroke is not one.stroke for one in self._session.marked_ink)
+            for stroke in self._session.drawing.pending
+            if all(stroke is not one.stroke for one in self._session.drawing.marked_ink)
         )
 
     def _marked_ink(self) -> list[MarkedLine]:
         """Ink with which something is wrong, lit where the tool that said so is in the hand."""
         session = self._session
-        hand = session.active_modeler, session.active_tool
+        hand = session.toolbox.modeler, session.toolbox.tool
         return [
-            MarkedLine.of(one, session.camera, is_lit=one.is_for(*hand))
-            for one in session.marked_ink
+            MarkedLine.of(one, session.view.camera, is_lit=one.is_for(*hand))
+            for one in session.drawing.marked_ink
         ]
 
     def follow(self, stroke: Stroke | None) -> None:
         """Show the ink of a stroke that no hand draws here; None when its pen is up."""
         strokes = self._good_ink() if stroke is None else (*self._good_ink(), stroke)
-        self._overlay.set_pending(strokes, self._session.camera, self._marked_ink())
+        self.overlay.set_pending(strokes, self._session.view.camera, self._marked_ink())
 
     def _show_advice(self) -> None:
-        advising = self._session.advising
+        advising = self._session.advice
         self.light.show_advice(advising.advice)
         self.viewports.show_advice()
         self.hand.scene_or_view_changed()
-        model = self._session.selected_model if self._pictured else None
+        model = self._session.selection.model if self._pictured else None
         if model is not None and model.id == self._pictured and model is advising.about:
             self._pictured = ""
             self.turn_to_better()
@@ -401,25 +404,25 @@ class Canvas(QWidget):
 
         Where it is, the view is looked at again when it has done.
         """
-        session, advice = self._session, self._session.advising.advice
+        session, advice = self._session, self._session.advice.advice
         idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
         if advice is None or not advice.follow or advice.better is None or not idle:
             return
-        if session.advising.is_about(session.camera):
-            session.set_camera(advice.better.with_viewport(*session.camera.viewport))
+        if session.advice.is_about(session.view.camera):
+            session.view.set_camera(advice.better.with_viewport(*session.view.camera.viewport))
 
     def _got_picture(self, model_id: str) -> None:
-        """A sketch came in: go to where it is seen, once the modeler says where that is."""
+        """Go to the view of a sketch that came in, once the modeler says which it is."""
         self._pictured = model_id
 
     def _notice(self, notice: Notice) -> None:
         if notice.places:
-            self._overlay.light_up(notice.places, notice.text)
+            self.overlay.light_up(notice.places, notice.text)
 
     def _mode_changed(self) -> None:
         mode = self.hand.machine.mode
         if mode not in (Mode.IDLE, Mode.CHOOSING):
-            self._menu.close_menu()
+            self.menu.close_menu()
         if mode is Mode.IDLE:
             # Later: what the hand has just done belongs to the view in which it was done.
             QTimer.singleShot(0, self, self._follow)
@@ -433,15 +436,15 @@ class Canvas(QWidget):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         self.viewports.set_geometry(self.rect())
-        self._overlay.setGeometry(self.rect())
-        self._hint.setGeometry(self.rect())
-        self._cube.move(self.width() - self._cube.width() - CUBE_MARGIN, CUBE_MARGIN)
+        self.overlay.setGeometry(self.rect())
+        self.empty_hint.setGeometry(self.rect())
+        self.cube.move(self.width() - self.cube.width() - CUBE_MARGIN, CUBE_MARGIN)
         self.light.lie_on(self.rect())
-        self._menu.close_menu()
-        camera: Camera = self._session.camera
+        self.menu.close_menu()
+        camera: Camera = self._session.view.camera
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
         if camera.viewport != size:
-            self._session.set_camera(camera.with_viewport(*size))
+            self._session.view.set_camera(camera.with_viewport(*size))
 
     def tabletEvent(self, event: QTabletEvent) -> None:
         self.hand.tablet(event)
@@ -507,7 +510,7 @@ class Canvas(QWidget):
         event.acceptProposedAction()
         under = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
         if not take(self._session, event.mimeData(), under=under):
-            self._session.complain(
+            self._session.notices.complain(
                 UserError(
                     tr("Canvas", "Only files of this computer and pictures can be dropped here.")
                 )

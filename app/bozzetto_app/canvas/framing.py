@@ -39,16 +39,16 @@ EDGE: Final = 0.5
 
 
 def points_to_frame(session: Session) -> Array:
-    """What has to be in view, (n, 3) mm: the objects, or else what a modeler shows without one.
+    """Return the points that have to be in view, (n, 3) mm: the objects, or the modeler's own.
 
     On an empty sheet that is for instance the box in which a first curve is drawn.
     """
-    points = session.scene.points()
-    return points if len(points) else session.advising.scene.points()
+    points = session.scene.visible.points()
+    return points if len(points) else session.scene.advice.points()
 
 
 def framed(camera: Camera, points: Array) -> Camera:
-    """The view with all points in it, from the same side; a single point keeps the scale."""
+    """Return the view with all points in it, from the same side; one point keeps the scale."""
     if len(points) and np.ptp(points, axis=0).max() == 0.0:
         points = points[0] + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
     return fit_points(camera, points)
@@ -80,7 +80,7 @@ def same_view(one: Camera, other: Camera) -> bool:
 
 
 class Framing(QObject):
-    """Looks after the view while nobody else does.
+    """Frames the objects until the person takes over the view.
 
     A saved document comes back in its own view if its objects can be seen there. A document
     without a view is seen three-quarter, or as its last waiting stroke was drawn; an empty one
@@ -94,28 +94,28 @@ class Framing(QObject):
     def __init__(self, session: Session, parent: QObject) -> None:
         super().__init__(parent)
         self._session = session
-        self._camera: Camera | None = session.camera
+        self._camera: Camera | None = session.view.camera
         self._share = 1.0
         self._must_fit = False
-        session.opened.connect(self._opened)
-        session.scene_changed.connect(self._look)
-        session.advising.changed.connect(self._look)
-        session.camera_changed.connect(self._moved)
-        session.pending_changed.connect(self.end)
-        session.document_changed.connect(self._changed)
+        session.drawing.opened.connect(self._opened)
+        session.scene.changed.connect(self._look)
+        session.advice.changed.connect(self._look)
+        session.view.camera_changed.connect(self._moved)
+        session.drawing.waiting_changed.connect(self.end)
+        session.drawing.changed.connect(self._changed)
 
     def end(self) -> None:
-        """The person is at work: the view is theirs."""
+        """Leave the view to the person, who is at work."""
         self._camera = None
 
     def _opened(self) -> None:
         session = self._session
-        document, pending = session.document, session.pending
-        size = session.camera.viewport
+        document, pending = session.drawing.document, session.drawing.pending
+        size = session.view.camera.viewport
         self._share, self._must_fit = 1.0, False
         if document.camera is not None:
             self._share = KEPT_SHARE
-            self._camera = session.camera
+            self._camera = session.view.camera
         elif pending:
             self._show(pending[-1].camera.with_viewport(*size))
         elif document.models or document.underlays:
@@ -133,13 +133,13 @@ class Framing(QObject):
         points = points_to_frame(session)
         if not len(points):
             return
-        advice = session.advising.advice
-        hidden = not len(session.scene.under(session.advising.scene).points())
+        advice = session.advice.advice
+        hidden = not len(session.scene.visible.under(session.scene.advice).points())
         if hidden and advice is not None and advice.better is not None:
             # A sketch is seen from where it was drawn, and from nowhere else.
-            self._show(advice.better.with_viewport(*session.camera.viewport))
-        elif self._must_fit or not is_in_view(session.camera, points, self._share):
-            self._show(framed(session.camera, points))
+            self._show(advice.better.with_viewport(*session.view.camera.viewport))
+        elif self._must_fit or not is_in_view(session.view.camera, points, self._share):
+            self._show(framed(session.view.camera, points))
         else:
             return
         self._must_fit = False
@@ -147,11 +147,11 @@ class Framing(QObject):
 
     def _show(self, camera: Camera) -> None:
         self._camera = camera
-        self._session.set_camera(camera)
+        self._session.view.set_camera(camera)
 
     def _moved(self) -> None:
-        """A sheet of another size shows the same view; any other view is the person's choice."""
-        now, known = self._session.camera, self._camera
+        """Keep framing when the sheet has another size; any other view is the person's choice."""
+        now, known = self._session.view.camera, self._camera
         if known is None or now == known:
             return
         if now != known.with_viewport(*now.viewport):
@@ -161,5 +161,5 @@ class Framing(QObject):
         self._look()
 
     def _changed(self) -> None:
-        if self._session.history.undo_label is not None:
+        if self._session.drawing.history.undo_label is not None:
             self.end()

@@ -145,12 +145,12 @@ class RadialMenu(QWidget):
         return True
 
     def point(self, place: QPointF) -> None:
-        """A pressed pen has moved to a place of the parent: light what a flick would choose."""
+        """Highlight the entry that a flick of the pressed pen would choose."""
         if self.isVisible():
             self._heat(self._sector(place - self._origin, FLICK_TRAVEL))
 
     def lift(self, *, flicked: bool) -> None:
-        """The pen that opened the menu was lifted: choose what it flicked at, or stay open."""
+        """Choose the entry that the pen flicked at before it was lifted, or stay open."""
         if flicked and self.isVisible():
             self._choose(self._hot)
 
@@ -202,7 +202,7 @@ class RadialMenu(QWidget):
         return QPointF(self.width() / 2, self.height() / 2)
 
     def _sector(self, offset: QPointF, hole: float) -> int:
-        """The entry in a direction; the first one is straight up, the others clockwise."""
+        """Return the entry in a direction; the first is straight up, the others clockwise."""
         if math.hypot(offset.x(), offset.y()) < hole or not self._entries:
             return -1
         angle = math.degrees(math.atan2(offset.x(), -offset.y())) % 360.0
@@ -271,7 +271,7 @@ class RadialMenu(QWidget):
 
 
 def sector_centre(middle: QPointF, index: int, count: int) -> QPointF:
-    """The place in a sector around which its entry is laid out."""
+    """Return the point in a sector around which its entry is laid out."""
     angle = math.radians(360.0 / count * index)
     radius = 0.5 * (INNER + RADIUS) + 4.0
     return middle + QPointF(radius * math.sin(angle), -radius * math.cos(angle))
@@ -297,11 +297,15 @@ def entry_places(
     Parameters
     ----------
     sector : QPainterPath
+        The area of the entry, pixels.
     centre : QPointF
         Of the sector.
     font : QFont
+        Of the title.
     title : str
+        Wrapped where it is too long.
     has_icon : bool
+        Whether there is an icon above the title.
     """
     metrics = QFontMetricsF(font)
     above = ICON + GAP if has_icon else 0.0
@@ -325,7 +329,7 @@ def entry_places(
 
 
 def _tinted(icon: QIcon, color: Color, scale: float) -> QPixmap:
-    """The icon in one colour: it has to be legible on what is lit, in both themes."""
+    """Return the icon in one colour, legible on a highlighted sector in both themes."""
     picture = icon.pixmap(QSize(ICON, ICON), scale)
     painter = QPainter(picture)
     painter.setCompositionMode(QPainter.CompositionMode.CompositionMode_SourceIn)

@@ -1,6 +1,6 @@
 """The one place where numbers become coordinates of the screen.
 
-Places that are projected out of the world, or told by a driver, can lie anywhere: at a zoom of
+Places that are projected out of the world, or reported by a driver, can lie anywhere: at a zoom of
 10⁹ a point 3 mm beside the sheet is seen three thousand million pixels away, and one behind the
 eye nowhere. Qt keeps whole coordinates in 32 bits and its rasteriser in 26 bits before the
 binary point. A number beyond 32 bits raises an `OverflowError` without a value; where that leaves
@@ -40,7 +40,7 @@ Line = Sequence[tuple[float, ...]]
 
 
 def limited(value: float) -> float:
-    """The nearest number that Qt takes; what is no number lies as far away as can be."""
+    """Return the nearest number that Qt takes; NaN becomes the farthest one."""
     if math.isnan(value):
         return -FARTHEST
     return min(max(value, -FARTHEST), FARTHEST)
@@ -52,26 +52,27 @@ def is_inside(x: float, y: float) -> bool:
 
 
 def limited_place(x: float, y: float) -> tuple[float, float]:
-    """A place within the limits; one beyond is moved to them, where nobody sees it."""
+    """Return a point within the limits; one beyond is moved to them, out of sight."""
     return limited(x), limited(y)
 
 
 def point_at(x: float, y: float) -> QPointF:
-    """A place for a painter."""
+    """Return a point for a painter."""
     return QPointF(limited(x), limited(y))
 
 
 def whole_point(x: float, y: float) -> QPoint:
-    """A place for a widget, in whole pixels."""
+    """Return a point for a widget, in whole pixels."""
     return QPoint(round(limited(x)), round(limited(y)))
 
 
 def rect_about(xs: Sequence[float], ys: Sequence[float], margin: float) -> QRect:
-    """The rectangle around some places, in whole pixels; empty without places.
+    """Return the rectangle around some points, in whole pixels; empty without points.
 
     Parameters
     ----------
     xs, ys : sequence of float
+        Coordinates of the points, pixels.
     margin : float
         Room on all sides, pixels.
     """
@@ -83,14 +84,14 @@ def rect_about(xs: Sequence[float], ys: Sequence[float], margin: float) -> QRect
 
 
 def rect_around(x: float, y: float, radius: float) -> QRect:
-    """The rectangle around a disc, in whole pixels, a pixel larger than it needs to be."""
+    """Return the rectangle around a disc, in whole pixels, with a pixel to spare."""
     left, top = math.floor(limited(x - radius)), math.floor(limited(y - radius))
     size = math.ceil(2.0 * limited(radius)) + 2
     return QRect(left, top, size, size)
 
 
 def inside_runs(line: Line) -> list[list[tuple[float, ...]]]:
-    """The parts of a line that lie within the limits.
+    """Return the parts of a line that lie within the limits.
 
     Parameters
     ----------
@@ -124,7 +125,7 @@ def inside_runs(line: Line) -> list[list[tuple[float, ...]]]:
 def _inside(
     begin: tuple[float, ...], end: tuple[float, ...]
 ) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
-    """The part of a straight piece within the limits; None if there is none."""
+    """Return the part of a straight piece within the limits; None if there is none."""
     if not all(map(math.isfinite, (*begin, *end))):
         return None
     enters, leaves = 0.0, 1.0

@@ -20,7 +20,7 @@ __all__ = ["AboutDialog", "versions"]
 
 
 def versions(renderer: str) -> tuple[tuple[str, str], ...]:
-    """What runs here: names and versions."""
+    """Return the names and versions of the software that runs here."""
     return (
         ("Bozzetto", bozzetto.__version__),
         ("Python", platform.python_version()),

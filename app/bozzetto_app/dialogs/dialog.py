@@ -9,12 +9,16 @@ __all__ = ["Page", "label", "quiet"]
 
 
 def label(words: str, *, kind: str = "", tone: str = "") -> QLabel:
-    """Words that wrap, taken as they are: names in them may contain anything.
+    """Return a label whose words wrap, as plain text: names in them may contain anything.
 
     Parameters
     ----------
+    words : str
+        The text of the label.
     kind : {"", "heading", "small"}
+        Its rank in the style sheet, such as “heading”.
     tone : {"", "quiet", "warning"}
+        Its colour in the style sheet, such as “quiet”.
     """
     made = QLabel(words)
     made.setTextFormat(Qt.TextFormat.PlainText)
@@ -25,7 +29,7 @@ def label(words: str, *, kind: str = "", tone: str = "") -> QLabel:
 
 
 def quiet(words: str) -> QLabel:
-    """A label in the second rank of text."""
+    """Return a label in the quiet colour of secondary text."""
     return label(words, tone="quiet")
 
 
@@ -57,7 +61,7 @@ class Page(QDialog):
         outer.addLayout(self._buttons)
 
     def add_button(self, words: str, *, default: bool = False) -> QPushButton:
-        """A button at the lower right; the default one is pressed by Enter."""
+        """Add a button at the lower right; Enter presses the default one."""
         button = QPushButton(words)
         button.setDefault(default)
         button.setAutoDefault(default)

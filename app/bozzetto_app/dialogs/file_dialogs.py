@@ -25,11 +25,11 @@ PRINTED = frozenset({".stl", ".3mf"})
 
 
 def _nothing() -> None:
-    """What happens after an answer that nobody waits for."""
+    """Do nothing after an answer that nobody waits for."""
 
 
 def said_of(problem: FileChanged | Locked) -> str:
-    """What stands in the way of a save, in a sentence."""
+    """Return the obstacle to a save, as a sentence."""
     if isinstance(problem, Locked):
         return tr(
             "Files",
@@ -44,7 +44,7 @@ def said_of(problem: FileChanged | Locked) -> str:
 
 
 def explained(hindrance: Hindrance) -> str:
-    """What the person needs to know to choose."""
+    """Return the facts that the person needs in order to choose."""
     problem = hindrance.problem
     if isinstance(problem, Locked):
         return tr(
@@ -90,16 +90,16 @@ class FileQuestions:
         session.files.locked.connect(self.ask_take_over)
 
     def ask_new(self) -> None:
-        """An empty sheet, once unsaved work is safe."""
+        """Start on an empty sheet, once unsaved work is safe."""
 
         def begin() -> None:
             self._session.files.new()
-            self._session.tell(tr("Files", "A new sheet."))
+            self._session.notices.tell(tr("Files", "A new sheet."))
 
         self.when_safe(begin)
 
     def ask_open(self) -> None:
-        """A document to open."""
+        """Ask for a document and open it."""
         documents = tr("Files", "Bozzetto documents ({endings})").format(
             endings=f"*{DOCUMENT_ENDING}"
         )
@@ -108,7 +108,7 @@ class FileQuestions:
             self.when_safe(lambda: self._session.files.open(path))
 
     def ask_import(self) -> None:
-        """A drawing, mesh or picture to bring in."""
+        """Ask for a drawing, mesh or picture and import it."""
         from bozzetto.exchange.formats import readers
 
         endings = " ".join(f"*{ending}" for one in readers() for ending in one.endings)
@@ -118,21 +118,21 @@ class FileQuestions:
             self._session.files.import_file(path)
 
     def ask_underlay(self) -> None:
-        """A picture to lay under the sheet."""
+        """Ask for a picture and put it under the sheet."""
         from bozzetto.exchange.formats import readers
 
         endings = " ".join(f"*{ending}" for one in readers("image") for ending in one.endings)
         kinds = tr("Files", "Pictures ({endings})").format(endings=endings)
         path = self._chosen(tr("Files", "Place a picture under the sheet"), kinds)
         if path is not None:
-            self._session.picturing.take_file(path, under=True)
+            self._session.pictures.take_file(path, under=True)
 
     def paste(self, *, under: bool = False) -> None:
         """Take the picture or the files that were copied elsewhere."""
         from bozzetto_app.canvas.input.drag_and_drop import take
 
         if not take(self._session, QGuiApplication.clipboard().mimeData(), under=under):
-            self._session.complain(
+            self._session.notices.complain(
                 UserError(tr("Files", "There is no picture to paste. Copy one first."))
             )
 
@@ -140,7 +140,7 @@ class FileQuestions:
         self, then: Callable[[], None] = _nothing, refused: Callable[[], None] = _nothing
     ) -> None:
         """Save where the document lies, or ask for a place."""
-        if self._session.path is None or self._session.read_only:
+        if self._session.drawing.path is None or self._session.drawing.read_only:
             self.ask_save_as(then, refused)
         else:
             self._session.files.save(None, then, refused)
@@ -148,7 +148,7 @@ class FileQuestions:
     def ask_save_as(
         self, then: Callable[[], None] = _nothing, refused: Callable[[], None] = _nothing
     ) -> None:
-        """A place for the document."""
+        """Ask for a file name and save the document there."""
         documents = tr("Files", "Bozzetto documents ({endings})").format(
             endings=f"*{DOCUMENT_ENDING}"
         )
@@ -162,7 +162,7 @@ class FileQuestions:
     def ask_hindered(self, hindrance: Hindrance) -> None:
         """Say what stands in the way of a save, and let the person choose."""
         if self._box is not None:
-            self._session.complain(hindrance.problem)
+            self._session.notices.complain(hindrance.problem)
             hindrance.leave()
             return
         box = QMessageBox(self._window)
@@ -192,7 +192,7 @@ class FileQuestions:
         box.open()
 
     def ask_take_over(self, path: Path) -> None:
-        """A document can be looked at only: offer to take it over from who has it open."""
+        """Offer to take over a read-only document from the person who has it open."""
         if self._box is not None:
             return
         box = QMessageBox(self._window)
@@ -221,7 +221,7 @@ class FileQuestions:
         box.open()
 
     def ask_export(self) -> None:
-        """A place and a format for the shapes."""
+        """Ask for a file name and a format, and export the shapes."""
         from bozzetto_app.session.format_order import offered_formats
 
         kinds = ";;".join(
@@ -242,7 +242,7 @@ class FileQuestions:
         then : callable
             Called at once where nothing is known to stand in the way, else after the answer.
         """
-        problems = _print_problems(self._session.report)
+        problems = _print_problems(self._session.solver.report)
         if path.suffix.lower() not in PRINTED or not problems or self._box is not None:
             then()
             return
@@ -277,7 +277,7 @@ class FileQuestions:
         refused : callable, optional
             Called if the person would rather stay.
         """
-        if not self._session.is_modified:
+        if not self._session.drawing.is_modified:
             then()
             return
         stay = refused or _nothing
@@ -289,7 +289,11 @@ class FileQuestions:
         box.setObjectName("unsaved")
         box.setIcon(QMessageBox.Icon.NoIcon)
         box.setText(
-            tr("Files", "“{name}” has changes that are not saved.", name=self._session.title)
+            tr(
+                "Files",
+                "“{name}” has changes that are not saved.",
+                name=self._session.drawing.title,
+            )
         )
         save = box.addButton(tr("Files", "Save"), QMessageBox.ButtonRole.AcceptRole)
         drop = box.addButton(tr("Files", "Don’t save"), QMessageBox.ButtonRole.DestructiveRole)
@@ -318,8 +322,8 @@ class FileQuestions:
         return self._noted(name)
 
     def _place(self, title: str, kinds: str, ending: str) -> tuple[Path | None, bool]:
-        """A place that was chosen; and whether the dialog asked about a file of that name."""
-        proposal = str(Path(self._folder()) / f"{self._session.title}{ending}")
+        """Return the chosen file, and whether the dialog asked about overwriting it."""
+        proposal = str(Path(self._folder()) / f"{self._session.drawing.title}{ending}")
         name, chosen = QFileDialog.getSaveFileName(self._window, title, proposal, kinds)
         path = self._noted(name)
         if path is None or path.suffix:
@@ -337,8 +341,8 @@ class FileQuestions:
         return QMessageBox.question(self._window, title, question, yes | no, no) == yes
 
     def _folder(self) -> str:
-        if self._session.path is not None:
-            return str(self._session.path.parent)
+        if self._session.drawing.path is not None:
+            return str(self._session.drawing.path.parent)
         return str(settings().value(LAST_FOLDER, str(Path.home())))
 
     def _noted(self, name: str) -> Path | None:
@@ -349,7 +353,7 @@ class FileQuestions:
 
 
 def _print_problems(report: Mapping[str, Any]) -> list[str]:
-    """What a report says under ``print``: ``problems`` of a shape that stand in a printer's way."""
+    """Return the ``problems`` in a report under ``print``, which hinder 3D printing."""
     said = report.get("print")
     problems = said.get("problems") if isinstance(said, Mapping) else None
     return [str(problem) for problem in problems] if isinstance(problems, list) else []

@@ -71,7 +71,7 @@ def match(typed: str, text: str) -> Match | None:
 
 
 def _fit(word: str, text: str) -> Match | None:
-    """The best alignment of one word, by dynamic programming over (letter, place)."""
+    """Return the best alignment of one word, by dynamic programming over (letter, position)."""
     best: dict[int, tuple[float, tuple[int, ...]]] = {-1: (0.0, ())}
     for letter in word:
         reached: dict[int, tuple[float, tuple[int, ...]]] = {}

@@ -158,7 +158,7 @@ class GuideText(QTextBrowser):
         return path.is_relative_to(self._folder) and path.is_file()
 
     def _follow(self, link: QUrl) -> None:
-        """A link to a page or a heading stays here; one to the web goes to the browser."""
+        """Follow a link: to a page or heading in this dialog, to the web in the browser."""
         if link.scheme() in ("http", "https"):
             QDesktopServices.openUrl(link)
             return
@@ -184,7 +184,7 @@ class GuideDialog(Page):
         self.field.setPlaceholderText(tr("Guide", "Search in this page"))
         self.field.setAccessibleName(tr("Guide", "Search"))
         self.field.setClearButtonEnabled(True)
-        self.field.textChanged.connect(self._search_anew)
+        self.field.textChanged.connect(self._search_again)
         self.field.returnPressed.connect(self._search_on)
         self.said = QLabel()
         self.said.setProperty("tone", "warning")
@@ -235,7 +235,7 @@ class GuideDialog(Page):
     def _go(self, item: QListWidgetItem) -> None:
         self.text.go_to(item.data(Qt.ItemDataRole.UserRole))
 
-    def _search_anew(self, words: str) -> None:
+    def _search_again(self, words: str) -> None:
         """Search while typing, from where the last find began."""
         cursor = self.text.textCursor()
         cursor.setPosition(cursor.selectionStart())

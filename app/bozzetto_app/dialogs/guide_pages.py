@@ -42,25 +42,25 @@ class Heading(NamedTuple):
 
 
 def guide_folder() -> Path:
-    """The folder in which the pages lie."""
+    """Return the folder of the pages."""
     return PACKED if (PACKED / FIRST_PAGE).is_file() else WRITTEN
 
 
 def slug(words: str) -> str:
-    """A heading's anchor, as GitHub makes it: links between pages are written for that."""
+    """Return the anchor of a heading as GitHub makes it, for links between pages."""
     kept = re.sub(r"[^\w\- ]", "", words.strip().lower())
     return kept.replace(" ", "-")
 
 
 def headings_of(text: str) -> Iterator[Heading]:
-    """The headings of a page, from above."""
+    """Return the headings of a page, from the top."""
     for marks, words in HEADING.findall(FENCE.sub("", text)):
         plain = KEY.sub(r"\1", words).replace("`", "")
         yield Heading(plain, len(marks), slug(plain))
 
 
 def shown_text(text: str) -> str:
-    """A page as Qt reads it.
+    """Return a page in the Markdown that Qt reads.
 
     Keys are set like code, for Qt's Markdown knows no ``kbd``; lists get dots, which Qt sets for
     ``-`` alone.

@@ -72,13 +72,13 @@ def entries_of(
     focus_parameter: Callable[[str], object],
 ) -> Iterator[Entry]:
     """Everything that can be found now."""
-    tools = {tool.title for tool in session.tools}
-    for place, tool in enumerate(session.tools):
+    tools = {tool.title for tool in session.toolbox.tools}
+    for place, tool in enumerate(session.toolbox.tools):
         yield Entry(
             f"tool {tool.id}",
             tool.title,
             tr("Palette", "Tool"),
-            partial(session.activate_tool, tool.id),
+            partial(session.toolbox.take_tool, tool.id),
             tool.icon or "pen",
             TOOL_KEYS[place : place + 1],
         )
@@ -96,15 +96,15 @@ def entries_of(
             key_text(action),
             action.enabled(),
         )
-    for info in session.modelers:
+    for info in session.toolbox.modelers:
         yield Entry(
             f"modeler {info.id}",
             info.title,
             tr("Palette", "Modeler"),
-            partial(session.activate_modeler, info.id),
+            partial(session.toolbox.take_modeler, info.id),
             info.icon,
         )
-    for field, _ in (*session.parameters, *session.part_parameters):
+    for field, _ in (*session.objects.parameters, *session.parts.parameters):
         yield Entry(
             f"parameter {field.name}",
             field.parameter.label,
@@ -112,12 +112,12 @@ def entries_of(
             partial(focus_parameter, field.name),
             "sliders",
         )
-    for model in session.document:
+    for model in session.drawing.document:
         yield Entry(
             f"object {model.id}",
             model.name,
             tr("Palette", "Object"),
-            partial(session.select, model.id),
+            partial(session.selection.select, model.id),
             "cube",
         )
     for path in recent:
@@ -131,13 +131,14 @@ def entries_of(
 
 
 def search(typed: str, entries: Iterable[Entry], used: Sequence[str] = ()) -> list[Found]:
-    """The entries that fit, best first.
+    """Return the entries that match, best first.
 
     Parameters
     ----------
     typed : str
         Nothing typed shows everything, what was used lately on top.
     entries : iterable of Entry
+        What can be found.
     used : sequence of str
         Ids, the latest first.
     """

@@ -60,7 +60,7 @@ class Reading:
 
 
 def rate_of(times: deque[float]) -> float:
-    """Samples a second over the last second; 0 for fewer than two samples.
+    """Return the samples per second over the last second; 0 for fewer than two samples.
 
     Times older than `RATE_SECONDS` before the last one are dropped from the queue.
     """

@@ -149,7 +149,7 @@ class PluginManager(Page):
         return line
 
     def details_of(self, info: PluginInfo) -> FaultDetails:
-        """The dialog with a plugin's traceback."""
+        """Show the dialog with the traceback of a plugin."""
         return FaultDetails(f"{info.title} {info.version}: {info.fault}", info.details, self)
 
     def _switch(self, plugin: str, on: bool) -> None:
@@ -158,6 +158,6 @@ class PluginManager(Page):
         try:
             keep_plugin_disabled(plugin, not on)
         except UserError as problem:
-            self._session.complain(problem)
+            self._session.notices.complain(problem)
         self.refresh()
         self.switched.emit(plugin, on)

@@ -179,7 +179,7 @@ class PreferencesDialog(Page):
 
 
 def _value(key: str, default: object, kind: type[Any]) -> Any:
-    """A setting; what a hand-edited file spoiled counts as the default."""
+    """Return a setting; an unusable value in the file counts as the default."""
     try:
         return settings().value(key, default, kind)
     except (TypeError, ValueError):

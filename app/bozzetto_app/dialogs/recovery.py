@@ -30,7 +30,7 @@ MOST_OF_SCREEN: Final = 0.6
 
 
 def _clock(seconds: float) -> str:
-    """The time of day; with its date where that is not today."""
+    """Return the time of day, with the date if that is not today."""
     try:
         when = datetime.fromtimestamp(seconds)
     except (ValueError, OverflowError, OSError):  # a clock, or a file, out of order

@@ -33,7 +33,7 @@ Index = QModelIndex | QPersistentModelIndex
 
 
 def gestures() -> tuple[tuple[str, str], ...]:
-    """What the pen, mouse and fingers do on the sheet: the deed and the gesture."""
+    """Return the gestures of pen, mouse and fingers on the sheet: the effect and the gesture."""
     return (
         (tr("Gestures", "Draw"), tr("Gestures", "Pen, or left button")),
         (tr("Gestures", "Erase"), tr("Gestures", "Eraser end, or Ctrl + pen or left button")),
@@ -109,7 +109,7 @@ class ShortcutsDialog(Page):
         self.resize(520, 560)
 
     def shown(self) -> list[str]:
-        """The names that the search leaves."""
+        """Return the names that match the search."""
         return [row.text(0) for rows in self._rows.values() for row in rows if not row.isHidden()]
 
     def _add(self, title: str, rows: Sequence[tuple[str, str]], *, as_keys: bool) -> None:

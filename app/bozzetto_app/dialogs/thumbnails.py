@@ -25,9 +25,9 @@ LARGEST = 32 << 20
 
 
 def thumbnail_of(path: Path) -> QImage | None:
-    """The ink of a drawing or the sketch that it is about, or the picture kept in a document.
+    """Return a picture of a drawing's ink or sketch, or the one kept in a document.
 
-    None where there is none.
+    None if there is none.
     """
     try:
         return _of_document(path) if path.suffix == DOCUMENT_ENDING else _of_ink(path)
@@ -70,7 +70,7 @@ def _of_ink(path: Path) -> QImage | None:
 
 
 def _of_picture(picture: Picture | None) -> QImage | None:
-    """A sketch, as large as the small picture has room for."""
+    """Return a sketch, as large as the small picture has room for."""
     if picture is None:
         return None
     whole = QImage.fromData(picture.encoded.tobytes())

@@ -104,12 +104,12 @@ class HistoryPanel(QListWidget):
         self.setMinimumSize(200, 2 * ROW)
         self.itemClicked.connect(self._go)
         self.itemActivated.connect(self._go)
-        session.document_changed.connect(self.refresh)
+        session.drawing.changed.connect(self.refresh)
         self.refresh()
 
     def refresh(self) -> None:
         """Show the steps there are now."""
-        history = self._session.history
+        history = self._session.drawing.history
         labels = history.entries
         self.current = history.position
         for row, label in enumerate(labels):
@@ -130,6 +130,6 @@ class HistoryPanel(QListWidget):
     def _go(self, item: QListWidgetItem) -> None:
         row = self.row(item)
         if row != self.current:
-            self._session.go_to(row)
+            self._session.drawing.go_to(row)
         else:
-            self._session.tell(tr("History", "This step is shown already."))
+            self._session.notices.tell(tr("History", "This step is shown already."))

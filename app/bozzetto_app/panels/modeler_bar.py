@@ -88,7 +88,7 @@ class ModelerBar(QWidget):
         self._row.setSpacing(0)
         self._row.addStretch(1)
         self._buttons: dict[str, _ModelerButton] = {}
-        session.modeler_changed.connect(self._mark)
+        session.toolbox.modeler_changed.connect(self._mark)
         self.refresh()
 
     def refresh(self) -> None:
@@ -97,7 +97,7 @@ class ModelerBar(QWidget):
             button.hide()
             button.deleteLater()
         self._buttons = {}
-        for place, info in enumerate(self._session.modelers):
+        for place, info in enumerate(self._session.toolbox.modelers):
             button = _ModelerButton(info.icon, info.title, info.hint)
             button.clicked.connect(lambda _, name=info.id: self._take(name))
             self._row.insertWidget(place, button)
@@ -109,14 +109,16 @@ class ModelerBar(QWidget):
         return QSize(sum(b.full_width() for b in self._buttons.values()) + 8, HEIGHT)
 
     def _take(self, modeler: str) -> None:
-        if modeler == self._session.active_modeler:
+        if modeler == self._session.toolbox.modeler:
             title = self._session.registry.info(modeler).title
-            self._session.tell(tr("ModelerBar", "You are drawing with {title}.", title=title))
-        self._session.activate_modeler(modeler)
+            self._session.notices.tell(
+                tr("ModelerBar", "You are drawing with {title}.", title=title)
+            )
+        self._session.toolbox.take_modeler(modeler)
         self._mark()  # the session decides; a click alone does not check a button
 
     def _mark(self) -> None:
-        active = self._session.active_modeler
+        active = self._session.toolbox.modeler
         for name, button in self._buttons.items():
             button.setChecked(name == active)
 

@@ -46,9 +46,11 @@ class _Host:
             state_type = session.registry.modeler(self._modeler).state_type
             session.registry.guard.check_state(self._modeler, state_type, state)
         except (UserError, PluginFault) as problem:
-            session.complain(problem)
+            session.notices.complain(problem)
             return
-        session.commit(label, session.document.with_model(replace(model, state=state)))
+        session.drawing.commit(
+            label, session.drawing.document.with_model(replace(model, state=state))
+        )
 
     def on_change(self, callback: Callable[[], None]) -> None:
         self._callbacks.append(callback)
@@ -70,11 +72,11 @@ class _Host:
                 )
             except (UserError, PluginFault) as problem:
                 self._callbacks.remove(callback)
-                self._session.complain(problem)
+                self._session.notices.complain(problem)
 
     @property
     def _model(self) -> Model | None:
-        model = self._session.selected_model
+        model = self._session.selection.model
         return model if model is not None and model.modeler == self._modeler else None
 
 
@@ -98,7 +100,7 @@ class PluginPanel(QWidget):
         self._made: QWidget | None = None
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(12, 8, 12, 12)
-        for signal in (session.selection_changed, session.document_changed):
+        for signal in (session.selection.changed, session.drawing.models_changed):
             signal.connect(self.refresh)
 
     @property
@@ -108,7 +110,7 @@ class PluginPanel(QWidget):
 
     def refresh(self) -> None:
         """Show what belongs to the selected object, and tell it of changes."""
-        model = self._session.selected_model
+        model = self._session.selection.model
         known = model is not None and not self._session.workbench.is_foreign(model)
         modeler = model.modeler if model is not None and known else ""
         if modeler != self._modeler:
@@ -143,7 +145,7 @@ class PluginPanel(QWidget):
                     modeler, f"bozzetto_panel gave {wrong} where a QWidget belongs"
                 )
         except (UserError, PluginFault) as problem:
-            self._session.complain(problem)
+            self._session.notices.complain(problem)
             return
         if made is not None:
             self._made, self._host = made, host

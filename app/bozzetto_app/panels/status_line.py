@@ -14,7 +14,8 @@ from bozzetto_app.style.theme import qcolor, tones
 from bozzetto_app.widgets.icon_button import IconButton
 
 if TYPE_CHECKING:
-    from bozzetto_app.session.session import Notice, Session
+    from bozzetto_app.session.notices import Notice
+from bozzetto_app.session.session import Session
 
 __all__ = ["FaultBar", "StatusLine"]
 
@@ -86,6 +87,7 @@ class FaultBar(QFrame):
         sign = _Sign()
         sign.kind = "fault"
         self._words = QLabel()
+        self._words.setObjectName("fault-words")
         self._words.setWordWrap(True)
         self._words.setTextFormat(Qt.TextFormat.PlainText)
         self._details = QPushButton(tr("FaultBar", "Details"))
@@ -99,6 +101,7 @@ class FaultBar(QFrame):
         self._escape.activated.connect(self._ask_stop)
         close = IconButton("cross", tr("FaultBar", "Close"), side=24, glyph=16, faint=True)
         self._details.clicked.connect(lambda: self.details_wanted.emit(self._notice))
+        self._switch_off.setObjectName("fault-switch-off")
         self._switch_off.clicked.connect(self._ask_switch_off)
         close.clicked.connect(self.hide)
         row = QHBoxLayout(self)
@@ -206,17 +209,21 @@ class StatusLine(QWidget):
         self.faults.switch_off_wanted.connect(self._switch_off)
         self.faults.stop_wanted.connect(session.cancel_work)
         self._progress = _Progress()
+        self._progress.setObjectName("status-progress")
         # A line that takes its room along would resize the sheet whenever work begins.
         room = self._progress.sizePolicy()
         room.setRetainSizeWhenHidden(True)
         self._progress.setSizePolicy(room)
         self._sign = _Sign()
-        self._words = _Elided(session.hint)
+        self._words = _Elided(session.notices.hint)
+        self._words.setObjectName("status-words")
         self._step = QLabel()
+        self._step.setObjectName("status-step")
         self._step.setProperty("tone", "quiet")
         self._cancel = IconButton(
             "cross", tr("StatusLine", "Stop this work"), side=24, glyph=16, faint=True
         )
+        self._cancel.setObjectName("status-cancel")
         self._cancel.clicked.connect(session.cancel_work)
         units = QLabel(tr("StatusLine", "mm"))
         units.setProperty("tone", "quiet")
@@ -242,12 +249,12 @@ class StatusLine(QWidget):
         self._return.timeout.connect(self._show_hint)
         self._patience = QTimer(self, singleShot=True, interval=PATIENCE)
         self._patience.timeout.connect(lambda: self._show_work(True))
-        session.noticed.connect(self.show_notice)
+        session.notices.noticed.connect(self.show_notice)
         session.progressed.connect(self._advance)
         session.busy_changed.connect(self._busy)
-        session.document_changed.connect(self.went_on)
-        session.tool_changed.connect(self.went_on)
-        session.document_changed.connect(self.faults.work_ended)
+        session.drawing.changed.connect(self.went_on)
+        session.toolbox.tool_changed.connect(self.went_on)
+        session.drawing.changed.connect(self.faults.work_ended)
         self._show_work(False)
         self._show_hint()
 
@@ -264,13 +271,13 @@ class StatusLine(QWidget):
             self._return.start(ERROR_TIME if notice.kind == "error" else INFO_TIME)
 
     def went_on(self) -> None:
-        """The pen is down again, or something was done: what was said has been read."""
+        """Show the hint again: the person went on, so the last message has been read."""
         if self._sign.kind != "hint":
             self._show_hint()
 
     def _show_hint(self) -> None:
         self._return.stop()
-        self._say("hint", self._session.hint)
+        self._say("hint", self._session.notices.hint)
 
     def _say(self, kind: str, words: str) -> None:
         self._sign.kind = kind

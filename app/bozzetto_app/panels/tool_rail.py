@@ -81,6 +81,7 @@ class ToolRail(QWidget):
         self._buttons: dict[str, _ToolButton] = {}
 
         self._count = QLabel()
+        self._count.setObjectName("waiting-count")
         self._count.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._count.setProperty("type", "small")
         self._count.setFont(small_font(self.font()))
@@ -89,13 +90,16 @@ class ToolRail(QWidget):
             tr("ToolRail", "Finish the waiting strokes"),
             key=tr("Keys", "Enter"),
         )
-        self._finish.clicked.connect(session.commit_pending)
+        self._finish.setObjectName("waiting-finish")
+        self._finish.clicked.connect(session.gestures.commit)
         self._drop = _RailButton(
             "cross",
             tr("ToolRail", "Take the waiting strokes back; the eraser, or Ctrl, takes one"),
         )
-        self._drop.clicked.connect(session.clear_pending)
+        self._drop.setObjectName("waiting-drop")
+        self._drop.clicked.connect(session.gestures.clear)
         self._waiting = QWidget()
+        self._waiting.setObjectName("waiting")
         waiting = QVBoxLayout(self._waiting)
         waiting.setContentsMargins(0, 0, 0, 0)
         waiting.setSpacing(4)
@@ -107,9 +111,9 @@ class ToolRail(QWidget):
         self._column.setSpacing(4)
         self._column.addStretch(1)
         self._column.addWidget(self._waiting)
-        session.modeler_changed.connect(self.refresh)
-        session.tool_changed.connect(self._mark)
-        session.pending_changed.connect(self._show_waiting)
+        session.toolbox.modeler_changed.connect(self.refresh)
+        session.toolbox.tool_changed.connect(self._mark)
+        session.drawing.waiting_changed.connect(self._show_waiting)
         self.refresh()
         self._show_waiting()
 
@@ -119,7 +123,7 @@ class ToolRail(QWidget):
             button.hide()
             button.deleteLater()
         self._buttons = {}
-        for place, tool in enumerate(self._session.tools):
+        for place, tool in enumerate(self._session.toolbox.tools):
             key = TOOL_KEYS[place : place + 1]
             button = _ToolButton(tool.icon, tool.title, key)
             button.setAccessibleDescription(tool.hint)
@@ -131,19 +135,19 @@ class ToolRail(QWidget):
         self._mark()
 
     def _take(self, tool: str) -> None:
-        self._session.activate_tool(tool)
+        self._session.toolbox.take_tool(tool)
         self._mark()  # the session decides; a click alone does not check a button
 
     def _mark(self) -> None:
         for name, button in self._buttons.items():
-            button.setChecked(name == self._session.active_tool)
+            button.setChecked(name == self._session.toolbox.tool)
 
     def _show_waiting(self) -> None:
-        count = len(self._session.pending)
+        count = len(self._session.drawing.pending)
         self._waiting.setVisible(count > 0)
         self._count.setText(str(count))
         said = tr("ToolRail", "Strokes waiting: {count}", count=count)
-        reasons = dict.fromkeys(one.reason for one in self._session.marked_ink)
+        reasons = dict.fromkeys(one.reason for one in self._session.drawing.marked_ink)
         self._count.setToolTip("\n".join((said, *reasons)))
         self._count.setAccessibleName(said)
 

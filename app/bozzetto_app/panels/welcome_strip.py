@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QImage, QPainter, QPainterPath, QPaintEvent, QPen
+from PySide6.QtCore import QEvent, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QImage, QPainter, QPainterPath, QPaintEvent, QPen, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
     QFrame,
@@ -24,6 +24,7 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import qcolor, small_font, tones
 from bozzetto_app.widgets.icon_button import IconButton, paint_focus
+from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
@@ -36,19 +37,30 @@ PICTURE = QSize(72, 54)
 WIDTH = 276
 """Of the strip over a sheet, px."""
 
+AFTER_PAINT = 50
+"""Time for the first paint of the window before pictures are read, ms."""
+
 Thumbnail = Callable[[Path], QImage | None]
 
 
 class _Card(QAbstractButton):
-    """A picture with two lines of words."""
+    """A picture with two lines of words.
+
+    Signals
+    -------
+    outdated
+        The picture belongs to another theme.
+    """
+
+    outdated = Signal()
 
     def __init__(
         self, title: str, below: str, picture: Callable[[], QImage | None], icon: str | Path
     ) -> None:
         super().__init__()
         self._below = below
-        self._make = picture
-        self._picture = picture()
+        self.read = picture
+        self._picture: QImage | None = None
         self._theme = tones().name
         self._icon = icon
         self.setText(title)
@@ -65,8 +77,12 @@ class _Card(QAbstractButton):
         super().changeEvent(event)
         if self._theme != tones().name:  # pictures of ink have the theme's ink
             self._theme = tones().name
-            self._picture = self._make()
-            self.update()
+            self.outdated.emit()
+
+    def show_picture(self, picture: QImage | None) -> None:
+        """Show a picture instead of the icon, if there is one."""
+        self._picture = picture
+        self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         colors = tones()
@@ -113,6 +129,10 @@ class _Card(QAbstractButton):
         )
         if self.hasFocus():
             paint_focus(painter, QRectF(self.rect()), 6)
+
+
+def _raise(problem: BaseException) -> None:
+    raise problem
 
 
 def _heading(words: str) -> QLabel:
@@ -182,11 +202,15 @@ class WelcomeStrip(QScrollArea):
         self._add_recent(recent)
         self._column.addStretch(1)
         self.setWidget(page)
-        session.pending_changed.connect(self._drawn)
-        session.document_changed.connect(self._drawn)
+        self._pictures = Channel("welcome", keep_all=True, parent=self)
+        self._cards = page.findChildren(_Card)
+        for card in self._cards:
+            card.outdated.connect(partial(self._read, card))
+        session.drawing.waiting_changed.connect(self._drawn)
+        session.drawing.changed.connect(self._drawn)
 
     def _add_samples(self) -> None:
-        infos = [info for info in self._session.modelers if info.samples]
+        infos = [info for info in self._session.toolbox.modelers if info.samples]
         if not infos:
             return
         self._column.addWidget(_heading(tr("Welcome", "Sample drawings")))
@@ -221,11 +245,26 @@ class WelcomeStrip(QScrollArea):
             card.clicked.connect(lambda _, path=path: self.recent_chosen.emit(path))
             self._column.addWidget(card)
 
+    def showEvent(self, event: QShowEvent) -> None:
+        """Have the pictures read in a worker, which takes some milliseconds each."""
+        super().showEvent(event)
+        QTimer.singleShot(AFTER_PAINT, self, self._read_all)
+
+    def _read_all(self) -> None:
+        cards, self._cards = self._cards, []
+        for card in cards:
+            self._read(card)
+
+    def _read(self, card: _Card) -> None:
+        self._pictures.submit(Request(lambda job: card.read(), card.show_picture, _raise))
+
     def lie_on(self, sheet: QSize) -> None:
         """Take a sheet's upper left corner, no more of it than there is to show."""
         tall = self._column.totalHeightForWidth(WIDTH - 1)
         self.setGeometry(0, 0, WIDTH, min(tall + 1, sheet.height()))
 
     def _drawn(self) -> None:
-        if self.isVisible() and (self._session.pending or self._session.document.models):
+        if self.isVisible() and (
+            self._session.drawing.pending or self._session.drawing.document.models
+        ):
             self.closed.emit()

@@ -1,4 +1,4 @@
-"""Keeping every stroke: the session's changes go to a journal as they are made.
+"""Recovery data: every change of the document goes to a journal at once.
 
 After a crash at most the stroke under the pen is lost. One thread writes, in order; of
 several snapshots that wait only the newest need be written. Nothing of a plugin's runs in
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
+from bozzetto.document.recovery.file_lock import FileLock
 from bozzetto.document.recovery.recovery import CrashedSession, Recovered, RecoveryStore
 from bozzetto.errors import UserError
 from bozzetto.plugin.job import Job
@@ -23,7 +24,7 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim
 from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot
 from bozzetto_app.workers.channel import Channel, Request
-from bozzetto_app.workers.main_thread import ring
+from bozzetto_app.workers.main_thread import call_on_main_thread
 
 if TYPE_CHECKING:
     from bozzetto.document.history import History
@@ -84,9 +85,10 @@ class Keeper(QObject):
 
     def __init__(self, session: Session, folder: Path) -> None:
         super().__init__(session)
-        self._session = session
+        self._drawing, self._files = session.drawing, session.files
+        self._notices, self._registry = session.notices, session.registry
         self._store = RecoveryStore(folder)
-        self._sheet = _OnSheet(session.history, DrawingRecord(self._store))
+        self._sheet = _OnSheet(session.drawing.history, DrawingRecord(self._store))
         self._landing: BroughtBack | None = None
         self._coming: set[str] = set()
         self._unwritten: list[_OnSheet] = []
@@ -94,10 +96,12 @@ class Keeper(QObject):
         self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
         self._thread.start()
         self._reads = Channel("recover", keep_all=True, time_limit=RECOVER_LIMIT, parent=self)
-        session.document_changed.connect(self._record)
-        session.pending_changed.connect(self._record)
+        session.drawing.changed.connect(self._record)
+        session.drawing.waiting_changed.connect(self._record)
         session.files.saved.connect(self._saved)
         session.files.given_up.connect(self._given_up)
+        if session.drawing.is_modified:
+            self._record()
 
     @property
     def busy(self) -> bool:
@@ -118,32 +122,33 @@ class Keeper(QObject):
     def recover(
         self, crashed: CrashedSession, ended: Callable[[bool], None] = lambda shown: None
     ) -> None:
-        """Bring one back onto the sheet, complete to its last stroke.
+        """Bring a crashed drawing back onto the sheet, complete to its last stroke.
 
         What is on the sheet by then is asked about first, if it is not saved.
 
         Parameters
         ----------
         crashed : CrashedSession
+            One of those that were found.
         ended : callable
             Called with whether it is on the sheet; if not, it is offered again.
         """
-        session = self._session
+        files = self._files
         if crashed.id in self._coming:
             return
         self._coming.add(crashed.id)
 
-        def work(job: Job) -> tuple[Recovered, Claim]:
+        def work(job: Job, held: FileLock | None) -> tuple[Recovered, Claim]:
             recovered = self._store.recover(
-                crashed, session.registry, lambda: job.checkpoint(0.5, crashed.name)
+                crashed, self._registry, lambda: job.checkpoint(0.5, crashed.name)
             )
             claim = Claim(None)
             try:
                 if crashed.path is not None:
-                    claim = session.files.claim(crashed.path)
+                    claim = files.claim(crashed.path, held)
                 job.checkpoint(1.0, crashed.name)
             except BaseException:  # nobody waits for it any more
-                session.files.leave(claim)
+                files.leave(claim)
                 self._store.keep(crashed)
                 raise
             return recovered, claim
@@ -154,7 +159,7 @@ class Keeper(QObject):
             def show() -> None:
                 self._coming.discard(crashed.id)
                 self._landing = BroughtBack(crashed, recovered.is_whole)
-                session.files.show(
+                files.show(
                     claim,
                     recovered.document,
                     crashed.path,
@@ -163,23 +168,23 @@ class Keeper(QObject):
                     stamp=crashed.stamp,
                 )
                 for warning in recovered.warnings:
-                    session.tell(warning)
+                    self._notices.tell(warning)
                 ended(True)
 
             def refused() -> None:
                 self._coming.discard(crashed.id)
-                session.files.leave(claim)
+                files.leave(claim)
                 self._tasks.put(lambda: self._store.keep(crashed))
                 ended(False)
 
-            session.when_safe(show, refused)
+            files.when_safe(show, refused)
 
         def failed(problem: BaseException) -> None:
             self._coming.discard(crashed.id)
-            session.complain(problem)
+            self._notices.complain(problem)
             ended(False)
 
-        self._reads.submit(Request(work, arrived, failed))
+        self._reads.submit(Request(work, arrived, failed, inputs=lambda: files.lock))
 
     def discard(self, crashed: CrashedSession, ended: Callable[[bool], None]) -> None:
         """Delete what a crash left behind; the person said so.
@@ -187,12 +192,13 @@ class Keeper(QObject):
         Parameters
         ----------
         crashed : CrashedSession
+            One of those that were found.
         ended : callable
             Called with whether it is gone.
         """
 
         def failed(problem: BaseException) -> None:
-            self._session.complain(problem)
+            self._notices.complain(problem)
             ended(False)
 
         self._reads.submit(
@@ -202,7 +208,7 @@ class Keeper(QObject):
     # -- what is drawn now --
 
     def close(self) -> None:
-        """The drawing leaves the sheet for good, and the program ends."""
+        """Write down what is left: the drawing leaves the sheet, and the program ends."""
         self._leave(self._sheet)
         self._tasks.put(None)
 
@@ -212,21 +218,21 @@ class Keeper(QObject):
 
     def _record(self) -> None:
         """Write down the document as it is, with the ink that waits."""
-        session = self._session
-        if session.history is not self._sheet.history:
+        drawing = self._drawing
+        if drawing.history is not self._sheet.history:
             self._leave(self._sheet)
             landing, self._landing = self._landing, None
-            self._sheet = _OnSheet(session.history, DrawingRecord(self._store, landing))
+            self._sheet = _OnSheet(drawing.history, DrawingRecord(self._store, landing))
         sheet = self._sheet
-        sheet.is_unsaved = session.is_modified
+        sheet.is_unsaved = drawing.is_modified
         if sheet.last is None and not sheet.is_unsaved:
             return
         sheet.last = self._snapshot()
         self._tasks.put(lambda: self._write(sheet))
 
     def _snapshot(self) -> Snapshot:
-        session = self._session
-        return Snapshot(session.title, session.path, session.files.stamp, session.document)
+        drawing = self._drawing
+        return Snapshot(drawing.title, drawing.path, self._files.stamp, drawing.document)
 
     def _given_up(self) -> None:
         self._sheet.given_up = self._snapshot()
@@ -244,7 +250,7 @@ class Keeper(QObject):
             return
         self._tasks.put(lambda: self._set_aside(sheet))
         name = sheet.last.name if sheet.last is not None else ""
-        self._session.tell(
+        self._notices.tell(
             tr("Recovery", "“{name}” is kept, and offered at the next start.", name=name)
         )
 
@@ -258,7 +264,7 @@ class Keeper(QObject):
                     return
                 task()
             except Exception as problem:
-                ring(self, self._complain, problem)
+                call_on_main_thread(self, self._complain, problem)
             finally:
                 self._tasks.task_done()
 
@@ -284,4 +290,4 @@ class Keeper(QObject):
     def _complain(self, problem: BaseException) -> None:
         if not isinstance(problem, UserError):
             log.error("the journal cannot be written", exc_info=problem)
-        self._session.complain(problem)
+        self._notices.complain(problem)

@@ -27,7 +27,7 @@ class Claim:
     lock : FileLock, optional
         Held if it may.
     refusal : str
-        Why it may not; told to the person.
+        Why it may not, in words for the person.
     holder : Holder, optional
         Who has it open, where that is the reason.
     """
@@ -60,6 +60,7 @@ class Claims:
         Parameters
         ----------
         path : Path
+            The file of the document.
         held : FileLock, optional
             The lock of the open document, which may be the same.
         """

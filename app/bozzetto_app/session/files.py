@@ -1,6 +1,6 @@
-"""Opening, saving, importing and exporting, beside the window's thread.
+"""Opening, saving, importing and exporting, in workers.
 
-No dialog is shown here: `bozzetto_app.dialogs.file_dialogs` asks, this does.
+No dialog is shown here: `bozzetto_app.dialogs.file_dialogs` asks the person.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 from urllib.parse import unquote_to_bytes
 
 from PySide6.QtCore import QObject, Signal
@@ -21,15 +21,19 @@ from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.job import Job
 from bozzetto.temporary_files import remove_leftovers
+from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim, Claims
-from bozzetto_app.session.notices import Notice
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.gesture_context import GestureContext
+from bozzetto_app.session.notices import Notice, Notices
+from bozzetto_app.session.pictures import PictureInput
+from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.thumbnail import SmallPictures
+from bozzetto_app.session.toolbox import Toolbox
+from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.settings import settings
 from bozzetto_app.workers.channel import Channel, Request
-
-if TYPE_CHECKING:
-    from bozzetto_app.session.session import Session
 
 __all__ = ["DOCUMENT_ENDING", "LAST_FOLDER", "Claim", "Files", "Hindrance", "recent_files"]
 
@@ -44,7 +48,7 @@ SLOW_AFTER = 60.0
 
 
 def recent_files() -> list[Path]:
-    """Documents opened or saved lately, newest first.
+    """Return the documents that were opened or saved lately, newest first.
 
     The disk is not asked, for it may be slow or far away; those that are gone are left out
     by the next worker that looks.
@@ -55,7 +59,7 @@ def recent_files() -> list[Path]:
 
 
 def _name_of(path: Path) -> str:
-    """A path as settings can hold it: as text, or as an address where it is not text."""
+    """Return a path as settings can hold it: as text, or as a URI if it is no text."""
     try:
         str(path).encode()
     except UnicodeEncodeError:
@@ -91,27 +95,55 @@ class Hindrance:
     leave: Callable[[], None]
 
 
+@dataclass(frozen=True)
+class _Known:
+    """The lock of the open document and the recent documents, when work on a file begins."""
+
+    lock: FileLock | None
+    recent: list[Path]
+
+    def give_back(self, lock: FileLock | None, claims: Claims) -> None:
+        """Release another lock than the one of the open document."""
+        if lock is not None and lock is not self.lock:
+            claims.give_back(lock)
+
+
+class _WhenSafe(Protocol):
+    def __call__(
+        self, then: Callable[[], None], refused: Callable[[], None] | None = None
+    ) -> None: ...
+
+
+def _at_once(then: Callable[[], None], refused: Callable[[], None] | None = None) -> None:
+    then()
+
+
 class Files(QObject):
-    """What a session does with the disk.
+    """The files of a session.
 
     Attributes
     ----------
+    lock : FileLock, optional
+        Held while the document is open.
     stamp : FileStamp, optional
-        Of the content that the document's file had when it was opened or saved last.
+        Stamp of the file's content when the document was opened or saved last.
+    when_safe : callable
+        Called with what would lose unsaved work, and with what to do if the person would
+        rather stay; the window asks the person first.
     when_hindered : callable
-        Called with what stands in the way of a save; the window asks the person.
+        Called with the obstacle to a save; the window asks the person.
 
     Signals
     -------
     recent_changed
-        The list of recent documents is another one.
+        The list of recent documents differs.
     saved : Path
     given_up
-        The person said that what is on the sheet, as it is now, may go.
+        The person said that the drawing, as it is now, may be lost.
     locked : Path
-        What was opened can be looked at only, for somebody else has it open.
+        The document that was opened is read-only, for somebody else has it open.
     imported
-        Something came in from a file.
+        Something was imported from a file.
     progressed : float, str; busy_changed : bool
         Long work advances, starts, ends.
     """
@@ -124,21 +156,35 @@ class Files(QObject):
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
 
-    def __init__(self, session: Session) -> None:
-        super().__init__(session)
-        self._session = session
+    def __init__(
+        self,
+        workbench: Workbench,
+        drawing: DocumentModel,
+        view: ViewState,
+        toolbox: Toolbox,
+        scene: SceneModel,
+        context: GestureContext,
+        pictures: PictureInput,
+        notices: Notices,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.lock: FileLock | None = None
         self.stamp: FileStamp | None = None
+        self.when_safe: _WhenSafe = _at_once
         self.when_hindered: Callable[[Hindrance], None] = self._refuse
-        self._lock: FileLock | None = None
+        self._workbench, self._drawing, self._view = workbench, drawing, view
+        self._toolbox, self._scene, self._context = toolbox, scene, context
+        self._pictures, self._notices = pictures, notices
         self._claims = Claims()
-        self._pictures = SmallPictures(session.workbench)
+        self._thumbnails = SmallPictures(workbench)
         # Saving has a channel of its own: a plugin that hangs over an import or an export
         # must not come between a person and their file.
         self._saves = Channel("save", keep_all=True, parent=self)
         self._reads = Channel(
             "file", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
         )
-        self._reads.slow.connect(session.tell_slow)
+        self._reads.slow.connect(notices.tell_slow)
         for channel in (self._saves, self._reads):
             channel.progressed.connect(self.progressed)
             channel.busy_changed.connect(self.busy_changed)
@@ -158,11 +204,11 @@ class Files(QObject):
         self._reads.cancel()
 
     def close(self) -> None:
-        """The program ends: others may have the document."""
+        """Give up the document: the program ends, and others may open it."""
         self._hold(None)
 
     def tidy(self) -> None:
-        """Beside the window: see which recent documents are there, and what killed processes left.
+        """Drop recent documents that are gone, and what killed processes left; in a worker.
 
         Temporary files of processes that are gone are deleted where those documents lie, and
         where something was saved or exported last.
@@ -179,74 +225,86 @@ class Files(QObject):
             if recent_files() == recent != there:
                 self._keep_recent(there)
 
-        self._reads.submit(Request(work, done, self._session.complain))
+        self._reads.submit(Request(work, done, self._notices.complain))
 
     def new(self) -> None:
         """Start on an empty sheet."""
         self._hold(None)
         self.stamp = None
-        self._session.show_document(Document(), None)
+        self._drawing.show(Document(), None)
+
+    def open_safely(self, path: Path) -> None:
+        """Open a document once unsaved work is safe."""
+        self.when_safe(lambda: self.open(path))
 
     def open(self, path: Path) -> None:
-        """Open a document; anything else comes into a new one."""
-        session = self._session
+        """Open a document; import any other file into a new one."""
         if path.suffix.lower() != DOCUMENT_ENDING:
             self.new()
             self.import_file(path)
             return
-        before = session.document, session.pending
+        drawing, registry = self._drawing, self._workbench.registry
+        before = drawing.document, drawing.pending
 
-        def work(job: Job) -> Any:
+        def work(job: Job, known: _Known) -> Any:
             from bozzetto.document.storage.bozz_file import read_document
 
-            claim = self.claim(path)
+            claim = self._claims.claim(path, known.lock)
             try:
-                document, report = read_document(path, session.registry)
+                document, report = read_document(path, registry)
                 job.checkpoint(1.0, path.name)
-                return claim, document, report, still_there(recent_files(), path)
+                return claim, document, report, still_there(known.recent, path)
             except BaseException:
-                self._give_back(claim.lock)
+                known.give_back(claim.lock, self._claims)
                 raise
 
         def done(answer: Any) -> None:
             claim, document, report, recent = answer
-            if (session.document, session.pending) != before and session.is_modified:
+            if (drawing.document, drawing.pending) != before and drawing.is_modified:
                 self._give_back(claim.lock)
-                session.tell(
+                self._notices.tell(
                     tr("Files", "“{name}” was not opened: you were drawing.", name=path.name)
                 )
                 return
             self.show(claim, document, path, read_only=report.read_only, stamp=report.stamp)
             self._keep_recent(recent)
             for warning in report.warnings:
-                session.tell(warning)
+                self._notices.tell(warning)
 
-        self._reads.submit(Request(work, done, session.complain))
+        self._reads.submit(Request(work, done, self._notices.complain, inputs=self._known))
 
-    def claim(self, path: Path) -> Claim:
-        """In a worker: see whether a document may be written to, and keep others from it."""
-        return self._claims.claim(path, self._lock)
+    def claim(self, path: Path, held: FileLock | None) -> Claim:
+        """Keep others from a document, if nobody else has it; in a worker.
+
+        Parameters
+        ----------
+        path : Path
+            The file of the document.
+        held : FileLock, optional
+            `lock` as it was when the work began.
+        """
+        return self._claims.claim(path, held)
 
     def leave(self, claim: Claim) -> None:
-        """Give back a claim that nothing came of."""
+        """Give back a claim that was not used."""
         self._give_back(claim.lock)
 
     def take_over(self, path: Path) -> None:
-        """Write to a document that somebody else has open; the person said so."""
-        session, history = self._session, self._session.history
+        """Allow writing to a document that somebody else has open; the person said so."""
+        drawing, history = self._drawing, self._drawing.history
 
         def work(job: Job) -> FileLock:
             return self._claims.acquire(path, force=True)
 
         def done(lock: FileLock) -> None:
-            if session.history is not history or session.path != path:
+            if drawing.history is not history or drawing.path != path:
                 self._give_back(lock)
                 return
             self._hold(lock)
-            session.allow_saving()
-            session.tell(tr("Files", "“{name}” is yours to save now.", name=path.name))
+            drawing.allow_saving()
+            self._notices.tell(tr("Files", "“{name}” is yours to save now.", name=path.name))
 
-        self._reads.submit(Request(work, done, session.complain))
+        self._reads.submit(Request(work, done, self._notices.complain))
 
     def show(
         self,
@@ -259,21 +317,26 @@ class Files(QObject):
         pending: tuple[Stroke, ...] = (),
         stamp: FileStamp | None = None,
     ) -> None:
-        """Make another document the one on the sheet; see `Session.show_document`.
+        """Put another document on the sheet; see `DocumentModel.show`.
 
         Parameters
         ----------
         claim : Claim
+            The result of `claim` for the file.
         document : Document
+            The document to show.
         path : Path, optional
+            The file of the document.
         read_only, saved : bool
+            As in `DocumentModel.show`.
         pending : tuple of Stroke
+            As in `DocumentModel.show`.
         stamp : FileStamp, optional
-            Of the content that the file had when it was read.
+            Stamp of the content that was read.
         """
         self._hold(claim.lock)
         self.stamp = stamp
-        self._session.show_document(
+        self._drawing.show(
             document,
             path,
             read_only=read_only or bool(claim.refusal),
@@ -281,7 +344,7 @@ class Files(QObject):
             pending=pending,
         )
         if claim.refusal:
-            self._session.noticed.emit(Notice("error", claim.refusal))
+            self._notices.noticed.emit(Notice("error", claim.refusal))
         if claim.holder is not None and not read_only and path is not None:
             self.locked.emit(path)
 
@@ -310,55 +373,55 @@ class Files(QObject):
         beside : bool
             Save under the next name that is free.
         """
-        session = self._session
-        target = path or session.path
+        drawing = self._drawing
+        target = path or drawing.path
         if target is None:
             raise ValueError("a document without a place needs a path")
         if target.suffix.lower() != DOCUMENT_ENDING:
             target = target.with_name(target.name + DOCUMENT_ENDING)
-        known = self.stamp if target == session.path else None
-        expected = over or known or Over.NOTHING
-        snapshot, scene, camera = session.document, session.scene, session.camera
-        history = session.history
+        stamp = self.stamp if target == drawing.path else None
+        expected = over or stamp or Over.NOTHING
+        snapshot, history = drawing.document, drawing.history
+        scene, camera = self._scene.visible, self._view.camera
         backups = int(str(settings().value("files/backups", 3)))
 
-        def work(job: Job) -> tuple[Path, FileLock, Written, list[Path]]:
+        def work(job: Job, known: _Known) -> tuple[Path, FileLock, Written, list[Path]]:
             from bozzetto.document.storage.bozz_file import write_document
 
             place = free_name(target) if beside else target
-            held = self._lock
+            held = known.lock
             mine = held is not None and held.path == document_lock_path(place) and held.is_held
             lock = held if mine and held else self._claims.acquire(place, force=force)
             try:
                 written = write_document(
                     replace(snapshot, camera=camera),
                     place,
-                    thumbnail=self._pictures.of(snapshot, scene),
+                    thumbnail=self._thumbnails.of(snapshot, scene),
                     backups=backups,
                     over=Over.NOTHING if beside else expected,
                 )
                 remove_leftovers([place.parent])
             except BaseException:
-                self._give_back(lock)
+                known.give_back(lock, self._claims)
                 raise
-            return place, lock, written, still_there(recent_files(), place)
+            return place, lock, written, still_there(known.recent, place)
 
         def done(answer: tuple[Path, FileLock, Written, list[Path]]) -> None:
             place, lock, written, recent = answer
             self._keep_recent(recent)
-            if session.history is history:
+            if drawing.history is history:
                 self._hold(lock)
                 self.stamp = written.stamp
-                session.saved_as(place, snapshot)
+                drawing.saved_as(place, snapshot)
                 self.saved.emit(place)
             else:
                 self._give_back(lock)
-            session.tell(_said(place, written, was_known=isinstance(expected, FileStamp)))
+            self._notices.tell(_saved_text(place, written, expected))
             then()
 
         def hindered(problem: BaseException) -> None:
-            if not isinstance(problem, FileChanged | Locked) or session.history is not history:
-                session.complain(problem)
+            if not isinstance(problem, FileChanged | Locked) or drawing.history is not history:
+                self._notices.complain(problem)
                 failed()
                 return
 
@@ -373,19 +436,22 @@ class Files(QObject):
 
             self.when_hindered(Hindrance(problem, target, go_on, keep_both, failed))
 
-        self._saves.submit(Request(work, done, hindered))
+        self._saves.submit(Request(work, done, hindered, inputs=self._known))
 
     def export(self, path: Path) -> None:
-        """Hand all visible objects over to other programs."""
-        session = self._session
-        models = [model for model in session.document if model.visible]
-        camera, waiting = session.camera, session.document.waiting
+        """Export all visible objects to a file of another program."""
+        models = [model for model in self._drawing.document if model.visible]
+        bench, camera, waiting = (
+            self._workbench,
+            self._view.camera,
+            self._drawing.document.waiting,
+        )
 
         def work(job: Job) -> tuple[str, ...]:
             from bozzetto.atomic_files import write_bytes
             from bozzetto.workbench.export_document import object_shapes, prepared_file
 
-            objects = object_shapes(session.workbench, models, job)
+            objects = object_shapes(bench, models, job)
             job.checkpoint(1.0, path.name)
             made = prepared_file(objects, path, camera, whole=False)
             write_bytes(path, made.data)
@@ -397,22 +463,21 @@ class Files(QObject):
                 said.append(tr("Files", "The ink that waits is no part of it."))
             if warnings:
                 # An error stays until the next one: what is missing must not be overlooked.
-                session.noticed.emit(Notice("error", " ".join((*said, *warnings))))
+                self._notices.noticed.emit(Notice("error", " ".join((*said, *warnings))))
             else:
-                session.tell(" ".join(said))
+                self._notices.tell(" ".join(said))
 
-        self._reads.submit(Request(work, done, session.complain))
+        self._reads.submit(Request(work, done, self._notices.complain))
 
     def import_file(self, path: Path) -> None:
         """Bring a drawing, a mesh or a picture onto the sheet."""
         from bozzetto.exchange.import_file import is_picture
 
-        session = self._session
         if is_picture(path):
-            session.picturing.take_file(path)
+            self._pictures.take_file(path)
             return
-        active = session.active_modeler
-        context, history = session.context(), session.history
+        bench, drawing, active = self._workbench, self._drawing, self._toolbox.modeler
+        context, history = self._context.now(), drawing.history
 
         def work(job: Job) -> tuple[Model, bool, tuple[str, ...]]:
             from bozzetto.exchange.formats import find, readers
@@ -421,48 +486,49 @@ class Files(QObject):
             def reading() -> None:
                 job.checkpoint(0.0, tr("Files", "Reading {name}", name=path.name))
 
-            bench = session.workbench
             if "mesh" in find(path, readers()).holds:
                 shapes = read_mesh(path, checkpoint=reading)
                 return bench.sources.from_shapes(MESH_MODELER, shapes, path.stem), False, ()
-            drawing = read_drawing(path, checkpoint=reading)
-            facts_only = not len(drawing.strokes)
-            modeler = (facts_only and session.registry.told_by(drawing.extra)) or active
+            ink = read_drawing(path, checkpoint=reading)
+            facts_only = not len(ink.strokes)
+            modeler = (facts_only and bench.registry.told_by(ink.extra)) or active
             if not modeler:
                 raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
-            here = context if facts_only else replace(context, camera=drawing.camera)
-            model = bench.sources.from_drawing(modeler, drawing, {}, here)
-            return model, bool(drawing.pictures), drawing.left_out
+            here = context if facts_only else replace(context, camera=ink.camera)
+            model = bench.sources.from_drawing(modeler, ink, {}, here)
+            return model, bool(ink.pictures), ink.left_out
 
         def done(answer: tuple[Model, bool, tuple[str, ...]]) -> None:
-            if session.history is not history:
+            if drawing.history is not history:
                 return
             model, pictured, left_out = answer
             if not pictured:
                 self.imported.emit()
-            session.take_drawn(tr("Files", "Import {name}", name=path.name), model, is_new=True)
+            drawing.apply_model(tr("Files", "Import {name}", name=path.name), model, is_new=True)
             if pictured:
-                session.picturing.taken.emit(model.id)
+                self._pictures.taken.emit(model.id)
             if left_out:  # stays until the next one, as with exports
-                session.noticed.emit(Notice("error", " ".join(left_out)))
+                self._notices.noticed.emit(Notice("error", " ".join(left_out)))
 
-        self._reads.submit(Request(work, done, session.complain))
+        self._reads.submit(Request(work, done, self._notices.complain))
 
     def _refuse(self, hindrance: Hindrance) -> None:
-        """Nobody can be asked: nothing is written over."""
-        self._session.complain(hindrance.problem)
+        """Write nothing over: there is nobody to ask."""
+        self._notices.complain(hindrance.problem)
         hindrance.leave()
 
     def _hold(self, lock: FileLock | None) -> None:
-        """Hold one document's lock, and no other."""
-        held, self._lock = self._lock, lock
+        """Hold the lock of one document, and no other."""
+        held, self.lock = self.lock, lock
         if held is not None and held is not lock:
             self._claims.give_back(held)
 
     def _give_back(self, lock: FileLock | None) -> None:
-        """Release a lock that came to nothing, unless it is the one of the open document."""
-        if lock is not None and lock is not self._lock:
-            self._claims.give_back(lock)
+        """Release a lock that is not needed, unless it is the one of the open document."""
+        self._known().give_back(lock, self._claims)
+
+    def _known(self) -> _Known:
+        return _Known(self.lock, recent_files())
 
     def _keep_recent(self, recent: Iterable[Path]) -> None:
         settings().setValue(RECENT, [_name_of(path) for path in recent][:MOST_RECENT])
@@ -470,26 +536,25 @@ class Files(QObject):
 
 
 def still_there(recent: Iterable[Path], newest: Path) -> list[Path]:
-    """In a worker: a document, and those before it that still exist."""
+    """Return a document, and those before it that still exist; in a worker."""
     whole = Path(os.path.abspath(newest))
     return [whole, *(path for path in recent if path != whole and path.is_file())]
 
 
 def free_name(path: Path) -> Path:
-    """In a worker: the next name like this that no file has."""
+    """Return the next name like this that no file has; in a worker."""
     number = 2
     while (free := path.with_stem(f"{path.stem} {number}")).exists():
         number += 1
     return free
 
 
-def _said(path: Path, written: Written, *, was_known: bool) -> str:
-    """What there is to say about a save."""
+def _saved_text(path: Path, written: Written, expected: FileStamp | Over) -> str:
     said = tr("Files", "Saved “{name}”.", name=path.name)
-    if was_known and written.is_new:
+    if isinstance(expected, FileStamp) and written.is_new:
         said = tr(
             "Files",
-            "Saved “{name}” anew in {folder}: it had been moved or deleted.",
+            "Saved “{name}” again in {folder}: the file had been moved or deleted.",
             name=path.name,
             folder=str(path.parent),
         )

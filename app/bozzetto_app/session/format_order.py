@@ -1,4 +1,4 @@
-"""Offering: in which order formats are offered for what is on the sheet."""
+"""The order in which formats are offered for the objects on the sheet."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ __all__ = ["offered_formats", "suiting_first"]
 
 
 def suiting_first(formats: Iterable[Format], *, exact: bool) -> tuple[Format, ...]:
-    """The formats, those first that suit.
+    """Return the formats, suitable ones first.
 
     Parameters
     ----------
     formats : iterable of Format
+        The formats in any order.
     exact : bool
-        Whether there are exact curves and surfaces to hand over, and no other shape: formats
-        for CAD come first, then those that hold curves alone. Otherwise meshes come first.
+        Whether all objects have exact curves and surfaces: formats for CAD come first, then
+        those that hold curves alone. Otherwise meshes come first.
     """
 
     def rank(one: Format) -> int:
@@ -33,8 +34,8 @@ def suiting_first(formats: Iterable[Format], *, exact: bool) -> tuple[Format, ..
 
 
 def offered_formats(session: Session) -> tuple[Format, ...]:
-    """The formats that shapes can be exported to, those first that suit what is visible."""
-    visible = [model for model in session.document if model.visible]
+    """Return the formats for shapes, those first that suit the visible objects."""
+    visible = [model for model in session.drawing.document if model.visible]
     curves = session.workbench.curves
     exact = bool(visible) and all(curves.of([model]) for model in visible)
     return suiting_first(writers("mesh", "curves"), exact=exact)

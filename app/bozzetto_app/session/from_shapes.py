@@ -1,62 +1,56 @@
-"""Using: a shape becomes the input of another modeler."""
+"""New objects that start from the shapes of others."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject
 
 from bozzetto.document.model import Model
 from bozzetto.errors import UserError
+from bozzetto.plugin.host.registry import ModelerInfo
 from bozzetto.plugin.job import Job
+from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.notices import Notices
+from bozzetto_app.session.part_edits import ObjectParts
 from bozzetto_app.workers.channel import Channel, Request
 
-if TYPE_CHECKING:
-    from bozzetto.plugin.host.registry import ModelerInfo
-    from bozzetto_app.session.session import Session
-
-__all__ = ["Using"]
+__all__ = ["ShapeInput"]
 
 
-class Using(QObject):
-    """Takes the shapes of objects, or of some of their parts, into a new object.
+class ShapeInput:
+    """Makes a new object from the shapes of objects, or of some of their parts.
 
-    Signals
-    -------
-    progressed : float, str; busy_changed : bool
+    Attributes
+    ----------
+    channel : Channel
+        The work under way.
     """
 
-    progressed = Signal(float, str)
-    busy_changed = Signal(bool)
-
-    def __init__(self, session: Session) -> None:
-        super().__init__(session)
-        self._session = session
-        self._channel = Channel("use", keep_all=True, parent=self)
-        self._channel.progressed.connect(self.progressed)
-        self._channel.busy_changed.connect(self.busy_changed)
-
-    @property
-    def busy(self) -> bool:
-        """Whether shapes are still being taken."""
-        return self._channel.busy
+    def __init__(
+        self,
+        workbench: Workbench,
+        drawing: DocumentModel,
+        parts: ObjectParts,
+        notices: Notices,
+        parent: QObject,
+    ) -> None:
+        self._workbench, self._drawing = workbench, drawing
+        self._parts, self._notices = parts, notices
+        self.channel = Channel("use", keep_all=True, parent=parent)
 
     @property
     def takers(self) -> tuple[ModelerInfo, ...]:
         """The modelers that can start from shapes; also those that nobody draws with."""
-        return tuple(info for info in self._session.registry.modelers() if info.reads_shapes)
-
-    def cancel(self) -> None:
-        """Stop it; nothing comes of what is under way."""
-        self._channel.cancel()
+        return tuple(info for info in self._workbench.registry.modelers() if info.reads_shapes)
 
     def use_chosen(self, modeler_id: str) -> None:
-        """Start from the chosen part, or from the selected object where none among several is."""
-        model_id, part_id = self._session.chosen_among_several()
+        """Start from the chosen part, or from the selected object if no part is chosen."""
+        model_id, part_id = self._parts.chosen_among_several()
         if not model_id:
-            self._session.complain(UserError(tr("Session", "Choose an object to start from.")))
+            self._notices.complain(UserError(tr("Session", "Choose an object to start from.")))
             return
         self.use(modeler_id, [model_id], {model_id: [part_id]} if part_id else {})
 
@@ -68,15 +62,14 @@ class Using(QObject):
         Parameters
         ----------
         modeler_id : str
-            Whose object it becomes.
+            The modeler of the new object.
         model_ids : sequence of str
             The objects to start from.
         parts : mapping
-            By the id of an object, those of its parts that are meant; all where it is not there.
+            By the id of an object, its parts to start from; all parts of the other objects.
         """
-        session = self._session
-        bench, history = session.workbench, session.history
-        models = [session.document.model(model_id) for model_id in model_ids]
+        bench, history = self._workbench, self._drawing.history
+        models = [self._drawing.document.model(model_id) for model_id in model_ids]
 
         def work(job: Job) -> Model:
             meant = [
@@ -86,8 +79,8 @@ class Using(QObject):
             return bench.sources.from_models(modeler_id, meant, job)
 
         def done(model: Model) -> None:
-            if session.history is history:
+            if self._drawing.history is history:
                 label = tr("Session", "Start from “{name}”", name=model.name)
-                session.take_drawn(label, model, is_new=True)
+                self._drawing.apply_model(label, model, is_new=True)
 
-        self._channel.submit(Request(work, done, session.complain))
+        self.channel.submit(Request(work, done, self._notices.complain))

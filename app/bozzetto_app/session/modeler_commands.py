@@ -1,89 +1,103 @@
-"""Commanding: what the selected model's modeler can do to it at one word.
+"""The commands that a modeler offers for the selected model.
 
-Which commands there are, and which of them mean something now, is asked in a worker; a command
-itself runs in the row of the gestures, so that it finds the model as the last stroke left it.
+A worker asks which commands there are, and which of them apply now. A command itself runs in
+the queue of the gestures, so that it finds the model as the last stroke left it.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Model
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.job import Job
+from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.gesture_context import GestureContext
+from bozzetto_app.session.notices import Notices
+from bozzetto_app.session.selection import Selection
 from bozzetto_app.workers.channel import Channel, Request
 
-if TYPE_CHECKING:
-    from bozzetto_app.session.session import Session
-
-__all__ = ["Commanding"]
+__all__ = ["ModelerCommands"]
 
 COMMANDS_LIMIT = 20.0
 """Seconds a plugin may take to name its commands: it may have to be imported first."""
 
 
-class Commanding(QObject):
+@dataclass(frozen=True)
+class _Outcome:
+    """The result of a command; `differs` is False if it changed nothing."""
+
+    base: Model
+    made: Model
+    title: str
+    only_chosen: bool
+    differs: bool
+
+
+class ModelerCommands(QObject):
     """The commands of the selected model.
 
     Attributes
     ----------
     modeler : str
-        Whose commands they are; "" while none are known.
+        Id of the modeler that offers them; "" while none are known.
     commands : tuple of Command
+    channel : Channel
+        The work of asking for commands.
 
     Signals
     -------
     changed
         There are other commands.
     enabled_changed
-        Others of them mean something.
+        Other commands apply.
     """
 
     changed = Signal()
     enabled_changed = Signal()
 
-    def __init__(self, session: Session) -> None:
-        super().__init__(session)
-        self._session = session
+    def __init__(
+        self,
+        workbench: Workbench,
+        drawing: DocumentModel,
+        selection: Selection,
+        context: GestureContext,
+        edits: Channel,
+        notices: Notices,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
         self.modeler = ""
         self.commands: tuple[Command, ...] = ()
+        self.channel = Channel("commands", time_limit=COMMANDS_LIMIT, parent=self)
+        self._workbench, self._drawing, self._selection = workbench, drawing, selection
+        self._context, self._edits, self._notices = context, edits, notices
         self._enabled: frozenset[str] = frozenset()
         self._asked: Model | None = None
         self._failed: set[str] = set()
-        self._channel = Channel("commands", time_limit=COMMANDS_LIMIT, parent=self)
-        session.document_changed.connect(self.look)
-        session.selection_changed.connect(self.look)
-        session.rested.connect(self.look)
-
-    @property
-    def busy(self) -> bool:
-        """Whether a modeler is still being asked."""
-        return self._channel.busy
+        for signal in (drawing.changed, selection.changed):
+            signal.connect(self.look)
 
     def is_enabled(self, command_id: str) -> bool:
-        """Whether a command meant something to the model when it was last asked."""
+        """Return whether a command applied to the model when it was last asked."""
         return command_id in self._enabled
 
     def look(self) -> None:
-        """See whether another model is selected, or the same one has another state.
-
-        Not while a value is dragged: the answer would be overtaken by the next tick.
-        """
-        session = self._session
-        if session.is_dragging:
-            return
-        model = session.selected_model
+        """Ask again if another model is selected, or its state differs."""
+        model = self._selection.model
         if model is self._asked:
             return
         self._asked = model
-        if model is None or session.workbench.is_foreign(model) or model.modeler in self._failed:
-            self._channel.cancel()
+        foreign = model is None or self._workbench.is_foreign(model)
+        if model is None or foreign or model.modeler in self._failed:
+            self.channel.cancel()
             self._take("", (), frozenset())
             return
-        commands = session.workbench.commands
+        commands = self._workbench.commands
         known = self.commands if model.modeler == self.modeler else None
 
         def work(job: Job) -> tuple[tuple[Command, ...], frozenset[str]]:
@@ -95,45 +109,46 @@ class Commanding(QObject):
                 self._take(model.modeler, *answer)
 
         def failed(problem: BaseException) -> None:
-            """One fault is enough to know: it would come back with every stroke."""
+            """Report one fault and ask no more: it would return with every stroke."""
             self._failed.add(model.modeler)
             self._take("", (), frozenset())
-            session.complain(problem)
+            self._notices.complain(problem)
 
-        self._channel.submit(Request(work, done, failed))
+        self.channel.submit(Request(work, done, failed))
 
     def run(self, command_id: str) -> None:
-        """Do it to the selected model, as one step of the history."""
-        session = self._session
-        model = session.selected_model
+        """Run a command on the selected model, as one step of the history."""
+        model = self._selection.model
         if model is None:
             return
-        modeler, context = model.modeler, session.context()
-        commands, parts = session.workbench.commands, session.workbench.parts
+        modeler, context = model.modeler, self._context.now()
+        bench = self._workbench
 
-        def work(job: Job) -> tuple[Model, Model, str, bool, bool] | None:
-            base = session.selected_model
+        def work(job: Job, base: Model | None) -> _Outcome | None:
             if base is None or base.modeler != modeler:
                 return None
-            command = commands.find(modeler, command_id)
-            made = commands.run(base, command, context)
-            only_chosen = parts.only_choice_differs(base, made)
-            differs = session.workbench.differs(base, made, only_chosen=only_chosen)
-            return base, made, command.title, only_chosen, differs
+            command = bench.commands.find(modeler, command_id)
+            made = bench.commands.run(base, command, context)
+            only_chosen = bench.parts.only_choice_differs(base, made)
+            differs = bench.differs(base, made, only_chosen=only_chosen)
+            return _Outcome(base, made, command.title, only_chosen, differs)
 
-        def done(answer: tuple[Model, Model, str, bool, bool] | None) -> None:
+        def done(answer: _Outcome | None) -> None:
             if answer is None:
                 return
-            base, made, title, only_chosen, differs = answer
-            if not differs:
-                session.say_nothing_changed(tr("Object", "“{title}” is done already.", title=title))
-                return
-            if all(base is not known for known in session.document):
-                self.run(command_id)  # the document moved on meanwhile
-                return
-            session.take_drawn(title, made, is_new=False, only_chosen=only_chosen)
+            if not answer.differs:
+                said = tr("Object", "“{title}” is done already.", title=answer.title)
+                self._notices.say_nothing_changed(said)
+            elif all(answer.base is not known for known in self._drawing.document):
+                self.run(command_id)  # the document changed meanwhile
+            else:
+                self._drawing.apply_model(
+                    answer.title, answer.made, is_new=False, only_chosen=answer.only_chosen
+                )
 
-        session.inking.queue(Request(work, done, session.complain))
+        self._edits.submit(
+            Request(work, done, self._notices.complain, inputs=lambda: self._selection.model)
+        )
 
     def _take(self, modeler: str, commands: tuple[Command, ...], enabled: frozenset[str]) -> None:
         others = modeler != self.modeler or commands is not self.commands

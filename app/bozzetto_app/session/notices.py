@@ -1,4 +1,4 @@
-"""What the program says to the person, and in which way."""
+"""Messages to the person: hints, news, errors and faults of plugins."""
 
 from __future__ import annotations
 
@@ -7,27 +7,30 @@ import traceback
 from dataclasses import dataclass
 from typing import Literal
 
+from PySide6.QtCore import QObject, Signal
+
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import Guard, PluginFault
 from bozzetto_app.i18n import tr
 from bozzetto_app.workers.channel import Hung
 
-__all__ = ["Notice", "notice_of", "slow_notice"]
+__all__ = ["Notice", "Notices"]
 
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class Notice:
-    """Something to tell the person.
+    """A message to the person.
 
     Attributes
     ----------
     kind : {"hint", "info", "error", "fault", "slow"}
         "hint" is the next expected gesture; "error" is a `UserError`; "fault" a plugin's;
-        "slow" is work that goes on for long and can be stopped.
+        "slow" is work that takes long and can be stopped.
+    text : str
     places : tuple of (x, y)
-        Canvas positions to light up.
+        Canvas positions to highlight, pixels.
     plugin : str
         Id of the plugin at fault.
     details : str
@@ -41,38 +44,77 @@ class Notice:
     details: str = ""
 
 
-def notice_of(problem: BaseException, guard: Guard) -> Notice:
-    """How a problem is told: each kind in its own way."""
-    if isinstance(problem, Hung):
-        caught = guard.caught_in(problem.thread)
-        if caught is not None:
-            modeler, what = caught
-            problem = guard.suspect(modeler, f"{what} gave {problem}", problem.stack)
-    if isinstance(problem, UserError):
-        return Notice("error", problem.message, problem.places)
-    if isinstance(problem, PluginFault):
-        return Notice("fault", str(problem), plugin=problem.plugin, details=problem.details)
-    if isinstance(problem, Hung):
-        log.error("work gave %s\n%s", problem, problem.stack)
-        return Notice("error", tr("Session", "This took too long and was given up. Try it again."))
-    log.error("a bug in the program itself", exc_info=problem)
-    return Notice(
-        "fault",
-        tr("Session", "Bozzetto made a mistake; your drawing is safe."),
-        details="".join(traceback.format_exception(problem)),
-    )
+class Notices(QObject):
+    """Sends messages to the window.
 
+    Attributes
+    ----------
+    hint : str
+        The gesture that is expected next.
 
-def slow_notice(problem: Hung, guard: Guard) -> Notice:
-    """How work that goes on for long is told: it can be waited for, or stopped."""
-    caught = guard.caught_in(problem.thread)
-    if caught is None:
-        return Notice("slow", tr("Session", "Still working. Esc stops it."))
-    modeler, what = caught
-    found = guard.suspect(modeler, f"{what} gave {problem}", problem.stack)
-    words = tr(
-        "Session",
-        "Still working: {plugin} ({what}), for {seconds:g} s without a sign. Esc stops it.",
-        plugin=found.plugin, what=what, seconds=problem.limit,
-    )  # fmt: skip
-    return Notice("slow", words, plugin=found.plugin, details=found.details)
+    Signals
+    -------
+    noticed : Notice
+    """
+
+    noticed = Signal(object)
+
+    def __init__(self, guard: Guard, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.hint = ""
+        self._guard = guard
+
+    def say_hint(self, text: str) -> None:
+        """Show the gesture that is expected next."""
+        self.hint = text
+        self.noticed.emit(Notice("hint", text))
+
+    def tell(self, text: str) -> None:
+        """Report a success."""
+        self.noticed.emit(Notice("info", text))
+
+    def say_nothing_changed(self, why: str) -> None:
+        """Report that a request changed nothing, and why or what to do instead."""
+        self.complain(UserError(tr("Session", "Nothing changed. {why}", why=why).strip()))
+
+    def complain(self, problem: BaseException) -> None:
+        """Report a problem, in the way that suits its type."""
+        self.noticed.emit(self.of_problem(problem))
+
+    def tell_slow(self, problem: Hung) -> None:
+        """Report that work takes long and can be stopped."""
+        caught = self._guard.caught_in(problem.thread)
+        if caught is None:
+            words = tr("Session", "Still working. Esc stops it.")
+            self.noticed.emit(Notice("slow", words))
+            return
+        modeler, what = caught
+        found = self._guard.suspect(modeler, f"{what} gave {problem}", problem.stack)
+        words = tr(
+            "Session",
+            "Still working: {plugin} ({what}) has not answered for {seconds:g} s. Esc stops it.",
+            plugin=found.plugin, what=what, seconds=problem.limit,
+        )  # fmt: skip
+        self.noticed.emit(Notice("slow", words, plugin=found.plugin, details=found.details))
+
+    def of_problem(self, problem: BaseException) -> Notice:
+        """Return the message for an exception; bugs and hung work are logged as well."""
+        if isinstance(problem, Hung):
+            caught = self._guard.caught_in(problem.thread)
+            if caught is not None:
+                modeler, what = caught
+                problem = self._guard.suspect(modeler, f"{what} gave {problem}", problem.stack)
+        if isinstance(problem, UserError):
+            return Notice("error", problem.message, problem.places)
+        if isinstance(problem, PluginFault):
+            return Notice("fault", str(problem), plugin=problem.plugin, details=problem.details)
+        if isinstance(problem, Hung):
+            log.error("work gave %s\n%s", problem, problem.stack)
+            words = tr("Session", "This took too long and was stopped. Try it again.")
+            return Notice("error", words)
+        log.error("a bug in the program itself", exc_info=problem)
+        return Notice(
+            "fault",
+            tr("Session", "Bozzetto made a mistake; your drawing is safe."),
+            details="".join(traceback.format_exception(problem)),
+        )

@@ -1,98 +1,98 @@
-"""Editing: what a person can do to objects and underlays, each one step of the history."""
+"""Edits of objects and underlays, each one step of the history."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from bozzetto.document import edit
 from bozzetto.document.edit import Edit
-from bozzetto.document.model import Document
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.parameters import Field, parameter_fields
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.notices import Notices
+from bozzetto_app.session.selection import Selection
+from bozzetto_app.session.solver import Solver
 
-if TYPE_CHECKING:
-    from bozzetto.document.history import History
-    from bozzetto.document.model import Model
-    from bozzetto.workbench.workbench import Workbench
-    from bozzetto_app.session.solver import Showing
+__all__ = ["ObjectEdits", "fields_of"]
 
-__all__ = ["ObjectEdits"]
+
+def fields_of(state: object) -> tuple[tuple[Field, Any], ...]:
+    """Return the parameters of a state, or of a part, with their values."""
+    if not hasattr(state, "__dataclass_fields__"):
+        return ()
+    return tuple((field, getattr(state, field.name)) for field in parameter_fields(type(state)))
 
 
 class ObjectEdits:
-    """The edits that panels ask the session for.
+    """What a person can do to the objects and underlays of a document."""
 
-    The session is one of these; what they need of it is named here.
-    """
-
-    if TYPE_CHECKING:
-        history: History
-        showing: Showing
-        workbench: Workbench
-
-        @property
-        def document(self) -> Document: ...
-
-        @property
-        def selected_model(self) -> Model | None: ...
-
-        @property
-        def part_parameters(self) -> tuple[tuple[Field, Any], ...]: ...
-
-        def commit(self, label: str, document: Document, merge_key: str | None = None) -> None: ...
-
-        def complain(self, problem: BaseException) -> None: ...
+    def __init__(
+        self,
+        workbench: Workbench,
+        drawing: DocumentModel,
+        selection: Selection,
+        solver: Solver,
+        notices: Notices,
+    ) -> None:
+        self._workbench, self._drawing, self._selection = workbench, drawing, selection
+        self._solver, self._notices = solver, notices
 
     def edit(
         self, change: Callable[..., Edit], *details: Any, merge_key: str | None = None
     ) -> None:
-        """Make an edit of `bozzetto.document.edit` that may refuse; each is one undo step."""
+        """Make an edit of `bozzetto.document.edit` that may refuse.
+
+        Parameters
+        ----------
+        change : callable
+            Called with the document and the details.
+        *details
+            Further arguments of `change`.
+        merge_key : str, optional
+            See `DocumentModel.commit`.
+        """
         try:
-            document, label = change(self.document, *details)
+            document, label = change(self._drawing.document, *details)
         except UserError as problem:
-            self.complain(problem)
+            self._notices.complain(problem)
             return
-        self.commit(label, document, merge_key)
+        self._drawing.commit(label, document, merge_key)
 
     # -- parameters --
 
     @property
     def parameters(self) -> tuple[tuple[Field, Any], ...]:
-        """The selected model's parameters with their values."""
-        model = self.selected_model
-        if model is None or not hasattr(model.state, "__dataclass_fields__"):
-            return ()
-        return tuple(
-            (field, getattr(model.state, field.name))
-            for field in parameter_fields(type(model.state))
-        )
+        """The parameters of the selected model with their values."""
+        model = self._selection.model
+        return () if model is None else fields_of(model.state)
 
     def set_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
-        """Change one parameter of the selected model; a slider's drag is one step."""
-        model = self.selected_model
+        """Change one parameter of the selected model; the drag of a slider is one step."""
+        model = self._selection.model
         if model is None:
             return
         try:
             if model.locked:
                 raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
-            changed = self.workbench.set_parameters(model, {name: value})
+            changed = self._workbench.set_parameters(model, {name: value})
         except (UserError, PluginFault) as problem:
-            self.complain(problem)
+            self._notices.complain(problem)
             return
-        known = (*self.parameters, *self.part_parameters)
-        label = next((field.parameter.label for field, _ in known if field.name == name), name)
+        fields = self.parameters
+        label = next((field.parameter.label for field, _ in fields if field.name == name), name)
         key = f"parameter {model.id} {name}" if dragging else None
-        self.commit(label, self.document.with_model(changed), key)
+        self._drawing.commit(label, self._drawing.document.with_model(changed), key)
 
     def end_drag(self) -> None:
-        """A slider was let go: the next change is a step of its own."""
-        self.history.end_merge()
-        self.showing.let_go()
+        """Note that a slider was released: the next change is a step of its own."""
+        self._drawing.history.end_merge()
+        self._solver.let_go()
 
     # -- objects --
 
@@ -101,7 +101,7 @@ class ObjectEdits:
         self.edit(edit.place_model, model_id, placement)
 
     def rename(self, model_id: str, name: str) -> None:
-        """Call a model something else."""
+        """Give a model another name."""
         self.edit(edit.rename_model, model_id, name)
 
     def set_visible(self, model_id: str, visible: bool) -> None:
@@ -112,12 +112,24 @@ class ObjectEdits:
         """Lock or unlock a model."""
         self.edit(edit.lock_model, model_id, locked)
 
+    def toggle_visible(self) -> None:
+        """Show or hide the selected model."""
+        model = self._selection.model
+        if model is not None:
+            self.set_visible(model.id, not model.visible)
+
+    def toggle_locked(self) -> None:
+        """Lock or unlock the selected model."""
+        model = self._selection.model
+        if model is not None:
+            self.set_locked(model.id, not model.locked)
+
     def set_color(self, model_id: str, color: tuple[int, int, int] | None) -> None:
-        """Give a model a colour, or the clay again."""
+        """Give a model a colour (RGB, 0 … 255); None restores the colour of clay."""
         self.edit(edit.color_model, model_id, color)
 
     def delete(self, model_id: str) -> None:
-        """Take a model out of the document."""
+        """Delete a model."""
         self.edit(edit.delete_models, [model_id])
 
     def duplicate(self, model_id: str) -> None:
@@ -125,7 +137,7 @@ class ObjectEdits:
         self.edit(edit.duplicate_model, model_id)
 
     def move_to(self, model_id: str, index: int) -> None:
-        """Change a model's place in the list."""
+        """Move a model to another place in the list, counted from 0."""
         self.edit(edit.move_model, model_id, index)
 
     # -- underlays --
@@ -133,7 +145,7 @@ class ObjectEdits:
     def set_underlay_opacity(
         self, underlay_id: str, opacity: float, *, dragging: bool = False
     ) -> None:
-        """Let an underlay shine through more or less."""
+        """Make an underlay more or less opaque, 0 … 1; the drag of a slider is one step."""
         key = f"underlay {underlay_id}" if dragging else None
         self._change_underlay(underlay_id, key, opacity=opacity)
 
@@ -142,10 +154,10 @@ class ObjectEdits:
         self._change_underlay(underlay_id, None, visible=visible)
 
     def delete_underlay(self, underlay_id: str) -> None:
-        """Take an underlay away."""
+        """Delete an underlay."""
         self.edit(edit.delete_underlay, underlay_id)
 
     def _change_underlay(self, underlay_id: str, key: str | None, **changes: Any) -> None:
-        for underlay in self.document.underlays:
+        for underlay in self._drawing.document.underlays:
             if underlay.id == underlay_id:
                 self.edit(edit.change_underlay, replace(underlay, **changes), merge_key=key)

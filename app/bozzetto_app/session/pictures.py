@@ -1,4 +1,4 @@
-"""Picturing: pictures that come in go to the modeler that works on them, or under the sheet."""
+"""Pictures from files and the clipboard: for a modeler that works on them, or under the sheet."""
 
 from __future__ import annotations
 
@@ -11,61 +11,72 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QImage
 
 from bozzetto.document import edit
-from bozzetto.document.model import Model, Underlay, new_id
+from bozzetto.document.model import Document, Model, Underlay, new_id
 from bozzetto.errors import UserError
 from bozzetto.plugin.job import Job
+from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.gesture_context import GestureContext
+from bozzetto_app.session.notices import Notices
+from bozzetto_app.session.object_edits import ObjectEdits
+from bozzetto_app.session.selection import Selection
+from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.images.stored_picture import Picture
-    from bozzetto_app.session.session import Session
 
-__all__ = ["Picturing"]
+__all__ = ["PictureInput"]
 
 UNDERLAY_WIDTH = 200.0
-"""Width at which a picture to trace is laid on the sheet, mm."""
+"""Width of a picture to trace on the sheet, mm."""
 
 SLOW_AFTER = 60.0
 """Seconds without progress after which reading a picture is told as slow."""
 
 
-class Picturing(QObject):
+class PictureInput(QObject):
     """Takes pictures from files and from the clipboard.
 
-    One that comes while a model is selected whose modeler works on pictures goes to that model;
-    with nothing selected, a new model of the active modeler is made of it. All others, and
-    those that the person wants there, are laid under the sheet to be traced.
+    If a model is selected whose modeler works on pictures, the picture goes to that model; if
+    nothing is selected, the active modeler makes a new model of it. All other pictures, and
+    those that the person wants there, lie under the sheet to be traced.
+
+    Attributes
+    ----------
+    channel : Channel
+        The reading under way.
 
     Signals
     -------
     taken : str
         A model (id) has got a picture.
-    progressed : float, str; busy_changed : bool
     """
 
     taken = Signal(str)
-    progressed = Signal(float, str)
-    busy_changed = Signal(bool)
 
-    def __init__(self, session: Session) -> None:
-        super().__init__(session)
-        self._session = session
-        self._channel = Channel(
+    def __init__(
+        self,
+        workbench: Workbench,
+        drawing: DocumentModel,
+        selection: Selection,
+        toolbox: Toolbox,
+        objects: ObjectEdits,
+        context: GestureContext,
+        edits: Channel,
+        notices: Notices,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.channel = Channel(
             "picture", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
         )
-        self._channel.slow.connect(session.tell_slow)
-        self._channel.progressed.connect(self.progressed)
-        self._channel.busy_changed.connect(self.busy_changed)
-
-    @property
-    def busy(self) -> bool:
-        """Whether a picture is still being read."""
-        return self._channel.busy
-
-    def cancel(self) -> None:
-        """Stop it; nothing comes of what is under way."""
-        self._channel.cancel()
+        self.channel.slow.connect(notices.tell_slow)
+        self._workbench, self._drawing, self._selection = workbench, drawing, selection
+        self._toolbox, self._objects, self._context = toolbox, objects, context
+        self._edits, self._notices = edits, notices
+        self.taken.connect(toolbox.take_first_tool)
 
     def take_file(self, path: Path, *, under: bool = False) -> None:
         """Bring in a picture from a file.
@@ -73,8 +84,9 @@ class Picturing(QObject):
         Parameters
         ----------
         path : Path
+            The file of the picture.
         under : bool
-            Whether it is to lie under the sheet in any case.
+            Whether it lies under the sheet in any case.
         """
         modeler, base = ("", None) if under else self._taker()
 
@@ -91,7 +103,17 @@ class Picturing(QObject):
         self._read(work, modeler, base)
 
     def take_image(self, image: QImage, name: str, *, under: bool = False) -> None:
-        """Bring in a picture that is in no file, such as one from the clipboard."""
+        """Bring in a picture that is in no file, such as one from the clipboard.
+
+        Parameters
+        ----------
+        image : QImage
+            The picture.
+        name : str
+            Its name in the lists of objects and parts.
+        under : bool
+            Whether it lies under the sheet in any case.
+        """
         modeler, base = ("", None) if under else self._taker()
 
         def work(job: Job) -> Picture | Underlay:
@@ -105,86 +127,85 @@ class Picturing(QObject):
         self._read(work, modeler, base)
 
     def _taker(self) -> tuple[str, str | None]:
-        """The modeler that is asked first, and the model (id) that it would go to."""
-        session = self._session
-        model = session.selected_model
+        """Return the modeler to ask first, and the model (id) that would get the picture."""
+        model = self._selection.model
         if model is None:
-            return session.active_modeler, None
-        usable = model.visible and not model.locked and not session.workbench.is_foreign(model)
+            return self._toolbox.modeler, None
+        foreign = self._workbench.is_foreign(model)
+        usable = model.visible and not model.locked and not foreign
         return (model.modeler, model.id) if usable else ("", None)
 
     def _takes(self, modeler: str) -> bool:
-        """In a worker: whether a modeler works on pictures; its plugin may have to be imported."""
+        """Return whether a modeler works on pictures; in a worker, for it may be imported."""
         try:
-            return bool(modeler) and self._session.workbench.sources.takes_pictures(modeler)
+            return bool(modeler) and self._workbench.sources.takes_pictures(modeler)
         except UserError:
-            return False  # it cannot be used at all, which is told elsewhere
+            return False  # it cannot be used at all, which is reported elsewhere
 
     def _read(self, work: Any, modeler: str, base: str | None) -> None:
-        session = self._session
-        history = session.history
+        history = self._drawing.history
 
         def done(found: Picture | Underlay) -> None:
-            if session.history is not history:
+            if self._drawing.history is not history:
                 return
             if isinstance(found, Underlay):
-                session.edit(edit.add_underlay, found)
+                self._objects.edit(edit.add_underlay, found)
             else:
                 self._hand_over(found, modeler, base)
 
-        self._channel.submit(Request(work, done, session.complain))
+        self.channel.submit(Request(work, done, self._notices.complain))
 
     def _hand_over(self, picture: Picture, modeler: str, base: str | None) -> None:
         """Give a picture to a model, in its turn among the gestures."""
-        session = self._session
-        bench, context, history = session.workbench, session.context(), session.history
+        bench, drawing, context = self._workbench, self._drawing, self._context.now()
+        history = drawing.history
 
-        def work(job: Job) -> tuple[Model | None, Model] | None:
+        def work(job: Job, document: Document) -> tuple[Model | None, Model] | None:
             if base is None:
                 return None, bench.sources.from_picture(modeler, picture, {}, context)
-            known = next((model for model in session.document if model.id == base), None)
-            return (
-                None
-                if known is None
-                else (known, bench.sources.with_picture(known, picture, context))
-            )
+            known = next((model for model in document if model.id == base), None)
+            if known is None:
+                return None
+            return known, bench.sources.with_picture(known, picture, context)
 
         def done(answer: tuple[Model | None, Model] | None) -> None:
-            if answer is None or session.history is not history:
+            if answer is None or drawing.history is not history:
                 return
             before, model = answer
-            if before is not None and all(before is not known for known in session.document):
-                self._hand_over(picture, modeler, base)  # the document moved on meanwhile
+            if before is not None and all(before is not known for known in drawing.document):
+                self._hand_over(picture, modeler, base)  # the document changed meanwhile
                 return
-            session.take_drawn(tr("Session", "Add sketch"), model, is_new=before is None)
+            drawing.apply_model(tr("Session", "Add sketch"), model, is_new=before is None)
             self.taken.emit(model.id)
-            session.tell(
+            self._notices.tell(
                 tr(
                     "Session",
                     "Sketch added. With Shift, a dropped picture lies under the sheet instead.",
                 )
             )
 
-        session.inking.queue(Request(work, done, session.complain))
+        self._edits.submit(
+            Request(work, done, self._notices.complain, inputs=lambda: drawing.document)
+        )
 
 
 def pixels_of(image: QImage) -> NDArray[np.uint8]:
-    """The pixels of a Qt picture, (h, w, 4) RGBA, straight alpha.
+    """Return the pixels of a Qt picture, (h, w, 4) RGBA, straight alpha.
 
     Raises
     ------
     UserError
-        If it has none.
+        If the picture is empty.
     """
     if image.isNull():
-        raise UserError(tr("Session", "There is no picture in it. Copy one first."))
+        raise UserError(tr("Session", "There is no picture in the clipboard. Copy one first."))
     plain = image.convertToFormat(QImage.Format.Format_RGBA8888)
     rows = np.frombuffer(plain.constBits(), np.uint8).reshape(plain.height(), -1)
     return rows[:, : 4 * plain.width()].reshape(plain.height(), plain.width(), 4).copy()
 
 
 def laid_on_sheet(pixels: NDArray[np.uint8], name: str) -> Underlay:
-    """A picture in the plane y = 0, standing on the ground, centred."""
+    """Return a picture in the plane y = 0, on the ground, centred."""
     height, width = pixels.shape[:2]
     tall = UNDERLAY_WIDTH * height / width
     return Underlay(

@@ -1,16 +1,18 @@
-"""Watching a drawing: recorded ink goes through the same door as a hand's."""
+"""Replay of a recorded drawing: its ink takes the same way as that of a person."""
 
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from bozzetto.errors import UserError
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import COLUMNS, Stroke
 from bozzetto_app.session.session import Session
 
-__all__ = ["Replay"]
+__all__ = ["Replay", "Replays"]
 
 TICK_MS = 33
 """Milliseconds between two steps of the pen."""
@@ -30,12 +32,12 @@ class Replay(QObject):
     session : Session
     drawing : Drawing
     speed : float
-        2 is twice as fast as the hand was.
+        2 is twice as fast as the drawing was made.
 
     Signals
     -------
     finished
-        After the last stroke, or when it was stopped.
+        After the last stroke, or when the replay was stopped.
     inked : Stroke or None
         The stroke so far; None when its pen was lifted or taken away.
     """
@@ -52,7 +54,8 @@ class Replay(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
-        self._session = session
+        self._drawing, self._gestures = session.drawing, session.gestures
+        self._context = session.context
         self._strokes = list(drawing.strokes)
         self._facts, self._pictures = drawing.extra, drawing.pictures
         self._speed = speed
@@ -63,7 +66,7 @@ class Replay(QObject):
 
     def start(self) -> None:
         """Put the pen down."""
-        self._session.facts, self._session.pictures = self._facts, self._pictures
+        self._context.facts, self._context.pictures = self._facts, self._pictures
         self._pen_down = time.monotonic()
         self._timer.start()
 
@@ -71,19 +74,19 @@ class Replay(QObject):
         """Take the pen away; finished strokes stay."""
         if self._timer.isActive():
             self._timer.stop()
-            self._session.pen_cancelled()
+            self._gestures.cancel()
             self.inked.emit(None)
             self._end()
 
     def _end(self) -> None:
-        self._session.facts, self._session.pictures = {}, {}
+        self._context.facts, self._context.pictures = {}, {}
         self.finished.emit()
 
     def _step(self) -> None:
         if not self._strokes:
             self._timer.stop()
-            if self._session.pending:
-                self._session.commit_pending()
+            if self._drawing.pending:
+                self._gestures.commit()
             self._end()
             return
         passed = (time.monotonic() - self._pen_down) * self._speed
@@ -97,16 +100,82 @@ class Replay(QObject):
         if shown >= len(stroke):
             self._strokes.pop(0)
             self._pen_down = time.monotonic() + PAUSE
-            self._session.pen_lifted(stroke)
+            self._gestures.stroke_lifted(stroke)
             self.inked.emit(None)
         elif shown > 1:
             beginning = _beginning(stroke, shown)
-            self._session.pen_moved(beginning)
+            self._gestures.stroke_moved(beginning)
             self.inked.emit(beginning)
 
 
+class Replays(QObject):
+    """Replays drawings on the sheet of a session, one at a time.
+
+    Attributes
+    ----------
+    current : Replay, optional
+        The replay that began last, until it is stopped.
+    speed : float
+        Of the next replay; see `Replay`.
+
+    Signals
+    -------
+    began
+        A replay is about to begin.
+    inked : Stroke or None
+        See `Replay`.
+    finished
+        A replay has ended, or was stopped.
+    """
+
+    began = Signal()
+    inked = Signal(object)
+    finished = Signal()
+
+    def __init__(self, session: Session, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.current: Replay | None = None
+        self.speed = 2.0
+        self._session = session
+
+    def watch(self, modeler_id: str, path: Path) -> None:
+        """Replay a sample of a plugin on an empty sheet; open it if it has no strokes."""
+        from bozzetto.exchange.import_file import read_drawing
+
+        session = self._session
+        try:
+            drawing = read_drawing(path, trusted=True)
+        except UserError as problem:
+            session.notices.complain(problem)
+            return
+        session.files.new()
+        session.toolbox.take_modeler(modeler_id)
+        if len(drawing.strokes):
+            self.play(drawing)
+        else:
+            session.files.import_file(path)
+
+    def play(self, drawing: Drawing) -> None:
+        """Replay a drawing on the sheet, seen as it was drawn."""
+        self.stop()
+        view = self._session.view
+        view.set_camera(drawing.camera.with_viewport(*view.camera.viewport))
+        self.began.emit()
+        self.current = Replay(self._session, drawing, speed=self.speed, parent=self)
+        self.current.inked.connect(self.inked)
+        self.current.finished.connect(self.finished)
+        self.current.start()
+
+    def stop(self) -> None:
+        """Stop the replay; finished strokes stay."""
+        replay, self.current = self.current, None
+        if replay is not None:
+            replay.stop()
+            replay.deleteLater()
+
+
 def _beginning(stroke: Stroke, count: int) -> Stroke:
-    """The first samples of a stroke."""
+    """Return the first samples of a stroke."""
     columns = {name: getattr(stroke, name)[:count] for name in COLUMNS}
     if not stroke.has_pressure:
         del columns["pressure"]

@@ -1,4 +1,4 @@
-"""Which picture of which model is made next, and which answers may still be shown.
+"""The order of work on models, and which answers may still be shown.
 
 Every model that the window asks for is a small state machine of three numbers:
 
@@ -17,7 +17,10 @@ new. A revision goes through the stages ``INK < PREVIEW < FINAL < REPORT``. The 
    revision is abandoned at once, and so is any while some model waits for its preview.
 3. An answer is shown if its model is still asked for and nothing newer of it, or of the
    same revision and further, was shown.
-4. While a drag goes on no final is begun: it would be abandoned at the next tick.
+4. While a drag goes on no final is begun: it would be abandoned at the next value.
+5. While a drag goes on in a window, no further preview is begun before the last one was
+   painted, unless a model has no picture: a preview that nobody sees takes the time that its
+   painting needs.
 
 So what is shown never goes back, what is shown last is the last value, and a drag shows a
 frame for each preview that the worker can make. One lock guards the numbers: the window
@@ -82,7 +85,7 @@ class _Course:
         return self.made < (self.asked, stage)
 
     def tell_again(self) -> None:
-        """Have the figures told once more: it was chosen again."""
+        """Have the figures reported again: the model was selected again."""
         self.made = min(self.made, (self.asked, Stage.FINAL))
         self.shown = min(self.shown, (self.asked, Stage.FINAL))
 
@@ -99,6 +102,8 @@ class Revisions:
         self._selected = ""
         self._running: Task | None = None
         self._dragging = False
+        self._paints = False
+        self._unpainted = False
 
     # -- the window --
 
@@ -108,6 +113,7 @@ class Revisions:
         Parameters
         ----------
         models : iterable of Model
+            The models to be shown, in their newest state.
         selected : str
             Id of the one whose figures are wanted.
         dragging : bool
@@ -123,6 +129,7 @@ class Revisions:
             if selected != self._selected and selected in old:
                 old[selected].tell_again()
             self._selected, self._dragging = selected, dragging
+            self._unpainted = self._unpainted and dragging
             for model in models:
                 course = old.get(model.id)
                 if course is None:
@@ -141,6 +148,19 @@ class Revisions:
         """Say that a drag has ended; whether it was under way."""
         with self._lock:
             was, self._dragging = self._dragging, False
+            self._unpainted = False
+            return was
+
+    def expect_paint(self, paints: bool) -> None:
+        """Say whether a viewport paints what is shown, and calls `painted`."""
+        with self._lock:
+            self._paints = paints
+            self._unpainted = self._unpainted and paints
+
+    def painted(self) -> bool:
+        """Note that what is shown was painted; return whether a preview had waited for that."""
+        with self._lock:
+            was, self._unpainted = self._unpainted, False
             return was
 
     def stop(self) -> None:
@@ -155,6 +175,7 @@ class Revisions:
             self._hopeless.clear()
             self._running = None
             self._dragging = False
+            self._unpainted = False
 
     def show(self, task: Task) -> bool:
         """Whether an answer may be shown; it then counts as shown."""
@@ -176,7 +197,7 @@ class Revisions:
     # -- the worker --
 
     def next(self) -> Task | None:
-        """The task to be done now, which then counts as running; None where nothing is left."""
+        """Return the task to be done now, which then counts as running; None if nothing is left."""
         with self._lock:
             self._running = task = self._most_urgent()
             if task is not None:
@@ -198,6 +219,8 @@ class Revisions:
             if course is not None:
                 done = replace(task, stage=task.stage if stage is None else stage)
                 course.made = max(course.made, done.progress)
+                if done.stage is Stage.PREVIEW:
+                    self._unpainted = self._paints and self._dragging
 
     def give_up(self, model: Model) -> None:
         """Do not try this state again."""
@@ -220,6 +243,8 @@ class Revisions:
     def _most_urgent(self) -> Task | None:
         courses = self._courses.values()
         waiting = [course for course in courses if course.lacks(Stage.PREVIEW)]
+        if self._unpainted:
+            waiting = [course for course in waiting if not course.has_picture]
         if waiting:
             first = min(waiting, key=lambda c: (c.has_picture, c.served))
             return Task(first.model, first.asked, Stage.PREVIEW)

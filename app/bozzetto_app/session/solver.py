@@ -1,10 +1,9 @@
-"""Showing: solves what is on the sheet in the background and keeps the picture of each model.
+"""Solve the models of the document in the background, and keep the scene of each.
 
-First a preview of everything, so that a shape stands within a blink; then the final
-results, one by one. What was shown stays until something better is there; which answer is
-better, and which work goes first, is said by `revisions`. A recipe that has no solution, or
-whose plugin fails over it, is complained about once and not tried again; its ink is shown
-all the same.
+Previews of all models come first, then the final results, one by one. A scene stays until a
+better one replaces it; `revisions` decides which answer is better, and which work goes first.
+A model without a solution, or whose plugin fails, is reported once and not tried again; its
+ink is shown all the same.
 """
 
 from __future__ import annotations
@@ -15,70 +14,90 @@ from typing import Any, Final
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from bozzetto.document.model import Document, Model
+from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Layer, Scene
 from bozzetto.workbench.workbench import Workbench
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.revisions import Revisions, Stage, Task
+from bozzetto_app.session.selection import Selection
 from bozzetto_app.workers.channel import Channel, Request
-from bozzetto_app.workers.main_thread import ring
+from bozzetto_app.workers.main_thread import call_on_main_thread
 
-__all__ = ["Showing"]
+__all__ = ["Solver"]
 
 SOLVE_LIMIT = 60.0
-"""Seconds a solve may go on without a sign of progress before it counts as hung."""
+"""Seconds a solve may take without progress before it counts as hung."""
 
 REST: Final = 300
-"""Time without a change after which a drag gets its final picture, ms, though it may go on."""
+"""Time without a change after which a drag gets its final result, ms, though it may go on."""
+
+LATEST_PAINT: Final = 250
+"""How long the next preview waits for the last one to be painted, ms: where nothing had to be
+repainted, no viewport reports it."""
 
 
-class Showing(QObject):
-    """The pictures of a document's models, kept up to date by one worker.
+class Solver(QObject):
+    """The scenes of the models of a document, kept up to date by one worker.
+
+    Attributes
+    ----------
+    report : dict
+        Figures of the final result of the selected model; empty until they are known.
 
     Signals
     -------
     changed : str, bool
-        A model's (id) picture is another one; True if it shows the solved shape of the
-        newest state.
+        The scene of a model (id) differs; True if it shows the solved shape of the newest
+        state.
     settled : str
-        A model (id) that was waiting for it has its final picture.
-    reported : Model, dict
-        Figures of the model asked for.
-    failed : object
-        The exception with which a model refused to be solved or shown.
-    slow : Hung
-        A solve goes on for long.
-    rested
-        A drag has ended or rests.
+        A model (id) that a gesture made has its first final scene.
+    report_changed
+        `report` differs.
+    failed
+        A model has no solution; the person has been told.
     progressed : float, str; busy_changed : bool
+        Work advances, starts, ends.
     """
 
     changed = Signal(str, bool)
     settled = Signal(str)
-    reported = Signal(object, object)
-    failed = Signal(object)
-    rested = Signal()
-    slow = Signal(object)
+    report_changed = Signal()
+    failed = Signal()
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
 
-    def __init__(self, workbench: Workbench, parent: QObject | None = None) -> None:
+    def __init__(
+        self,
+        workbench: Workbench,
+        drawing: DocumentModel,
+        selection: Selection,
+        notices: Notices,
+        parent: QObject | None = None,
+    ) -> None:
         super().__init__(parent)
-        self._workbench = workbench
-        self._document = Document()
-        self._selected: Model | None = None
+        self.report: dict[str, Any] = {}
+        self._workbench, self._notices = workbench, notices
+        self._drawing, self._selection = drawing, selection
         self._shown: dict[str, tuple[Model, Scene]] = {}
         self._revisions = Revisions()
         self._last_report: tuple[Any, dict[str, Any]] | None = None
         self._awaited: set[str] = set()
         self._channel = Channel("solve", time_limit=SOLVE_LIMIT, is_patient=True, parent=self)
-        self._channel.slow.connect(self.slow)
+        self._channel.slow.connect(notices.tell_slow)
         self._channel.progressed.connect(self.progressed)
         self._channel.busy_changed.connect(self.busy_changed)
         self._rest = QTimer(self, singleShot=True, interval=REST)
         self._rest.timeout.connect(self.let_go)
+        self._paint = QTimer(self, singleShot=True, interval=LATEST_PAINT)
+        self._paint.timeout.connect(self.frame_painted)
+        drawing.models_changed.connect(self._solve_changed)
+        drawing.applied.connect(self._awaited.add)
+        drawing.closing.connect(self.forget)
+        selection.changed.connect(self._selection_changed)
 
     @property
     def busy(self) -> bool:
@@ -86,22 +105,18 @@ class Showing(QObject):
         return self._channel.busy or self._rest.isActive()
 
     def layers(self) -> Iterator[Layer]:
-        """The layers of all visible models, in the document's order."""
-        for model in self._document:
+        """Return the layers of all visible models, in the order of the document."""
+        for model in self._drawing.document:
             if model.visible and model.id in self._shown:
                 yield from self._shown[model.id][1].layers
 
     def shown(self, model_id: str) -> Model | None:
-        """The model, as it was, whose picture is shown; None where there is none."""
+        """Return the state of a model that is shown; None if nothing of it is."""
         found = self._shown.get(model_id)
         return None if found is None else found[0]
 
-    def await_final(self, model_id: str) -> None:
-        """Ask for `settled` when this model's final picture is there."""
-        self._awaited.add(model_id)
-
     def forget(self) -> None:
-        """Drop every picture and all work: another document comes."""
+        """Drop all scenes and all work: another document comes."""
         self.cancel()
         self._revisions.forget()
         self._shown.clear()
@@ -111,7 +126,7 @@ class Showing(QObject):
     def cancel(self) -> None:
         """Stop solving; what is shown stays.
 
-        What had been told as slow is not tried again until it is another.
+        A state that was reported as slow is not tried again.
         """
         self._rest.stop()
         running, task = self._channel.running, self._revisions.running
@@ -120,48 +135,65 @@ class Showing(QObject):
         self._channel.cancel()
         self._revisions.stop()
 
-    def show(self, document: Document, selected: Model | None, *, dragging: bool = False) -> None:
-        """Bring the pictures up to date with a document, and report on the selected model.
+    def let_go(self) -> None:
+        """Make the final results: a drag has ended, or pauses."""
+        self._rest.stop()
+        if self._revisions.let_go():
+            self._submit()
+            self._drawing.end_drag()
 
-        Parameters
-        ----------
-        document : Document
-        selected : Model, optional
-        dragging : bool
-            Whether more changes of the same kind are to be expected: previews are made, and
-            finals wait for `let_go`, or for a rest.
+    def expect_paint(self, paints: bool) -> None:
+        """Note whether a viewport paints what is shown, and calls `frame_painted`."""
+        self._revisions.expect_paint(paints)
+
+    def frame_painted(self) -> None:
+        """Note that the newest scene is on the screen: the next preview may begin."""
+        self._paint.stop()
+        if self._revisions.painted():
+            self._submit()
+
+    def _solve_changed(self) -> None:
+        """Bring the scenes up to date with the document.
+
+        While a value is dragged only previews are made; final results wait for `let_go`.
         """
-        self._document, self._selected = document, selected
+        document, dragging = self._drawing.document, self._drawing.is_dragging
         known = {model.id for model in document}
         self._shown = {key: pair for key, pair in self._shown.items() if key in known}
-        running = self._channel.running
-        chosen = "" if selected is None else selected.id
-        unwanted = self._revisions.ask(self._soluble(document), chosen, dragging=dragging)
-        if running is not None and unwanted:
-            running.abandon()
+        self._ask(dragging=dragging)
         if dragging:
             self._rest.start()
         else:
             self._rest.stop()
-        self._channel.submit(Request(self._work, lambda _: None, self._failed))
+        self._submit()
 
-    def let_go(self) -> None:
-        """Make the finals: a drag has ended, or rests."""
-        self._rest.stop()
-        if self._revisions.let_go():
-            self._channel.submit(Request(self._work, lambda _: None, self._failed))
-            self.rested.emit()
+    def _selection_changed(self) -> None:
+        """Report on the model that is selected now."""
+        self.report = {}
+        self.report_changed.emit()
+        if self._selection.model is not None:
+            self._ask(dragging=False)
+            self._submit()
 
-    def _soluble(self, document: Document) -> list[Model]:
-        """The models to be solved: those that can be seen and whose plugin is here."""
-        return [
-            model for model in document if model.visible and not self._workbench.is_foreign(model)
+    def _ask(self, *, dragging: bool) -> None:
+        """Ask for the visible models whose plugin is here."""
+        soluble = [
+            model
+            for model in self._drawing.document
+            if model.visible and not self._workbench.is_foreign(model)
         ]
+        running = self._channel.running
+        unwanted = self._revisions.ask(soluble, self._selection.id or "", dragging=dragging)
+        if running is not None and unwanted:
+            running.abandon()
+
+    def _submit(self) -> None:
+        self._channel.submit(Request(self._work, lambda _: None, self._failed))
 
     # -- in the worker --
 
     def _work(self, job: Job) -> None:
-        """Do what is most urgent until nothing is left."""
+        """Do the most urgent task until nothing is left."""
         while not job.cancelled():
             task = self._revisions.next()
             if task is None:
@@ -173,36 +205,36 @@ class Showing(QObject):
                 else:
                     self._solve(task, job)
             except (UserError, PluginFault) as problem:
-                # Work that was overtaken and then interrupted is nobody's fault.
+                # Work that was replaced and then interrupted is no fault.
                 if not job.cancelled():
                     self._refused(task, problem)
 
     def _refused(self, task: Task, problem: BaseException) -> None:
-        """A model has no solution, or no figures; it is not asked again."""
+        """Note that a model has no solution, or no figures; it is not asked again."""
         if task.stage is Stage.REPORT:
             self._revisions.made(task)
         else:
             self._revisions.give_up(task.model)
-        ring(self, self._complain, task, problem)
+        call_on_main_thread(self, self._complain, task, problem)
 
     def _solve(self, task: Task, job: Job) -> None:
-        """One model at one quality, or its final result where that is remembered."""
+        """Solve one model at one quality, or show its final result if that is cached."""
         bench, model = self._workbench, task.model
         if bench.result(model, "final") is not None:
             task = replace(task, stage=Stage.FINAL)
         elif not self._revisions.has_picture(task) and bench.best_result(model) is None:
             ink = replace(task, stage=Stage.INK)
-            ring(self, self._take, ink, bench.model_scene(model, None))
+            call_on_main_thread(self, self._take, ink, bench.model_scene(model, None))
         result = bench.solve(
             model, replace(job, quality="final" if task.stage is Stage.FINAL else "preview")
         )
         scene = bench.model_scene(model, result)
         if not job.cancelled():
             self._revisions.made(task)
-            ring(self, self._take, task, scene)
+            call_on_main_thread(self, self._take, task, scene)
 
     def _report(self, task: Task, job: Job) -> None:
-        """The figures of a model that has its final result."""
+        """Compute the figures of a model that has its final result."""
         model = task.model
         if self._last_report is None or self._last_report[0] is not model.state:
             # Empty first, so that a report which fails or hangs is not asked for again.
@@ -210,13 +242,15 @@ class Showing(QObject):
             self._last_report = (model.state, self._workbench.report(model, job))
         if not job.cancelled():
             self._revisions.made(task)
-            ring(self, self._take_report, task, self._last_report[1])
+            call_on_main_thread(self, self._take_report, task, self._last_report[1])
 
     # -- on the window's thread --
 
     def _take(self, task: Task, scene: Scene) -> None:
-        """Exchange one model's picture."""
+        """Replace the scene of one model."""
         model_id = task.model.id
+        if task.stage is Stage.PREVIEW and self._drawing.is_dragging:
+            self._paint.start()
         if not self._revisions.show(task):
             return
         self._shown[model_id] = (task.model, scene)
@@ -227,18 +261,24 @@ class Showing(QObject):
             self.settled.emit(model_id)
 
     def _take_report(self, task: Task, report: dict[str, Any]) -> None:
-        if self._revisions.show(task):
-            self.reported.emit(task.model, report)
+        selected = self._selection.model
+        if not self._revisions.show(task) or selected is None:
+            return
+        if task.model.state is selected.state:
+            self.report = report
+            self.report_changed.emit()
 
     def _complain(self, task: Task, problem: BaseException) -> None:
-        if any(task.model.state is known.state for known in self._document):
-            self.failed.emit(problem)
+        if any(task.model.state is known.state for known in self._drawing.document):
+            self.failed.emit()
+            self._notices.complain(problem)
 
     def _failed(self, problem: BaseException) -> None:
-        """A mistake of the program itself: the model is not tried again."""
+        """Report a bug of the program itself, and do not try the model again."""
         stuck = self._revisions.running
         if stuck is not None:
             self._revisions.give_up(stuck.model)
-        self.failed.emit(problem)
+        self.failed.emit()
+        self._notices.complain(problem)
         if stuck is not None:
-            self.show(self._document, self._selected)
+            self._solve_changed()

@@ -36,7 +36,7 @@ class SmallPictures:
         self._painting: threading.Thread | None = None
 
     def of(self, document: Document, scene: Scene) -> bytes | None:
-        """A PNG of what is shown; None where that fails, or takes longer than `PATIENCE`."""
+        """Return a PNG of what is shown; None if that fails, or takes longer than `PATIENCE`."""
         if self._painting is not None and self._painting.is_alive():
             return None  # still at an earlier one
         painted: list[bytes] = []
@@ -60,6 +60,6 @@ def _painted(bench: Workbench, document: Document, scene: Scene) -> bytes:
     view = framed(scene, size=(SIDE, SIDE))
     try:
         hanging = bench.advice_scene(document, view)
-    except (UserError, PluginFault):  # has been told to whoever listens to the guard
+    except (UserError, PluginFault):  # the guard has reported it
         hanging = Scene()
     return png_bytes(thumbnail(scene.under(hanging), SIDE, camera=view))

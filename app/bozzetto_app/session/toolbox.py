@@ -1,25 +1,26 @@
-"""The toolbox: which modeler is drawn with, which tools it has, and which one is in the hand."""
+"""The modeler and the tool that the person draws with."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 
+from bozzetto.plugin.host.registry import ModelerInfo
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Aims, TellsNext
+from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.notices import Notices
+from bozzetto_app.session.selection import Selection
 from bozzetto_app.workers.channel import Channel, Request
-
-if TYPE_CHECKING:
-    from bozzetto_app.session.session import Session
 
 __all__ = ["TOOL_KEYS", "ToolInfo", "Toolbox"]
 
 TOOL_KEYS = "1234567890"
-"""The keys that take the tools of a modeler, in their order."""
+"""The keys that choose the tools of a modeler, in their order."""
 
 TOOLS_LIMIT = 20.0
 """Seconds a plugin may take to be imported and to name its tools before it counts as hung."""
@@ -27,7 +28,7 @@ TOOLS_LIMIT = 20.0
 
 @dataclass(frozen=True)
 class ToolInfo:
-    """A tool as the rail shows it."""
+    """A tool as the tool rail shows it."""
 
     id: str
     title: str
@@ -35,9 +36,9 @@ class ToolInfo:
     hint: str
     gesture: Literal["ink", "tap", "drag"]
     tells_next: bool = False
-    """Whether it says itself what to do next; see `TellsNext`."""
+    """Whether it names the next gesture itself; see `TellsNext`."""
     aims: bool = False
-    """Whether its places must be met exactly; see `Aims`."""
+    """Whether its positions must be met exactly; see `Aims`."""
 
 
 class Toolbox(QObject):
@@ -46,39 +47,76 @@ class Toolbox(QObject):
     Attributes
     ----------
     modeler, tool : str
-        Ids; empty while there is none.
+        Ids of the active modeler and tool; empty while there is none.
     tools : tuple of ToolInfo
-        Empty until the modeler's plugin has been imported, which happens in a worker.
+        Empty until a worker has imported the plugin of the modeler.
+    channel : Channel
+        The work of asking for the tools.
+
+    Signals
+    -------
+    modeler_changed
+        Another modeler is active, or its tools are known now.
+    tool_changed
+        Another tool is active.
     """
 
-    def __init__(self, session: Session) -> None:
-        super().__init__(session)
-        self._session = session
+    modeler_changed = Signal()
+    tool_changed = Signal()
+
+    def __init__(
+        self,
+        workbench: Workbench,
+        selection: Selection,
+        notices: Notices,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
         self.modeler = ""
         self.tool = ""
         self.tools: tuple[ToolInfo, ...] = ()
-        self._channel = Channel("tools", time_limit=TOOLS_LIMIT, is_patient=True, parent=self)
-        self._channel.slow.connect(session.tell_slow)
+        self.channel = Channel("tools", time_limit=TOOLS_LIMIT, is_patient=True, parent=self)
+        self.channel.slow.connect(notices.tell_slow)
+        self._workbench, self._selection, self._notices = workbench, selection, notices
+        self._registry = workbench.registry
+        selection.changed.connect(self._selection_changed)
 
     @property
-    def busy(self) -> bool:
-        """Whether the tools are still being asked for."""
-        return self._channel.busy
+    def modelers(self) -> tuple[ModelerInfo, ...]:
+        """All modelers that can be drawn with, in their order."""
+        return tuple(info for info in self._registry.modelers() if info.listed)
+
+    @property
+    def active(self) -> ToolInfo | None:
+        """The active tool; None until the tools are known."""
+        return next((tool for tool in self.tools if tool.id == self.tool), None)
 
     def stop(self) -> None:
-        """Wait no longer for tools; to choose the modeler again asks again."""
-        if self._channel.busy:
-            self._channel.cancel()
+        """Stop waiting for tools; to choose the modeler again asks again."""
+        if self.channel.busy:
+            self.channel.cancel()
             self.modeler = ""
-            self._session.modeler_changed.emit()
+            self.modeler_changed.emit()
 
     def take_modeler(self, modeler_id: str) -> None:
-        """Draw with another modeler."""
-        session = self._session
-        info = session.registry.info(modeler_id)
+        """Draw with another modeler; waiting ink stays."""
+        if modeler_id != self.modeler:
+            self.channel.cancel()
+            self.prefer(modeler_id)
+            self.ask_for_tools()
+
+    def prefer(self, modeler_id: str) -> None:
+        """Draw with another modeler, without asking for its tools yet."""
         self.modeler, self.tools, self.tool = modeler_id, (), ""
-        session.modeler_changed.emit()
-        session.say_hint(info.hint)
+        self.modeler_changed.emit()
+        self._notices.say_hint(self._registry.info(modeler_id).hint)
+
+    def ask_for_tools(self) -> None:
+        """Ask for the tools of the active modeler, whose plugin is imported for that."""
+        bench, modeler_id = self._workbench, self.modeler
+        if self.tools or not modeler_id:
+            return
+        info = self._registry.info(modeler_id)
 
         def work(job: Job) -> tuple[ToolInfo, ...]:
             return tuple(
@@ -91,28 +129,25 @@ class Toolbox(QObject):
                     isinstance(tool, TellsNext),
                     isinstance(tool, Aims) and tool.aims,
                 )
-                for tool in session.workbench.tools(modeler_id)
+                for tool in bench.tools(modeler_id)
             )
 
         def found(tools: tuple[ToolInfo, ...]) -> None:
             if self.modeler == modeler_id:
                 self.tools = tools
-                session.modeler_changed.emit()
-                if tools:
-                    self.take_tool(tools[0].id)
+                self.modeler_changed.emit()
+                self.take_first_tool()
 
-        self._channel.cancel()
-        self._channel.submit(Request(work, found, session.complain))
+        self.channel.submit(Request(work, found, self._notices.complain))
 
     def drop_if_gone(self) -> None:
-        """Where the plugin of the active modeler was switched off, take the first one there is."""
-        session = self._session
+        """Replace the active modeler by the first one if its plugin was switched off."""
         gone = self.modeler
-        if not gone or any(info.id == gone for info in session.modelers):
+        if not gone or any(info.id == gone for info in self.modelers):
             return
-        title = session.registry.info(gone).title
-        if session.modelers:
-            other = session.modelers[0]
+        title = self._registry.info(gone).title
+        if self.modelers:
+            other = self.modelers[0]
             self.take_modeler(other.id)
             words = tr(
                 "Session",
@@ -121,34 +156,34 @@ class Toolbox(QObject):
                 other=other.title,
             )
         else:
-            self._channel.cancel()
+            self.channel.cancel()
             self.modeler, self.tools, self.tool = "", (), ""
-            session.modeler_changed.emit()
+            self.modeler_changed.emit()
             words = tr(
                 "Session",
                 "{title} is switched off, and there is no other modeler. Switch one on to draw.",
                 title=title,
             )
-        session.tell(words)
+        self._notices.tell(words)
 
     def take_tool(self, tool_id: str) -> None:
-        """Take another tool of the active modeler."""
+        """Draw with another tool of the active modeler."""
         for tool in self.tools:
             if tool.id == tool_id:
                 self.tool = tool_id
-                self._session.tool_changed.emit()
-                self._session.say_hint(tool.hint)
+                self.tool_changed.emit()
+                self._notices.say_hint(tool.hint)
 
     def take_first_tool(self) -> None:
-        """Take the modeler's first tool: with it a picture that came in is worked on."""
+        """Draw with the first tool of the active modeler."""
         if self.tools and self.tool != self.tools[0].id:
             self.take_tool(self.tools[0].id)
 
     def tool_for(self, gesture: Literal["ink", "tap", "drag"]) -> str:
-        """The tool that gets a gesture.
+        """Return the id of the tool that gets a gesture.
 
-        Drags of handles go to a tool that takes drags, the one in the hand before others;
-        everything else to the tool in the hand.
+        Drags of handles go to a tool that takes drags, the active one before others;
+        everything else to the active tool.
         """
         if gesture == "drag":
             takers = [tool.id for tool in self.tools if tool.gesture == "drag"]
@@ -157,17 +192,19 @@ class Toolbox(QObject):
         return self.tool
 
     def hint_of(self, tool_id: str) -> str:
-        """A tool's hint; "" where it is not among the tools."""
+        """Return the hint of a tool; "" if the active modeler has no such tool."""
         return next((tool.hint for tool in self.tools if tool.id == tool_id), "")
 
     def hint_and_more(self, tool_id: str) -> str:
-        """A tool's hint, and what can be done beside drawing once there is an object."""
+        """Return the hint of a tool, and what else can be done once there is an object."""
         return tr(
             "Session",
             "{hint} Middle button or Alt + pen turns. Enter starts a new object.",
             hint=self.hint_of(tool_id),
         ).strip()
 
-    def tells_next(self, tool_id: str) -> bool:
-        """Whether a tool says itself what to do next."""
-        return any(tool.tells_next for tool in self.tools if tool.id == tool_id)
+    def _selection_changed(self) -> None:
+        """Draw with the modeler of the selected model."""
+        model = self._selection.model
+        if model is not None and any(info.id == model.modeler for info in self.modelers):
+            self.take_modeler(model.modeler)

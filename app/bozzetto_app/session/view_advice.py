@@ -1,14 +1,14 @@
-"""Advising: what the active modeler says of the view, asked while the view turns.
+"""The active modeler's advice on the view, asked for while the view turns.
 
-One question at a time, in a worker, ten times a second at most; what was overtaken is not shown.
-While a value is dragged only a view that is pinned is asked about, if answers come quickly.
+One question at a time goes to a worker, ten in a second at most; replaced answers are not shown.
+While a value is dragged only a pinned view is asked about, and only if answers come quickly.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
@@ -19,22 +19,27 @@ from bozzetto.plugin.job import Job
 from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
+from bozzetto.workbench.workbench import Workbench
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.notices import Notices
+from bozzetto_app.session.scene_model import SceneModel
+from bozzetto_app.session.selection import Selection
+from bozzetto_app.session.solver import Solver
+from bozzetto_app.session.toolbox import Toolbox
+from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.workers.channel import Channel, Request
 
-if TYPE_CHECKING:
-    from bozzetto_app.session.session import Session
-
-__all__ = ["Advising"]
+__all__ = ["ViewAdviser"]
 
 INTERVAL = 100
-"""Time between two questions, milliseconds."""
+"""Time between two questions, ms."""
 
 QUICK = 0.1
 """How long an answer may take for the next to be asked for in a drag, seconds."""
 
 MOST_PINNED = 32
-"""Earlier states of a model that are known as seen: a hand that drags a mark and lets it go, or
-takes a few steps back, passes through no more before the view has gone along."""
+"""Earlier states of a model that are remembered as seen: a hand that drags a mark and lets it
+go, or takes a few steps back, passes through no more before the view has followed."""
 
 ADVICE_LIMIT = 10.0
 """Seconds a modeler may think about a view before it counts as hung."""
@@ -44,45 +49,56 @@ Question = tuple[str, Model | None, Camera] | None
 """Modeler, model (None for one that is still to be drawn) and view; None for nothing to ask."""
 
 
-class Advising(QObject):
-    """What there is to say of the view.
+class ViewAdviser(QObject):
+    """Keeps the advice of the active modeler up to date.
 
     Attributes
     ----------
     advice : ViewAdvice or None
-        In the world; None where the modeler gives none.
+        In world coordinates; None if the modeler gives none.
     about : Model or None
-        The model that it is about; None for one that is still to be drawn.
+        The model that the advice is about; None for one that is still to be drawn.
 
     Signals
     -------
     changed
-        It is another one.
+        The advice differs.
     """
 
     changed = Signal()
 
-    def __init__(self, session: Session) -> None:
-        super().__init__(session)
-        self._session = session
+    def __init__(
+        self,
+        workbench: Workbench,
+        drawing: DocumentModel,
+        selection: Selection,
+        view: ViewState,
+        toolbox: Toolbox,
+        solver: Solver,
+        scene: SceneModel,
+        notices: Notices,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
         self.advice: ViewAdvice | None = None
         self.about: Model | None = None
-        self._seen = session.camera
+        self._workbench, self._drawing, self._selection = workbench, drawing, selection
+        self._view, self._toolbox, self._solver = view, toolbox, solver
+        self._scene, self._notices = scene, notices
+        self._seen = view.camera
         self._took = 0.0
         self._asked: Question = None
         self._silent: set[str] = set()
         self._empty: dict[str, Model] = {}
         self._pinned: deque[Model] = deque(maxlen=MOST_PINNED)
-        self._history = session.history
         self._channel = Channel("advice", time_limit=ADVICE_LIMIT, parent=self)
         self._pace = QTimer(self, singleShot=True, interval=INTERVAL)
         self._pace.timeout.connect(self._ask)
-        for signal in (session.camera_changed, session.selection_changed, session.modeler_changed):
+        for signal in (view.camera_changed, selection.changed, toolbox.modeler_changed):
             signal.connect(self.look)
-        session.document_changed.connect(self._look_at_change)
-        session.scene_changed.connect(self._look_at_frame)
-        session.rested.connect(self.look)
-        session.tool_changed.connect(self._other_tool)
+        drawing.closing.connect(self._forget)
+        drawing.changed.connect(self._look_at_change)
+        scene.changed.connect(self._look_at_frame)
 
     @property
     def busy(self) -> bool:
@@ -90,84 +106,71 @@ class Advising(QObject):
         late = self._pace.isActive() and not _same(self._question(), self._asked)
         return self._channel.busy or late
 
-    @property
-    def scene(self) -> Scene:
-        """What the advice shows on the sheet."""
-        layers = () if self.advice is None else self.advice.scene.layers
-        return Scene(tuple(filter(self._session.is_seen, layers)))
-
     def holds_eye(self, camera: Camera) -> bool:
-        """Whether a view stands where a picture was drawn from; see `ViewAdvice.pinned`.
+        """Return whether a view stands where a picture was drawn from; see `ViewAdvice.pinned`.
 
         It does so as long as the eye is where the advice was given, before the next comes.
         """
-        pinned = self.advice is not None and self.advice.pinned
-        return pinned and camera.kind == self._seen.kind and camera.eye == self._seen.eye
+        return self._is_pinned and camera.kind == self._seen.kind and camera.eye == self._seen.eye
 
     def seen(self, model: Model | None) -> tuple[Model, ...]:
-        """A model as it was a moment ago, newest first, while the view was pinned to it."""
+        """Return the recent states of a model to which the view was pinned, newest first."""
         if model is None:
             return ()
         return tuple(known for known in self._pinned if known.id == model.id)
 
     def seen_states(self, model: Model | None) -> tuple[Any, ...]:
-        """Their states; see `Context.seen`."""
+        """Return the same as the states of the modeler; see `Context.seen`."""
         return tuple(known.state for known in self.seen(model))
 
     def look(self) -> None:
-        """See whether there is a new view, model or modeler; ask when it is time."""
+        """Ask about a new view, model or modeler when it is time."""
         if not self._pace.isActive():
             self._ask()
 
     def look_later(self) -> None:
-        """The same in a moment: the shape that a stroke has just made comes first."""
+        """Ask in a moment: the shape that a stroke has just made comes first."""
         if not self._pace.isActive():
             self._pace.start()
 
+    def is_about(self, camera: Camera) -> bool:
+        """Return whether the newest advice was given on a view."""
+        return self.advice is not None and self._seen == camera
+
+    @property
+    def _is_pinned(self) -> bool:
+        return self.advice is not None and self.advice.pinned
+
+    def _forget(self) -> None:
+        """Let go of the models of a closed document, which hold all their pictures."""
+        self._pinned.clear()
+
     def _look_at_change(self) -> None:
-        """A picture may have another camera now: its view should go along with it at once."""
-        if self._history is not self._session.history:
-            # Models of a closed document would be held with all their pictures.
-            self._history = self._session.history
-            self._pinned.clear()
-        if not self._session.is_dragging:
-            self._look_soon()
-
-    def _look_at_frame(self) -> None:
-        """While a value is dragged, a view that is pinned goes along with what is shown of it.
-
-        Any other has time until the drag rests, and so has one that takes long: the shape
-        comes first.
-        """
-        pinned = self.advice is not None and self.advice.pinned
-        if self._session.is_dragging and pinned and self._took <= QUICK:
-            self.look()
-
-    def _look_soon(self) -> None:
-        if self.advice is not None and self.advice.pinned:
+        """Follow a picture at once, whose camera may differ; anything else can wait."""
+        if self._is_pinned:
             self.look()
         else:
             self.look_later()
 
-    def _other_tool(self) -> None:
-        if self.advice is not None and any(layer.tool for layer in self.advice.scene.layers):
-            self._session.live_changed.emit()
+    def _look_at_frame(self) -> None:
+        """Let a pinned view follow what is shown while a value is dragged.
 
-    def is_about(self, camera: Camera) -> bool:
-        """Whether the newest advice was given on a view."""
-        return self.advice is not None and self._seen == camera
+        Any other has time until the drag pauses, and so has one that takes long: the shape
+        comes first.
+        """
+        if self._drawing.is_dragging and self._is_pinned and self._took <= QUICK:
+            self.look()
 
     def _question(self) -> Question:
-        session = self._session
-        modeler = session.active_modeler
+        modeler = self._toolbox.modeler
         # Without tools nothing can be drawn, or the plugin is still being imported.
-        if modeler in self._silent or not session.tools:
+        if modeler in self._silent or not self._toolbox.tools:
             return None
-        model = session.inking.target(modeler)
-        if model is not None and session.is_dragging:
+        model = self._selection.target(modeler)
+        if model is not None and self._drawing.is_dragging:
             # What is shown has been solved; the newest value is not worth another solve.
-            model = session.showing.shown(model.id) or model
-        return modeler, model, session.camera
+            model = self._solver.shown(model.id) or model
+        return modeler, model, self._view.camera
 
     def _ask(self) -> None:
         question = self._question()
@@ -183,7 +186,6 @@ class Advising(QObject):
             return
         self._asked = question
         modeler, model, camera = question
-
         seen = self.seen(model)
         begun = perf_counter()
 
@@ -194,7 +196,7 @@ class Advising(QObject):
             self._took = perf_counter() - begun
             if advice is None:
                 self._silent.add(modeler)
-            if self._session.active_modeler == modeler:
+            if self._toolbox.modeler == modeler:
                 self.about, self._seen = model, camera
                 self._remember(model, advice)
                 self._take(advice)
@@ -203,12 +205,12 @@ class Advising(QObject):
             self._take(None)
             if not isinstance(problem, UserError):
                 self._silent.add(modeler)
-                self._session.complain(problem)
+                self._notices.complain(problem)
 
         self._channel.submit(Request(work, done, failed, "preview"))
 
     def _remember(self, model: Model | None, advice: ViewAdvice | None) -> None:
-        """Keep in mind to which state of a model the view is pinned."""
+        """Remember the state of a model to which the view is pinned."""
         pinned = advice is not None and advice.pinned and not advice.follow
         if pinned and model is not None and (not self._pinned or self._pinned[0] is not model):
             self._pinned.appendleft(model)
@@ -216,9 +218,12 @@ class Advising(QObject):
     def _advice_on(
         self, modeler: str, model: Model | None, camera: Camera, seen: tuple[Model, ...]
     ) -> ViewAdvice | None:
-        """In the worker: the advice; None where the modeler never gives any."""
-        bench = self._session.workbench
-        if not isinstance(self._session.registry.modeler(modeler), AdvisesView):
+        """Ask the modeler, in the worker; None if it never gives advice.
+
+        The empty models belong to the one worker of this channel.
+        """
+        bench = self._workbench
+        if not isinstance(bench.registry.modeler(modeler), AdvisesView):
             return None
         if model is None:
             if modeler not in self._empty:
@@ -228,15 +233,13 @@ class Advising(QObject):
 
     def _take(self, advice: ViewAdvice | None) -> None:
         if advice is not None or self.advice is not None:
-            shown = bool(self.scene.layers)
             self.advice = advice
+            self._scene.show_advice(Scene() if advice is None else advice.scene)
             self.changed.emit()
-            if shown or self.scene.layers:
-                self._session.live_changed.emit()
 
 
 def _same(one: Question, other: Question) -> bool:
-    """Whether two questions are about the very same things; states are not compared."""
+    """Return whether two questions are about the very same objects; states are not compared."""
     if one is None or other is None:
         return one is other
     return one[0] == other[0] and one[1] is other[1] and one[2] == other[2]

@@ -1,4 +1,4 @@
-"""Looking: from where the sheet is seen, and in which style."""
+"""The view of the sheet and the style in which it is drawn."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.view.camera import Camera
 
-__all__ = ["Looking", "Shading"]
+__all__ = ["Shading", "ViewState"]
 
 FIRST_VIEW = Camera(eye=(0.0, -500.0, 90.0), target=(0.0, 0.0, 90.0))
 """From the front, with the ground below the middle of the sheet."""
@@ -16,17 +16,26 @@ FIRST_VIEW = Camera(eye=(0.0, -500.0, 90.0), target=(0.0, 0.0, 90.0))
 Shading = Literal["clay", "zebra", "curvature", "normals", "xray"]
 
 
-class Looking(QObject):
-    """The view and its style; the session is one of these.
+class ViewState(QObject):
+    """The camera and the drawing style.
+
+    Attributes
+    ----------
+    camera : Camera
+    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    show_grid, show_ghost_ink : bool
+        Whether the ground and the ink that models were made from are drawn.
 
     Signals
     -------
-    camera_changed, view_style_changed
-        The view moved; shading, grid or ghost ink were switched.
+    camera_changed
+        The camera moved.
+    style_changed
+        The shading, the grid or the ghost ink was switched.
     """
 
     camera_changed = Signal()
-    view_style_changed = Signal()
+    style_changed = Signal()
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -36,22 +45,22 @@ class Looking(QObject):
         self.show_ghost_ink = True
 
     def set_camera(self, camera: Camera) -> None:
-        """Look from elsewhere."""
+        """Move the camera."""
         if camera != self.camera:
             self.camera = camera
             self.camera_changed.emit()
 
     def set_shading(self, shading: Shading) -> None:
-        """Show surfaces differently."""
+        """Draw surfaces in another way."""
         self.shading = shading
-        self.view_style_changed.emit()
+        self.style_changed.emit()
 
     def set_show_grid(self, shown: bool) -> None:
-        """Show or hide the ground."""
+        """Show or hide the grid on the ground."""
         self.show_grid = shown
-        self.view_style_changed.emit()
+        self.style_changed.emit()
 
     def set_show_ghost_ink(self, shown: bool) -> None:
-        """Show or hide processed ink."""
+        """Show or hide the ink that models were made from."""
         self.show_ghost_ink = shown
-        self.view_style_changed.emit()
+        self.style_changed.emit()

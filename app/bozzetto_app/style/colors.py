@@ -32,7 +32,7 @@ def contrast(one: Color, other: Color) -> float:
 
 
 def mixed(one: Color, other: Color, share: float) -> Color:
-    """A share (0 … 1) of `one` over `other`."""
+    """Return a share (0 … 1) of `one` over `other`."""
     red, green, blue = (
         round(share * a + (1.0 - share) * b) for a, b in zip(one, other, strict=True)
     )

@@ -37,7 +37,7 @@ def icon_names() -> tuple[str, ...]:
 
 @lru_cache(maxsize=512)
 def _renderer(path: Path, color: Color) -> QSvgRenderer | None:
-    """The drawing in one colour; None where the file cannot be read as SVG."""
+    """Return the drawing in one colour; None if the file cannot be read as SVG."""
     try:
         if path.stat().st_size > LARGEST_FILE:
             return None
@@ -76,7 +76,7 @@ def _picture(path: Path, color: Color, side: int) -> QPixmap | None:
 
 @lru_cache(maxsize=512)
 def icon_from_file(path: Path, palette: Palette) -> QIcon:
-    """A plugin's icon in the theme's ink; a null icon where the file is no SVG."""
+    """Return an icon in the text colour of a theme; a null icon if the file is no SVG."""
     tones = tones_of(palette)
     made = QIcon()
     for mode, color in (
@@ -91,7 +91,7 @@ def icon_from_file(path: Path, palette: Palette) -> QIcon:
 
 
 def icon(name: str, palette: Palette) -> QIcon:
-    """An icon of the family in the theme's ink.
+    """Return an icon of the family in the text colour of a theme.
 
     Raises
     ------

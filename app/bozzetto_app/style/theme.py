@@ -54,7 +54,7 @@ class Theme(Enum):
 
 
 def palette_for(theme: Theme) -> Palette:
-    """The palette of a theme; the system's wish counts where the person has none."""
+    """Return the palette of a theme; the system's choice counts if the person made none."""
     if theme is Theme.SYSTEM:
         dark = QGuiApplication.styleHints().colorScheme() == Qt.ColorScheme.Dark
         return DARK if dark else LIGHT
@@ -62,12 +62,12 @@ def palette_for(theme: Theme) -> Palette:
 
 
 def current_palette() -> Palette:
-    """The palette that was applied last."""
+    """Return the palette that was applied last."""
     return _shown
 
 
 def tones() -> Tones:
-    """The tones of the palette that was applied last; for widgets that paint themselves."""
+    """Return the tones of the current palette, for widgets that paint themselves."""
     return _mixed_once(_shown)
 
 
@@ -77,7 +77,7 @@ def _mixed_once(palette: Palette) -> Tones:
 
 
 def qcolor(color: Color, opacity: float = 1.0) -> QColor:
-    """A Qt colour; opacity 0 … 1."""
+    """Return a Qt colour; opacity 0 … 1."""
     made = QColor(*color)
     made.setAlphaF(opacity)
     return made
@@ -90,14 +90,14 @@ def _body_font() -> QFont:
 
 
 def small_font(font: QFont) -> QFont:
-    """The second of the two sizes."""
+    """Return the smaller of the two sizes of a font."""
     smaller = QFont(font)
     smaller.setPixelSize(_small_pixels(font))
     return smaller
 
 
 def strong_font(font: QFont) -> QFont:
-    """The same size with more weight, for what is chosen and for headings."""
+    """Return a font with more weight, for headings and for what is chosen."""
     stronger = QFont(font)
     stronger.setWeight(QFont.Weight.DemiBold)
     return stronger
@@ -150,7 +150,7 @@ def _qt_palette(tones: Tones) -> QPalette:
 
 
 def style_sheet(palette: Palette) -> str:
-    """The style sheet of a palette."""
+    """Return the style sheet of a palette."""
     mixed = _mixed_once(palette)
     colors = {
         name: "#{:02x}{:02x}{:02x}".format(*value)
@@ -165,7 +165,7 @@ def style_sheet(palette: Palette) -> str:
 
 
 def _tinted_files(tones: Tones) -> Path:
-    """A folder with the few icons that a style sheet can only take from files.
+    """Return a folder with the few icons that a style sheet can only take from files.
 
     They are kept between two starts; a disk that is full costs the icons, not the start.
     """

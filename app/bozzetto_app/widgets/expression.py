@@ -21,7 +21,7 @@ _SAME = str.maketrans({"×": "*", "·": "*", "÷": "/", ":": "/", "−": "-", "�
 
 
 def compute(text: str) -> Fraction:
-    """The value of a sum of decimal numbers with ``+ - * / ( )``.
+    """Return the value of a sum of decimal numbers with ``+ - * / ( )``.
 
     A comma may stand for the decimal point; the signs × · ÷ : − are understood.
 

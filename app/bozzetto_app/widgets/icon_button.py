@@ -18,7 +18,7 @@ RADIUS = 4.0
 
 
 def paint_focus(painter: QPainter, place: QRectF, radius: float = RADIUS) -> None:
-    """The ring around what the keyboard would press."""
+    """Paint the ring around the widget that has the keyboard focus."""
     painter.setPen(QPen(qcolor(tones().second), 1.5))
     painter.setBrush(Qt.BrushStyle.NoBrush)
     painter.drawRoundedRect(place.adjusted(0.75, 0.75, -0.75, -0.75), radius, radius)
@@ -95,7 +95,7 @@ class IconButton(QToolButton):
             paint_focus(painter, QRectF(self.rect()))
 
     def paint_ground(self, painter: QPainter) -> None:
-        """What lies under the icon while it is near the pointer or pressed."""
+        """Paint the background while the pointer is over the icon, or presses it."""
         if not self.isEnabled():
             return
         colors = tones()

@@ -40,7 +40,7 @@ HEIGHT = 24
 
 
 def sensible_step(minimum: float | None, maximum: float | None, *, whole: bool = False) -> float:
-    """A step of 1, 2 or 5 times a power of ten, about a hundredth of the range."""
+    """Return a step of 1, 2 or 5 times a power of ten, about a hundredth of the range."""
     if whole or minimum is None or maximum is None or maximum <= minimum:
         return 1.0
     wish = (maximum - minimum) / 100.0
@@ -49,7 +49,7 @@ def sensible_step(minimum: float | None, maximum: float | None, *, whole: bool =
 
 
 def format_number(value: float, step: float) -> str:
-    """The value with as many decimals as the step has, and two more where they matter."""
+    """Return the value with as many decimals as the step has, and two more if they matter."""
     shown = max(0, min(MOST_DECIMALS, math.ceil(-math.log10(step) - 1e-9)))
     text = f"{value:.{min(MOST_DECIMALS, shown + 2)}f}"
     while "." in text and text.endswith("0") and len(text.split(".")[1]) > shown:

@@ -14,7 +14,7 @@ __all__ = ["Section", "hairline"]
 
 
 def hairline(parent: QWidget | None = None) -> QFrame:
-    """A line one pixel high."""
+    """Return a line one pixel high."""
     line = QFrame(parent)
     line.setProperty("shape", "hairline")
     return line

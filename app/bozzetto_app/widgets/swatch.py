@@ -35,7 +35,7 @@ def chart() -> tuple[tuple[str, Color | None], ...]:
 
 
 def color_name(color: Color | None) -> str:
-    """What the chart calls a colour; its digits where it is none of the chart."""
+    """Return the name of a colour in the chart; its digits if it is not in the chart."""
     named = {value: name for name, value in chart()}
     return named.get(color, "#{:02X}{:02X}{:02X}".format(*(color or (0, 0, 0))))
 

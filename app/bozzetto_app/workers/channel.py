@@ -4,7 +4,7 @@ A channel carries one kind of work ("preview", "solve", "apply"). At most one re
 channel runs; while it runs only the newest waiting request is kept (or all of them, in
 order, where a channel says so). An answer is delivered on the window's thread, and only if
 its request was not overtaken. A request that overruns its time limit is left behind with its
-thread, unless its channel is patient: then it is told that it is slow, and goes on until it
+thread, unless its channel is patient: then it is reported as slow, and goes on until it
 answers or a person stops it. Work that does not listen when it is cancelled is left behind as
 well, and interrupted if it shows no sign of life even then: the window never waits.
 """
@@ -31,7 +31,7 @@ from bozzetto.errors import Cancelled
 from bozzetto.plugin.guard.guard import Overrun
 from bozzetto.plugin.guard.watchdog import interrupt
 from bozzetto.plugin.job import Job
-from bozzetto_app.workers.main_thread import hang_up, ring
+from bozzetto_app.workers.main_thread import call_on_main_thread, install
 
 __all__ = ["Channel", "Hung", "Request"]
 
@@ -84,12 +84,17 @@ class Request:
     done, failed : callable
         Called on the window's thread with the answer, or with the exception.
     quality : {"preview", "final"}
+    inputs : callable, optional
+        Called on the window's thread when the turn of the request has come; `work` gets its
+        answer as a second argument. So work in a queue starts from the newest state, and
+        reads nothing that belongs to the window's thread.
     """
 
-    work: Callable[[Job], Any]
+    work: Callable[..., Any]
     done: Callable[[Any], None]
     failed: Callable[[BaseException], None]
     quality: str = "final"
+    inputs: Callable[[], Any] | None = None
     ticket: int = field(default_factory=lambda: next(_tickets))
     seen_alive: float = 0.0
     abandoned_at: float | None = None
@@ -111,7 +116,7 @@ class _Worker:
     """A thread that does one request after another, and ends when it has been idle for long.
 
     Starting a thread means waiting for it, and a busy worker of another channel may hold
-    the interpreter meanwhile: too dear for each tick of a slider.
+    the interpreter meanwhile: too expensive for each value of a slider.
     """
 
     def __init__(self, name: str) -> None:
@@ -217,7 +222,7 @@ class Channel(QObject):
         self._worker: _Worker | None = None
         self._last_progress = 0.0
         self._left_behind: list[Request] = []
-        hang_up()
+        install()
         self._watch = QTimer(self)
         self._watch.setInterval(50)
         self._watch.timeout.connect(self._look_at_the_clock)
@@ -257,10 +262,11 @@ class Channel(QObject):
         self._hand_over(request)
 
     def _hand_over(self, request: Request) -> None:
-        """Have the worker do it, or a new one where there is none."""
+        """Hand the request to the worker, or to a new one if there is none."""
+        arguments = () if request.inputs is None else (request.inputs(),)
 
         def work() -> None:
-            self._work(request)
+            self._work(request, arguments)
 
         if self._worker is not None:
             request.thread = self._worker.thread
@@ -270,12 +276,12 @@ class Channel(QObject):
         request.thread = self._worker.thread
         self._worker.take(work)
 
-    def _work(self, request: Request) -> None:
+    def _work(self, request: Request, arguments: tuple[Any, ...]) -> None:
         def progress(fraction: float, step: str) -> None:
             request.seen_alive = now = time.monotonic()
             if now - self._last_progress > PROGRESS_INTERVAL and request is self._running:
                 self._last_progress = now
-                ring(self, self.progressed.emit, float(fraction), str(step))
+                call_on_main_thread(self, self.progressed.emit, float(fraction), str(step))
 
         job = Job(
             quality="preview" if request.quality == "preview" else "final",
@@ -286,12 +292,12 @@ class Channel(QObject):
         error: BaseException | None = None
         try:
             try:
-                answer = request.work(job)
+                answer = request.work(job, *arguments)
             except BaseException as problem:
                 error = problem
-            ring(self, self._deliver, request, answer, error)
+            call_on_main_thread(self, self._deliver, request, answer, error)
         except Overrun:
-            log.debug("%s answered just when it was given up", self.name)
+            log.debug("%s answered just when it was abandoned", self.name)
 
     def _deliver(self, request: Request, answer: Any, error: BaseException | None) -> None:
         if request is not self._running:

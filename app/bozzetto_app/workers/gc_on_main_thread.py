@@ -1,4 +1,4 @@
-"""Tidying: cyclic garbage is collected on the window's thread and nowhere else.
+"""Cyclic garbage is collected on the window's thread and nowhere else.
 
 Python's collector runs in whichever thread happens to allocate. In a worker it would
 destroy forgotten Qt objects there, and Qt objects die only on the thread they live in:
@@ -50,7 +50,7 @@ class Tidier(QObject):
             self._give_back()
 
     def settle(self) -> None:
-        """What lives now lives for ever: it need not be looked through again.
+        """Exempt all objects that live now from later collections.
 
         The imported libraries are some hundred thousand objects, a pause of a tenth of a
         second each time.

@@ -1,4 +1,4 @@
-"""The doorbell: how a worker's thread has something done on the window's thread.
+"""Calls from a worker's thread that run on the window's thread.
 
 A worker must not emit the signals of an object that the window's thread may delete at the
 same moment: that is a crash without a traceback. So there is one object that is never
@@ -15,7 +15,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, Signal
 from shiboken6 import isValid
 
-__all__ = ["hang_up", "ring"]
+__all__ = ["call_on_main_thread", "install"]
 
 log = logging.getLogger(__name__)
 
@@ -28,35 +28,35 @@ with Python's own 5 ms, work in pure Python would hold the window up at each of 
 """
 
 
-class _Bell(QObject):
-    rung = Signal(object)
+class _Receiver(QObject):
+    called = Signal(object)
 
     def __init__(self) -> None:
         super().__init__()
-        self.rung.connect(self._open, Qt.ConnectionType.QueuedConnection)
+        self.called.connect(self._run, Qt.ConnectionType.QueuedConnection)
 
-    def _open(self, call: Callable[[], None]) -> None:
+    def _run(self, call: Callable[[], None]) -> None:
         call()
 
 
-_bells: list[_Bell] = []
+_receivers: list[_Receiver] = []
 
 
-def hang_up() -> None:
-    """On the window's thread: put up the bell, before any worker may ring it."""
-    if not _bells:
-        _bells.append(_Bell())
+def install() -> None:
+    """Make the receiver, on the window's thread, before any worker needs it."""
+    if not _receivers:
+        _receivers.append(_Receiver())
         sys.setswitchinterval(min(sys.getswitchinterval(), SWITCH_INTERVAL))
 
 
-def ring(owner: QObject, function: Callable[..., None], *arguments: Any) -> None:
-    """From any thread: call a function on the window's thread, unless its owner is gone."""
+def call_on_main_thread(owner: QObject, function: Callable[..., None], *arguments: Any) -> None:
+    """Call a function on the window's thread, from any thread, unless its owner is gone."""
 
     def call() -> None:
         if isValid(owner):
             function(*arguments)
 
     try:
-        _bells[0].rung.emit(call)
+        _receivers[0].called.emit(call)
     except RuntimeError:
         log.debug("the program ended before %s could answer", type(owner).__name__)

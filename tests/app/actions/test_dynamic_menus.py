@@ -45,7 +45,7 @@ def test_recent_documents_are_listed_and_open(window, tmp_path, monkeypatch):
     horse, odd = tmp_path / "horse.bozz", tmp_path / "salt & pepper.bozz"
     remember(window, horse, odd)
     opened = []
-    monkeypatch.setattr(window.session, "open", opened.append)
+    monkeypatch.setattr(window.session.files, "open_safely", opened.append)
     found = submenu(window, "File", "Open recent")
     assert list(found) == ["&1 horse", "&2 salt && pepper"]
     found["&2 salt && pepper"].trigger()
@@ -56,7 +56,7 @@ def test_recent_documents_are_listed_and_open(window, tmp_path, monkeypatch):
 
 def test_clearing_the_list_empties_the_menu(window, tmp_path):
     remember(window, tmp_path / "horse.bozz")
-    window.open_preferences()
+    window.dialogs.open_preferences()
     (dialog,) = (one for one in window.children() if one.objectName() == "preferences")
     dialog.recent.click()
     assert submenu(window, "File", "Open recent") == {}
@@ -81,22 +81,22 @@ def test_the_palette_lists_a_recent_document_once(window, tmp_path):
 def test_a_view_is_kept_shown_again_and_forgotten(window, qtbot, settle):
     session = window.session
     window.canvas.look("right")
-    kept = session.camera
+    kept = session.view.camera
     window.actions_.run("view.keep")
     (dialog,) = window.findChildren(QInputDialog)
     assert dialog.textValue() == "View 1"
     dialog.setTextValue("Nose & ears")
     dialog.accept()
-    assert [view.name for view in session.document.views] == ["Nose & ears"]
-    assert session.history.undo_label == "Keep view “Nose & ears”"
+    assert [view.name for view in session.drawing.document.views] == ["Nose & ears"]
+    assert session.drawing.history.undo_label == "Keep view “Nose & ears”"
     window.canvas.look("top")
-    assert session.camera != kept
+    assert session.view.camera != kept
     found = submenu(window, "View", "Kept views")
     found["Nose && ears"].trigger()
-    assert session.camera == kept
+    assert session.view.camera == kept
     submenu(window, "View", "Kept views", "Forget")["Nose && ears"].trigger()
-    assert session.document.views == ()
-    session.undo()
+    assert session.drawing.document.views == ()
+    session.drawing.undo()
     assert "Nose && ears" in submenu(window, "View", "Kept views")
 
 
@@ -105,6 +105,6 @@ def test_a_kept_view_fits_a_sheet_of_another_size(window, qtbot):
     (dialog,) = window.findChildren(QInputDialog)
     dialog.accept()
     window.resize(900, 700)
-    qtbot.waitUntil(lambda: window.session.camera.viewport[0] == window.canvas.width())
+    qtbot.waitUntil(lambda: window.session.view.camera.viewport[0] == window.canvas.width())
     submenu(window, "View", "Kept views")["View 1"].trigger()
-    assert window.session.camera.viewport == (window.canvas.width(), window.canvas.height())
+    assert window.session.view.camera.viewport == (window.canvas.width(), window.canvas.height())

@@ -2,147 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QInputDevice, QPointingDevice, QTabletEvent
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import LIGHT, Handle, Layer, Lines, Scene, Shaded
-from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.canvas import Canvas
+from tests.app.fake_session import EmptySession, ToolInfo
 
 Cap = QInputDevice.Capability
 
 
-@dataclass(frozen=True)
-class FakeTool:
-    id: str
-    gesture: str
-    aims: bool = False
-
-
-class FakeAdvising(QObject):
-    """What a modeler says of the view: whatever a test wants."""
-
-    changed = Signal()
-
-    def __init__(self):
-        super().__init__()
-        self.advice = None
-        self.about = None
-        self.scene = Scene()
-
-    def holds_eye(self, camera):
-        return self.advice is not None and self.advice.pinned
-
-    def say(self, advice):
-        self.advice = advice
-        self.changed.emit()
-
-
-class FakePicturing(QObject):
-    """Notes which pictures come."""
-
-    taken = Signal(str)
-
-    def __init__(self, calls):
-        super().__init__()
-        self.calls = calls
-
-    def take_file(self, path, *, under=False):
-        self.calls.append(("take_file", path, under))
-
-    def take_image(self, image, name, *, under=False):
-        self.calls.append(("take_image", image, under))
-
-
-class FakeSession(QObject):
-    """The names of the real session that the canvas uses; every call is noted."""
-
-    scene_changed = Signal()
-    live_changed = Signal()
-    pending_changed = Signal()
-    tool_changed = Signal()
-    camera_changed = Signal()
-    view_style_changed = Signal()
-    noticed = Signal(object)
-    settled = Signal(str)
-
-    def __init__(self):
-        super().__init__()
-        self.camera = Camera()
-        self.advising = FakeAdvising()
-        self.scene = Scene()
-        self.live_scene = Scene()
-        self.pending = self.marked_ink = ()
-        self.active_modeler = ""
-        self.tools = (FakeTool("draw", "ink"), FakeTool("mark", "tap"), FakeTool("edit", "drag"))
-        self.active_tool = "draw"
-        self.shading = "clay"
-        self.show_grid = self.is_dragging = False
-        self.show_ghost_ink = True
-        self.selected = self.selected_model = None
-        self.calls = []
-        self.picturing = FakePicturing(self.calls)
-
-    def set_camera(self, camera):
-        self.camera = camera
-        self.camera_changed.emit()
-
-    def set_scene(self, scene):
-        self.scene = scene
-        self.scene_changed.emit()
-
-    def named(self, name):
-        return [call for call in self.calls if call[0] == name]
-
-    @property
-    def strokes(self):
-        return [call[1] for call in self.named("pen_lifted")]
-
-    def pen_moved(self, stroke):
-        self.calls.append(("pen_moved", stroke))
-
-    def pen_lifted(self, stroke):
-        self.calls.append(("pen_lifted", stroke))
-
-    def escape(self):
-        self.calls.append(("escape",))
-        return bool(self.pending)
-
-    def pen_cancelled(self):
-        self.calls.append(("pen_cancelled",))
-
-    def tapped(self, x, y, *, shift, ctrl):
-        self.calls.append(("tapped", x, y, shift, ctrl))
-
-    def tap_moved(self, x, y, *, shift, ctrl):
-        self.calls.append(("tap_moved", x, y, shift, ctrl))
-
-    def handle_moved(self, handle, path, *, shift, ctrl):
-        self.calls.append(("handle_moved", handle, path, shift, ctrl))
-
-    def handle_released(self, handle, path, *, shift, ctrl):
-        self.calls.append(("handle_released", handle, path, shift, ctrl))
-
-    def explain_gesture(self, meant):
-        self.calls.append(("explain_gesture", meant))
-
-    def tell(self, text):
-        self.calls.append(("tell", text))
-
-    def complain(self, problem):
-        self.calls.append(("complain", str(problem)))
-
-    def import_file(self, path):
-        self.calls.append(("import_file", path))
-
-    def open(self, path):
-        self.calls.append(("open", path))
+def FakeTool(id, gesture, aims=False):
+    return ToolInfo(id, id, None, "", gesture, aims=aims)
 
 
 class Pen:
@@ -233,7 +108,7 @@ def box_scene():
 
 @pytest.fixture
 def session(qapp):
-    return FakeSession()
+    return EmptySession()
 
 
 @pytest.fixture

@@ -5,7 +5,6 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +12,7 @@ from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QIcon
 from PySide6.QtWidgets import QAbstractButton, QApplication, QWidget
 
+from bozzetto.document.model import Document, Model
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import DARK, LIGHT, Layer, Scene
@@ -33,15 +33,15 @@ def arrived(canvas, qtbot):
 
 @pytest.mark.parametrize("name", VIEWS)
 def test_standard_views(session, canvas, qtbot, name):
-    begin = session.camera
+    begin = session.view.camera
     canvas.look(name)
     arrived(canvas, qtbot)
-    np.testing.assert_allclose(session.camera.eye, standard_view(begin, name).eye, atol=1e-6)
+    np.testing.assert_allclose(session.view.camera.eye, standard_view(begin, name).eye, atol=1e-6)
 
 
 def test_a_change_of_view_passes_through_the_views_between(session, canvas, qtbot):
     seen = []
-    session.camera_changed.connect(lambda: seen.append(session.camera.axes[2][0]))
+    session.view.camera_changed.connect(lambda: seen.append(session.view.camera.axes[2][0]))
     canvas.look("right")
     arrived(canvas, qtbot)
     assert len(seen) >= 3
@@ -52,52 +52,54 @@ def test_a_change_of_view_passes_through_the_views_between(session, canvas, qtbo
 def test_reduced_motion_goes_at_once_and_never_tilts(session, canvas):
     canvas.motion.reduced = True
     canvas.look("top")
-    assert session.camera.axes[2][2] == pytest.approx(-1)
-    before = session.camera
-    session.settled.emit("m1")
-    assert session.camera == before
+    assert session.view.camera.axes[2][2] == pytest.approx(-1)
+    before = session.view.camera
+    session.solver.settled.emit("m1")
+    assert session.view.camera == before
     assert not canvas.motion.is_running
 
 
 def test_the_view_tilts_once_and_comes_back_exactly(session, canvas, qtbot):
-    begin = session.camera
+    begin = session.view.camera
     seen = []
-    session.camera_changed.connect(lambda: seen.append(session.camera))
-    session.settled.emit("m1")
+    session.view.camera_changed.connect(lambda: seen.append(session.view.camera))
+    session.solver.settled.emit("m1")
     arrived(canvas, qtbot)
-    assert session.camera == begin
+    assert session.view.camera == begin
     lean = max(np.degrees(np.arccos(np.clip(c.axes[2] @ begin.axes[2], -1, 1))) for c in seen)
     assert 3 < lean < 15
-    session.settled.emit("m2")
+    session.solver.settled.emit("m2")
     assert not canvas.motion.is_running
 
 
 def test_no_tilt_interrupts_a_view_on_its_way(session, canvas, qtbot):
     canvas.look("right")
     assert canvas.motion.is_running
-    session.settled.emit("m1")
+    session.solver.settled.emit("m1")
     arrived(canvas, qtbot)
-    np.testing.assert_allclose(session.camera.axes, standard_view(session.camera, "right").axes)
+    np.testing.assert_allclose(
+        session.view.camera.axes, standard_view(session.view.camera, "right").axes
+    )
 
 
 def test_the_ink_of_a_replay_is_shown_with_what_waits(session, canvas):
-    stroke = Stroke([10.0, 60.0, 90.0], [10.0, 20.0, 70.0], camera=session.camera)
+    stroke = Stroke([10.0, 60.0, 90.0], [10.0, 20.0, 70.0], camera=session.view.camera)
     canvas.follow(stroke)
-    (ink,) = canvas._overlay._pending_ink
+    (ink,) = canvas.overlay._pending_ink
     assert np.allclose((ink[0][:2], ink[-1][:2]), ((10, 10), (90, 70)))
     canvas.follow(None)
-    assert canvas._overlay._pending_ink == []
+    assert canvas.overlay._pending_ink == []
 
 
 def test_the_tilt_is_a_setting(session, canvas):
     settings().setValue("view/settle_tilt", False)
     canvas.read_settings()
-    session.settled.emit("m1")
+    session.solver.settled.emit("m1")
     assert not canvas.motion.is_running
 
 
 def test_ink_ends_a_motion_first(session, canvas, pen):
-    begin = session.camera
+    begin = session.view.camera
     canvas.look("right")
     pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
     assert not canvas.motion.is_running
@@ -106,29 +108,29 @@ def test_ink_ends_a_motion_first(session, canvas, pen):
 
 
 def test_the_projection_changes_and_the_scale_stays(session, canvas, qtbot):
-    scale = session.camera.pixels_per_mm
+    scale = session.view.camera.pixels_per_mm
     canvas.toggle_projection()
     arrived(canvas, qtbot)
-    assert session.camera.kind == "orthographic"
-    assert session.camera.pixels_per_mm == pytest.approx(scale)
+    assert session.view.camera.kind == "orthographic"
+    assert session.view.camera.pixels_per_mm == pytest.approx(scale)
     canvas.toggle_projection()
     arrived(canvas, qtbot)
-    assert session.camera.kind == "perspective"
-    assert session.camera.pixels_per_mm == pytest.approx(scale)
+    assert session.view.camera.kind == "perspective"
+    assert session.view.camera.pixels_per_mm == pytest.approx(scale)
 
 
 def test_framing_the_selection_and_everything(session, canvas, qtbot, box_scene):
     far = Scene((Layer("other", (box_scene.layers[0].items[1],), owner="m2"),))
-    session.set_scene(box_scene + far)
-    begin = session.camera
-    session.selected = "m2"
+    session.scene.show(box_scene + far)
+    begin = session.view.camera
+    session.selection.id = "m2"
     canvas.frame_selection()
     arrived(canvas, qtbot)
-    np.testing.assert_allclose(session.camera.eye, fit_points(begin, far.points()).eye)
+    np.testing.assert_allclose(session.view.camera.eye, fit_points(begin, far.points()).eye)
     canvas.fit()
     arrived(canvas, qtbot)
-    pixels, _ = session.camera.project(session.scene.points())
-    share = pixels / session.camera.viewport
+    pixels, _ = session.view.camera.project(session.scene.visible.points())
+    share = pixels / session.view.camera.viewport
     assert share.min() > 0
     assert share.max() < 1
     assert np.ptp(share, axis=0).max() > 0.8
@@ -137,35 +139,35 @@ def test_framing_the_selection_and_everything(session, canvas, qtbot, box_scene)
 def test_fitting_an_empty_scene_is_no_accident(session, canvas, qtbot):
     canvas.fit()
     arrived(canvas, qtbot)
-    assert np.isfinite(session.camera.eye).all()
+    assert np.isfinite(session.view.camera.eye).all()
 
 
 def test_the_camera_follows_the_size_of_the_canvas(session, canvas, qtbot):
     canvas.resize(640, 480)
-    qtbot.waitUntil(lambda: session.camera.viewport == (640, 480))
+    qtbot.waitUntil(lambda: session.view.camera.viewport == (640, 480))
 
 
 # -- view cube ---------------------------------------------------------------------------------
 
 
 def test_clicking_a_face_of_the_cube_looks_at_it(session, canvas, qtbot):
-    session.set_camera(standard_view(session.camera, "three-quarter"))
-    cube = canvas._cube
+    session.view.set_camera(standard_view(session.view.camera, "three-quarter"))
+    cube = canvas.cube
     places = {
         cube.direction_under(QPointF(x, y)): QPoint(x, y) for x in range(84) for y in range(84)
     }
     assert (0.0, 0.0, 1.0) in places
     qtbot.mouseClick(cube, Qt.MouseButton.LeftButton, pos=places[0.0, 0.0, 1.0])
     arrived(canvas, qtbot)
-    assert session.camera.axes[2][2] == pytest.approx(-1)
+    assert session.view.camera.axes[2][2] == pytest.approx(-1)
 
 
 def test_faces_edges_and_corners_of_the_cube_can_be_hit(session, canvas):
     canvas.motion.reduced = True
-    cube = canvas._cube
+    cube = canvas.cube
     found = set()
     for view in ("front", "back", "three-quarter", "top", "bottom", "left", "right"):
-        session.set_camera(standard_view(session.camera, view))
+        session.view.set_camera(standard_view(session.view.camera, view))
         found |= {
             cube.direction_under(QPointF(x, y)) for x in range(0, 84, 2) for y in range(0, 84, 2)
         }
@@ -175,21 +177,21 @@ def test_faces_edges_and_corners_of_the_cube_can_be_hit(session, canvas):
 
 
 def test_dragging_the_cube_turns_the_view_and_chooses_nothing(session, canvas, qtbot):
-    cube, before = canvas._cube, session.camera
+    cube, before = canvas.cube, session.view.camera
     qtbot.mousePress(cube, Qt.MouseButton.LeftButton, pos=QPoint(42, 42))
     qtbot.mouseMove(cube, QPoint(62, 42))
     qtbot.mouseRelease(cube, Qt.MouseButton.LeftButton, pos=QPoint(62, 42))
     assert not canvas.motion.is_running
-    assert session.camera.axes[2][0] != pytest.approx(before.axes[2][0])
+    assert session.view.camera.axes[2][0] != pytest.approx(before.axes[2][0])
     assert session.strokes == []
 
 
 def test_the_buttons_beneath_the_cube(session, canvas, qtbot):
-    cube = canvas._cube
+    cube = canvas.cube
     name = cube.projection_button.accessibleName()
     qtbot.mouseClick(cube.projection_button, Qt.MouseButton.LeftButton)
     arrived(canvas, qtbot)
-    assert session.camera.kind == "orthographic"
+    assert session.view.camera.kind == "orthographic"
     assert cube.projection_button.accessibleName() not in ("", name)
 
 
@@ -223,19 +225,19 @@ def entries(canvas):
 
 def test_a_flick_with_the_barrel_button_chooses(session, canvas, pen, entries):
     pen.press(400, 300, button=Qt.MouseButton.RightButton)
-    assert canvas._menu.isVisible()
+    assert canvas.menu.isVisible()
     pen.move(420, 301)
     pen.move(450, 302)
     pen.release(450, 302, button=Qt.MouseButton.RightButton)
     assert [entry.count for entry in entries] == [0, 1, 0, 0]
-    assert not canvas._menu.isVisible()
+    assert not canvas.menu.isVisible()
     assert session.strokes == []
 
 
 def test_a_short_press_leaves_the_menu_open_for_a_click(canvas, pen, entries, qtbot):
     pen.press(400, 300, button=Qt.MouseButton.RightButton)
     pen.release(400, 300, button=Qt.MouseButton.RightButton)
-    menu = canvas._menu
+    menu = canvas.menu
     assert menu.isVisible()
     middle = menu.rect().center()
     qtbot.mouseClick(menu, Qt.MouseButton.LeftButton, pos=middle + QPoint(0, 80))
@@ -245,9 +247,9 @@ def test_a_short_press_leaves_the_menu_open_for_a_click(canvas, pen, entries, qt
 
 def test_the_menu_opens_by_key_and_closes_by_escape(canvas, entries, qtbot):
     qtbot.keyClick(canvas, Qt.Key.Key_Q)
-    assert canvas._menu.isVisible()
-    qtbot.keyClick(canvas._menu, Qt.Key.Key_Escape)
-    assert not canvas._menu.isVisible()
+    assert canvas.menu.isVisible()
+    qtbot.keyClick(canvas.menu, Qt.Key.Key_Escape)
+    assert not canvas.menu.isVisible()
     assert not any(entry.count for entry in entries)
 
 
@@ -262,13 +264,13 @@ def test_what_is_disabled_cannot_be_chosen(canvas, entries, pen):
 @pytest.mark.parametrize("place", [(0, 0), (799, 599), (2, 400)])
 def test_the_ring_stays_inside_the_canvas(canvas, entries, place):
     canvas.open_menu(QPointF(*place))
-    assert canvas.rect().contains(canvas._menu.geometry())
+    assert canvas.rect().contains(canvas.menu.geometry())
 
 
 def test_escape_during_a_flick_chooses_nothing(canvas, entries, pen, qtbot):
     pen.press(400, 300, button=Qt.MouseButton.RightButton)
     pen.move(460, 300)
-    qtbot.keyClick(canvas._menu, Qt.Key.Key_Escape)
+    qtbot.keyClick(canvas.menu, Qt.Key.Key_Escape)
     pen.move(470, 300)
     pen.release(470, 300, button=Qt.MouseButton.RightButton)
     assert not any(entry.count for entry in entries)
@@ -277,7 +279,7 @@ def test_escape_during_a_flick_chooses_nothing(canvas, entries, pen, qtbot):
 def test_ink_closes_the_menu(session, canvas, entries, pen):
     canvas.open_menu(QPointF(600, 400))
     pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
-    assert not canvas._menu.isVisible()
+    assert not canvas.menu.isVisible()
     assert len(session.strokes) == 1
 
 
@@ -286,31 +288,31 @@ def test_ink_closes_the_menu(session, canvas, entries, pen):
 
 def test_the_hint_fades_with_the_first_ink(canvas, pen, qtbot):
     canvas.show_hint("Draw a closed outline.")
-    assert canvas._hint.isVisible()
+    assert canvas.empty_hint.isVisible()
     pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
-    qtbot.waitUntil(lambda: not canvas._hint.isVisible(), timeout=2000)
+    qtbot.waitUntil(lambda: not canvas.empty_hint.isVisible(), timeout=2000)
 
 
 def test_places_of_a_notice_are_lit_and_a_plain_hint_does_not_put_them_out(session, canvas):
-    session.noticed.emit(Notice("error", "It crosses itself here.", ((100.0, 120.0),)))
-    session.noticed.emit(Notice("hint", "Draw a closed outline."))
-    assert canvas._overlay.lit_places == ((100.0, 120.0),)
-    assert canvas._overlay._lit.words == "It crosses itself here."
+    session.notices.noticed.emit(Notice("error", "It crosses itself here.", ((100.0, 120.0),)))
+    session.notices.noticed.emit(Notice("hint", "Draw a closed outline."))
+    assert canvas.overlay.lit_places == ((100.0, 120.0),)
+    assert canvas.overlay._lit.words == "It crosses itself here."
 
 
 def test_lifted_ink_stays_while_it_is_pending(session, canvas, pen):
     def keep(stroke):
-        session.calls.append(("pen_lifted", stroke))
-        session.pending = (stroke,)
-        session.pending_changed.emit()
+        session.calls.made.append(("gestures.stroke_lifted", (stroke,), {}))
+        session.drawing.pending = (stroke,)
+        session.drawing.waiting_changed.emit()
 
-    session.pen_lifted = keep
+    session.gestures.stroke_lifted = keep
     pen.stroke([(100, 100, 0.9), (200, 100, 0.9), (300, 100, 0.9), (400, 100, 0.9)])
-    assert not canvas._overlay.has_wet_ink
-    assert canvas._overlay.grab().toImage().pixelColor(250, 100).alpha() > 200
-    session.pending = ()
-    session.pending_changed.emit()
-    assert canvas._overlay.grab().toImage().pixelColor(250, 100).alpha() == 0
+    assert not canvas.overlay.has_wet_ink
+    assert canvas.overlay.grab().toImage().pixelColor(250, 100).alpha() > 200
+    session.drawing.pending = ()
+    session.drawing.waiting_changed.emit()
+    assert canvas.overlay.grab().toImage().pixelColor(250, 100).alpha() == 0
 
 
 def drop(canvas, paths, keys=Qt.KeyboardModifier.NoModifier):
@@ -330,10 +332,10 @@ def test_documents_are_opened_and_everything_else_imported(session, canvas, tmp_
     for name in names:
         name.write_bytes(b"x")
     assert drop(canvas, names)
-    assert session.calls == [
-        ("open", names[0]),
-        ("import_file", names[1]),
-        ("import_file", names[2]),
+    assert session.calls.made == [
+        ("files.open_safely", (names[0],), {}),
+        ("files.import_file", (names[1],), {}),
+        ("files.import_file", (names[2],), {}),
     ]
 
 
@@ -342,47 +344,50 @@ def test_with_shift_pictures_go_under_the_sheet(session, canvas, tmp_path):
     for name in names:
         name.write_bytes(b"x")
     assert drop(canvas, names, Qt.KeyboardModifier.ShiftModifier)
-    assert session.calls == [("take_file", names[0], True), ("import_file", names[1])]
+    assert session.calls.made == [
+        ("pictures.take_file", (names[0],), {"under": True}),
+        ("files.import_file", (names[1],), {}),
+    ]
 
 
 def test_a_new_picture_is_gone_to_once_its_advice_is_there(session, canvas):
     canvas.motion.reduced = True
-    model = SimpleNamespace(id="m1")
-    session.selected_model = model
-    better = standard_view(session.camera, "right")
-    session.picturing.taken.emit("m1")
-    session.advising.say(ViewAdvice("warn", "of an older state", better))
-    assert session.camera != better
-    session.advising.about = model
-    session.advising.say(ViewAdvice("warn", "of this one", better))
-    assert session.camera == better
+    model = Model("m1", "One", "test.none", None)
+    session.drawing.document, session.selection.id = Document((model,)), "m1"
+    better = standard_view(session.view.camera, "right")
+    session.pictures.taken.emit("m1")
+    session.advice.say(ViewAdvice("warn", "of an older state", better))
+    assert session.view.camera != better
+    session.advice.about = model
+    session.advice.say(ViewAdvice("warn", "of this one", better))
+    assert session.view.camera == better
     canvas.look("top")
-    session.advising.say(ViewAdvice("warn", "later", better))
-    assert session.camera.axes[2][2] == pytest.approx(-1)
+    session.advice.say(ViewAdvice("warn", "later", better))
+    assert session.view.camera.axes[2][2] == pytest.approx(-1)
 
 
 def test_no_ground_lies_over_a_pinned_picture(session, canvas):
-    session.show_grid = True
+    session.view.show_grid = True
     styles = []
     canvas.viewports.current.set_style = lambda shading, grid: styles.append(grid)
-    session.view_style_changed.emit()
-    session.advising.say(ViewAdvice("good", "x", pinned=True))
-    session.advising.say(ViewAdvice("good", "y", pinned=True))
-    session.advising.say(ViewAdvice("good", "z"))
+    session.view.style_changed.emit()
+    session.advice.say(ViewAdvice("good", "x", pinned=True))
+    session.advice.say(ViewAdvice("good", "y", pinned=True))
+    session.advice.say(ViewAdvice("good", "z"))
     assert styles == [True, False, True]
 
 
 def test_the_first_shape_does_not_tilt_a_pinned_view_away(session, canvas):
-    session.advising.say(ViewAdvice("good", "x", pinned=True))
-    before = session.camera
-    session.settled.emit("m1")
+    session.advice.say(ViewAdvice("good", "x", pinned=True))
+    before = session.view.camera
+    session.solver.settled.emit("m1")
     assert not canvas.motion.is_running
-    assert session.camera == before
+    assert session.view.camera == before
 
 
 def test_what_is_no_file_is_not_taken(session, canvas, tmp_path):
     assert not drop(canvas, [tmp_path / "absent.svg", tmp_path])
-    assert session.calls == []
+    assert session.calls.made == []
 
 
 def test_both_themes_are_shown(canvas, qtbot):
@@ -414,7 +419,7 @@ sys.modules["canvas_conftest"] = kit
 spec.loader.exec_module(kit)
 from PySide6.QtWidgets import QApplication
 app = QApplication([])
-session = kit.FakeSession()
+session = kit.EmptySession()
 canvas = kit.Canvas(session, kit.LIGHT)
 canvas.resize(400, 300)
 canvas.show()
@@ -424,7 +429,7 @@ pen.press(100, 100, 1.0)
 for x in range(105, 300, 5):
     pen.move(x, 100, 1.0)
 app.processEvents()
-picture = canvas._overlay.grab().toImage()
+picture = canvas.overlay.grab().toImage()
 assert picture.width() == 800
 dark = [y for y in range(600) if picture.pixelColor(400, y).alpha() > 128]
 assert dark and 196 <= dark[0] and dark[-1] <= 204, dark
@@ -473,7 +478,7 @@ def test_opengl_that_does_not_come_leaves_the_software_viewport(qtbot, session, 
 
 
 def test_opengl_that_fails_later_gives_way_to_the_software(session, canvas, qtbot, box_scene):
-    session.set_scene(box_scene)
+    session.scene.show(box_scene)
     old = canvas.viewports.current
     canvas.viewports.current = FailedBackend(QWidget(canvas))
     canvas.viewports.current.widget.setGeometry(canvas.rect())

@@ -26,23 +26,23 @@ def sees_all(window):
     session = window.session
     points = points_to_frame(session)
     assert len(points)
-    return is_in_view(session.camera, points)
+    return is_in_view(session.view.camera, points)
 
 
 def look_away(window):
     session = window.session
-    session.set_camera(FAR.with_viewport(*session.camera.viewport))
+    session.view.set_camera(FAR.with_viewport(*session.view.camera.viewport))
     assert not sees_all(window)
 
 
 def draw_sample(window, settle, modeler="bozzetto.silhouette", number=0):
     session = window.session
-    (info,) = [one for one in session.modelers if one.id == modeler]
-    session.activate_modeler(modeler)
+    (info,) = [one for one in session.toolbox.modelers if one.id == modeler]
+    session.toolbox.take_modeler(modeler)
     settle(session, window.keeper)
-    session.import_file(info.samples[number])
+    session.files.import_file(info.samples[number])
     settle(session, window.keeper)
-    return session.document
+    return session.drawing.document
 
 
 def test_a_point_outside_or_behind_or_a_speck_is_not_in_view():
@@ -69,13 +69,13 @@ def test_what_is_framed_is_in_view(size):
 
 def test_a_new_sheet_is_seen_as_the_first_one_was(make_window, settle):
     window = make_window()
-    first = window.session.camera
+    first = window.session.view.camera
     assert first == FIRST_VIEW.with_viewport(*first.viewport)
     look_away_from = FAR.with_viewport(*first.viewport)
-    window.session.set_camera(look_away_from)
+    window.session.view.set_camera(look_away_from)
     window.session.files.new()
     settle(window.session, window.keeper)
-    assert window.session.camera == first
+    assert window.session.view.camera == first
 
 
 @pytest.mark.parametrize("size", [(1280, 800), (800, 1280)])
@@ -99,7 +99,7 @@ def test_taking_another_modeler_on_a_new_sheet_shows_its_box(make_window, settle
     window.resize(560, 900)
     window.session.files.new()
     settle(window.session, window.keeper)
-    window.session.activate_modeler("bozzetto.symmetry")
+    window.session.toolbox.take_modeler("bozzetto.symmetry")
     settle(window.session, window.keeper)
     assert sees_all(window)
 
@@ -109,35 +109,35 @@ def test_a_document_opens_in_its_own_view_if_it_is_seen_there(make_window, settl
     document = draw_sample(window, settle)
     session = window.session
     window.canvas.look("three-quarter")
-    own = navigation.orbit(session.camera, 40.0, 10.0)
-    session.set_camera(own)
+    own = navigation.orbit(session.view.camera, 40.0, 10.0)
+    session.view.set_camera(own)
     assert sees_all(window)
     for name, camera in (("seen", own), ("lost", replace(FAR, viewport=own.viewport))):
         write_document(replace(document, camera=camera), tmp_path / f"{name}.bozz")
     write_document(replace(document, camera=None), tmp_path / "none.bozz")
     for name in ("seen", "lost", "none"):
         look_away(window)
-        session.history.mark_saved(session.document)
+        session.drawing.history.mark_saved(session.drawing.document)
         window.open(tmp_path / f"{name}.bozz")
         settle(session, window.keeper)
-        assert session.title == name
+        assert session.drawing.title == name
         assert sees_all(window), name
-        assert (session.camera == own) == (name == "seen")
+        assert (session.view.camera == own) == (name == "seen")
 
 
 def test_the_view_is_left_alone_once_the_person_has_looked_elsewhere(make_window, settle, tmp_path):
     window = make_window()
     session = window.session
     write_document(draw_sample(window, settle), tmp_path / "one.bozz")
-    session.history.mark_saved(session.document)
+    session.drawing.history.mark_saved(session.drawing.document)
     window.open(tmp_path / "one.bozz")
     settle(session, window.keeper)
     look_away(window)
-    away = session.camera
-    session.set_show_ghost_ink(False)  # another scene
-    session.select(None)
+    away = session.view.camera
+    session.view.set_show_ghost_ink(False)  # another scene
+    session.selection.select(None)
     settle(session, window.keeper)
-    assert session.camera == away
+    assert session.view.camera == away
 
 
 def test_recovered_drawings_are_in_view_and_ink_that_waits_as_it_was_drawn(
@@ -147,23 +147,23 @@ def test_recovered_drawings_are_in_view_and_ink_that_waits_as_it_was_drawn(
     session = window.session
     document = replace(draw_sample(window, settle), camera=None)
     look_away(window)
-    session.show_document(document, None, saved=False)
+    session.drawing.show(document, None, saved=False)
     settle(session, window.keeper)
     assert sees_all(window)
-    (info,) = [one for one in session.modelers if one.id == "bozzetto.silhouette"]
+    (info,) = [one for one in session.toolbox.modelers if one.id == "bozzetto.silhouette"]
     strokes = read_drawing(info.samples[0]).strokes
     look_away(window)
-    session.show_document(replace(document, models=()), None, saved=False, pending=strokes[:1])
+    session.drawing.show(replace(document, models=()), None, saved=False, pending=strokes[:1])
     settle(session, window.keeper)
     drawn = strokes[0].camera
-    assert session.camera == drawn.with_viewport(*session.camera.viewport)
+    assert session.view.camera == drawn.with_viewport(*session.view.camera.viewport)
 
 
 def test_a_drawing_that_is_watched_keeps_the_view_that_it_was_drawn_in(make_window, settle):
     window = make_window()
-    (info,) = [one for one in window.session.modelers if one.id == "bozzetto.symmetry"]
+    (info,) = [one for one in window.session.toolbox.modelers if one.id == "bozzetto.symmetry"]
     drawing = read_drawing(info.samples[0])
     window.watch(info.id, info.samples[0])
-    camera = window.session.camera
+    camera = window.session.view.camera
     assert camera == drawing.camera.with_viewport(*camera.viewport)
-    window._stop_replay()
+    window.replays.stop()

@@ -74,7 +74,7 @@ def test_a_stroke_whose_lift_was_lost_ends_with_the_next_movement(session, canva
     pointer.move(500, 400)
     (stroke,) = session.strokes
     assert stroke.x.tolist() == list(range(100, 210, 10))
-    assert not canvas._overlay.has_wet_ink
+    assert not canvas.overlay.has_wet_ink
     pointer.move(520, 400)
     assert len(session.strokes) == 1
 
@@ -103,17 +103,17 @@ def test_a_turn_of_the_view_whose_lift_was_lost_stays_where_it_is(session, canva
     middle = Qt.MouseButton.MiddleButton
     mouse.press(300, 300, middle)
     mouse.move(340, 320)
-    turned = session.camera
+    turned = session.view.camera
     mouse.lose_lift()
     mouse.move(600, 100)
-    assert session.camera == turned
+    assert session.view.camera == turned
     mouse.move(620, 120)
-    assert session.camera == turned
+    assert session.view.camera == turned
 
 
 @pytest.mark.parametrize("other", [RIGHT, Qt.MouseButton.MiddleButton])
 def test_a_second_button_leaves_the_stroke_alone(session, canvas, pointer, other):
-    camera = session.camera
+    camera = session.view.camera
     half_a_stroke(pointer)
     pointer.press(200, 100, button=other)
     pointer.move(210, 100)
@@ -122,7 +122,7 @@ def test_a_second_button_leaves_the_stroke_alone(session, canvas, pointer, other
     pointer.release(230, 100)
     (stroke,) = session.strokes
     assert stroke.x.tolist() == list(range(100, 240, 10))
-    assert session.camera == camera
+    assert session.view.camera == camera
 
 
 def test_a_stroke_may_leave_the_sheet_and_come_back(session, canvas, pointer):
@@ -145,20 +145,20 @@ def test_a_line_ends_as_wide_as_it_was_also_when_all_of_it_was_painted(session, 
 
 
 def test_two_quick_clicks_are_two_taps(session, canvas, mouse):
-    session.active_tool = "mark"
+    session.toolbox.tool = "mark"
     mouse.press(100, 100)
     mouse.release(100, 100)
     mouse.send(QEvent.Type.MouseButtonDblClick, 100, 100, LEFT)
     mouse.release(100, 100)
-    assert len(session.named("tapped")) == 2
+    assert len(session.first("gestures.tap")) == 2
 
 
 def test_a_tap_is_as_long_as_the_hand_made_it_not_as_the_window_took(session, mouse, monkeypatch):
     """The press is handled, a slow frame comes, and the lift waits in the queue."""
-    session.active_tool = "mark"
+    session.toolbox.tool = "mark"
     mouse.press(100, 100)
     later = time.perf_counter() + 0.3
     for module in ("controller", "tablet_events"):
         monkeypatch.setattr(f"bozzetto_app.canvas.input.{module}.perf_counter", lambda: later)
     mouse.release(100, 100)
-    assert len(session.named("tapped")) == 1
+    assert len(session.first("gestures.tap")) == 1

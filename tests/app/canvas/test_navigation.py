@@ -30,11 +30,11 @@ def same_view(one, other):
 @pytest.fixture
 def on_box(session, canvas, box_scene):
     """The camera and a place of the canvas under which the box is hit, with that point."""
-    session.set_scene(box_scene)
+    session.scene.show(box_scene)
     place = (400.0, 330.0)
-    hits = cast_rays(box_scene, session.camera.rays([place]))
+    hits = cast_rays(box_scene, session.view.camera.rays([place]))
     assert hits.hit[0]
-    return session.camera, place, hits.points[0]
+    return session.view.camera, place, hits.points[0]
 
 
 def test_middle_drag_orbits_about_the_surface_under_the_cursor(session, canvas, qtbot, on_box):
@@ -43,8 +43,8 @@ def test_middle_drag_orbits_about_the_surface_under_the_cursor(session, canvas, 
     qtbot.mouseMove(canvas, QPoint(430, 350))
     qtbot.mouseMove(canvas, QPoint(460, 370))
     qtbot.mouseRelease(canvas, MIDDLE, pos=QPoint(460, 370))
-    same_view(session.camera, orbit(camera, 60, 40, pivot))
-    (seen,), _ = session.camera.project([pivot])
+    same_view(session.view.camera, orbit(camera, 60, 40, pivot))
+    (seen,), _ = session.view.camera.project([pivot])
     np.testing.assert_allclose(seen, (x, y), atol=1e-6)
     assert session.strokes == []
 
@@ -64,7 +64,7 @@ def test_the_pen_turns_the_view_with_alt(session, pen, on_box, keys, expected):
     pen.move(x + 30, y + 20)
     pen.move(x + 60, y + 40)
     pen.release(x + 60, y + 40)
-    same_view(session.camera, expected(camera, pivot))
+    same_view(session.view.camera, expected(camera, pivot))
     assert session.strokes == []
 
 
@@ -75,7 +75,7 @@ def test_the_pen_turns_the_view_with_space(session, canvas, pen, on_box, qtbot):
     pen.move(x + 60, y + 40)
     pen.release(x + 60, y + 40)
     qtbot.keyRelease(canvas, Qt.Key.Key_Space)
-    same_view(session.camera, orbit(camera, 60, 40, pivot))
+    same_view(session.view.camera, orbit(camera, 60, 40, pivot))
     pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
     assert len(session.strokes) == 1
 
@@ -86,7 +86,7 @@ def test_panning_keeps_what_was_gripped_under_the_pen(session, pen, on_box):
     pen.press(x, y)
     pen.move(x + 77, y - 31)
     pen.release(x + 77, y - 31)
-    (seen,), _ = session.camera.project([pivot])
+    (seen,), _ = session.view.camera.project([pivot])
     np.testing.assert_allclose(seen, (x + 77, y - 31), atol=1e-6)
 
 
@@ -95,9 +95,9 @@ def test_escape_turns_back(session, canvas, pen, on_box, qtbot):
     pen.modifiers = ALT
     pen.press(x, y)
     pen.move(x + 60, y + 40)
-    assert session.camera != camera
+    assert session.view.camera != camera
     qtbot.keyClick(canvas, Qt.Key.Key_Escape)
-    assert session.camera == camera
+    assert session.view.camera == camera
 
 
 def wheel(canvas, x, y, angle):
@@ -113,12 +113,12 @@ def wheel(canvas, x, y, angle):
 def test_the_wheel_zooms_to_the_cursor_and_back(session, canvas, on_box):
     camera, (x, y), pivot = on_box
     wheel(canvas, x, y, 240)
-    closer = session.camera
+    closer = session.view.camera
     (seen,), depth = closer.project([pivot])
     np.testing.assert_allclose(seen, (x, y), atol=1e-6)
     assert depth[0] < camera.project([pivot])[1][0]
     wheel(canvas, x, y, -240)
-    same_view(session.camera, camera)
+    same_view(session.view.camera, camera)
 
 
 SCREEN = []
@@ -137,7 +137,7 @@ def test_one_finger_orbits_and_never_inks(session, canvas, on_box, screen):
     QTest.touchEvent(canvas, screen).press(0, QPoint(int(x), int(y)), canvas).commit()
     QTest.touchEvent(canvas, screen).move(0, QPoint(int(x) + 60, int(y) + 40), canvas).commit()
     QTest.touchEvent(canvas, screen).release(0, QPoint(int(x) + 60, int(y) + 40), canvas).commit()
-    same_view(session.camera, orbit(camera, 60, 40, pivot))
+    same_view(session.view.camera, orbit(camera, 60, 40, pivot))
     assert session.strokes == []
 
 
@@ -152,16 +152,16 @@ def test_two_fingers_pan_and_zoom(session, canvas, on_box, screen):
     QTest.touchEvent(canvas, screen).release(0, QPoint(300, 300), canvas).release(
         1, QPoint(500, 300), canvas
     ).commit()
-    same_view(session.camera, zoom(camera, 2.0, (400, 300)))
+    same_view(session.view.camera, zoom(camera, 2.0, (400, 300)))
 
 
 def test_escape_turns_back_what_a_finger_turned(session, canvas, on_box, screen, qtbot):
     camera, (x, y), _ = on_box
     QTest.touchEvent(canvas, screen).press(0, QPoint(int(x), int(y)), canvas).commit()
     QTest.touchEvent(canvas, screen).move(0, QPoint(int(x) + 60, int(y)), canvas).commit()
-    assert session.camera != camera
+    assert session.view.camera != camera
     qtbot.keyClick(canvas, Qt.Key.Key_Escape)
-    assert session.camera == camera
+    assert session.view.camera == camera
     QTest.touchEvent(canvas, screen).release(0, QPoint(int(x) + 60, int(y)), canvas).commit()
 
 
@@ -175,7 +175,7 @@ def test_a_palm_beside_the_pen_does_nothing(session, canvas, pen, on_box, screen
     QTest.touchEvent(canvas, screen).press(0, QPoint(350, 300), canvas).commit()
     QTest.touchEvent(canvas, screen).move(0, QPoint(400, 350), canvas).commit()
     QTest.touchEvent(canvas, screen).release(0, QPoint(400, 350), canvas).commit()
-    assert session.camera == camera
+    assert session.view.camera == camera
     assert session.strokes == []
 
 
@@ -183,13 +183,13 @@ def test_the_pen_takes_over_from_the_palm(session, canvas, pen, on_box, screen):
     QTest.touchEvent(canvas, screen).press(0, QPoint(350, 300), canvas).commit()
     QTest.touchEvent(canvas, screen).move(0, QPoint(360, 300), canvas).commit()
     pen.press(100, 100)
-    before = session.camera
+    before = session.view.camera
     QTest.touchEvent(canvas, screen).move(0, QPoint(400, 350), canvas).commit()
     pen.move(150, 100)
     pen.move(200, 100)
     QTest.touchEvent(canvas, screen).release(0, QPoint(400, 350), canvas).commit()
     pen.release(200, 100)
-    assert session.camera == before
+    assert session.view.camera == before
     assert len(session.strokes) == 1
 
 
@@ -198,7 +198,7 @@ def test_the_pen_takes_over_from_the_palm(session, canvas, pen, on_box, screen):
 
 @pytest.fixture
 def pinned(session, canvas, on_box):
-    session.advising.say(ViewAdvice("good", "From where it was drawn", pinned=True))
+    session.advice.say(ViewAdvice("good", "From where it was drawn", pinned=True))
     return on_box
 
 
@@ -210,9 +210,9 @@ def test_the_pen_moves_and_zooms_about_the_eye(session, pen, pinned, keys):
     for k in range(1, 7):
         pen.move(x + 10 * k, y + 5 * k)
     pen.release(x + 60, y + 30)
-    assert session.camera.eye == camera.eye
-    assert session.camera != camera
-    (seen,), _ = session.camera.project([pivot])
+    assert session.view.camera.eye == camera.eye
+    assert session.view.camera != camera
+    (seen,), _ = session.view.camera.project([pivot])
     wanted = (x + 60, y + 30) if keys == ALT | SHIFT else (x, y)
     np.testing.assert_allclose(seen, wanted, atol=1e-6)
 
@@ -220,12 +220,12 @@ def test_the_pen_moves_and_zooms_about_the_eye(session, pen, pinned, keys):
 def test_the_wheel_narrows_the_view_and_widens_it_again(session, canvas, pinned):
     camera, (x, y), pivot = pinned
     wheel(canvas, x, y, 240)
-    assert session.camera.eye == camera.eye
-    assert session.camera.fov_y < camera.fov_y
-    (seen,), _ = session.camera.project([pivot])
+    assert session.view.camera.eye == camera.eye
+    assert session.view.camera.fov_y < camera.fov_y
+    (seen,), _ = session.view.camera.project([pivot])
     np.testing.assert_allclose(seen, (x, y), atol=1e-6)
     wheel(canvas, x, y, -240)
-    same_view(session.camera, camera)
+    same_view(session.view.camera, camera)
 
 
 def test_two_fingers_keep_the_eye(session, canvas, pinned, screen):
@@ -238,8 +238,8 @@ def test_two_fingers_keep_the_eye(session, canvas, pinned, screen):
         event.commit()
     end = QTest.touchEvent(canvas, screen)
     end.release(0, QPoint(280, 340), canvas).release(1, QPoint(520, 360), canvas).commit()
-    assert session.camera.eye == camera.eye
-    assert session.camera.fov_y < camera.fov_y
+    assert session.view.camera.eye == camera.eye
+    assert session.view.camera.fov_y < camera.fov_y
 
 
 def test_turning_leaves_the_place_as_ever(session, pen, pinned):
@@ -248,4 +248,4 @@ def test_turning_leaves_the_place_as_ever(session, pen, pinned):
     pen.press(x, y)
     pen.move(x + 60, y + 40)
     pen.release(x + 60, y + 40)
-    same_view(session.camera, orbit(camera, 60, 40, pivot))
+    same_view(session.view.camera, orbit(camera, 60, 40, pivot))

@@ -29,7 +29,7 @@ def test_an_entry_lies_in_its_sector_whatever_the_size_of_type(qapp, index, pixe
 
 def test_every_entry_of_the_menu_lies_in_its_sector(make_window):
     window = make_window()
-    menu, entries = window.canvas._menu, window._radial_entries()
+    menu, entries = window.canvas.menu, window._radial_entries()
     assert len(entries) == len(RADIAL)
     for index, entry in enumerate(entries):
         sector = _sector_path(menu._middle(), index, len(entries))

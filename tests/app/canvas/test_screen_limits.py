@@ -97,7 +97,7 @@ def test_a_line_is_torn_where_it_is_not_seen():
 @pytest.mark.parametrize("far", [SEEN, -SEEN, 1e300, math.inf, -math.inf, math.nan])
 def test_marks_on_the_sheet_may_lie_anywhere(canvas, pen, session, far):
     """The once fatal one: lit far away, then the pen comes down."""
-    overlay = canvas._overlay
+    overlay = canvas.overlay
     overlay.light_up([(far, 20.0), (30.0, far)], "It crosses itself here.")
     canvas.grab()
     overlay.set_hover((far, far))
@@ -107,11 +107,15 @@ def test_marks_on_the_sheet_may_lie_anywhere(canvas, pen, session, far):
     overlay.extend([(10.0, 10.0, 0.5), (far, 12.0, 0.5), (14.0, far, 0.5), (20.0, 20.0, 0.5)])
     canvas.grab()
     overlay.clear_wet()
-    canvas._loupe.point(far, far)
+    canvas.loupe.point(far, far)
     canvas.grab()
     pen.press(400, 300)
     pen.release(400, 300)
-    assert session.named("pen_lifted") or session.named("pen_cancelled") or session.calls
+    assert (
+        session.first("gestures.stroke_lifted")
+        or session.calls.named("gestures.cancel")
+        or session.calls.made
+    )
 
 
 def test_waiting_ink_is_painted_at_any_zoom(canvas, pen, session):
@@ -119,9 +123,9 @@ def test_waiting_ink_is_painted_at_any_zoom(canvas, pen, session):
     (stroke,) = session.strokes
     for height in (200.0, 1e-5, 1e-9):
         camera = Camera("orthographic", (0.0, -500.0, 0.0), height=height, viewport=(800.0, 600.0))
-        canvas._overlay.set_pending([stroke], camera)
+        canvas.overlay.set_pending([stroke], camera)
         canvas.grab()
-        runs = canvas._overlay._pending_ink
+        runs = canvas.overlay._pending_ink
         assert all(is_inside(x, y) for run in runs for x, y, _ in run)
 
 
@@ -181,9 +185,9 @@ from bozzetto.scene import LIGHT
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.startup import application
 sys.path.insert(0, {root!r})
-from tests.app.canvas.conftest import FakeSession
+from tests.app.fake_session import EmptySession
 app = application()
-canvas = Canvas(FakeSession(), LIGHT)
+canvas = Canvas(EmptySession(), LIGHT)
 canvas.resize(400, 300)
 canvas.hand.mouse_pressed = lambda event: QRect(2**40, 0, 1, 1)
 canvas.show()

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QMainWindow
 from bozzetto_app.actions.registry import Action, ActionRegistry
 from bozzetto_app.dialogs.command_palette import FOUND, CommandPalette
 from bozzetto_app.dialogs.palette_entries import entries_of
+from tests.app import fake_session as fakes
 
 
 @pytest.fixture
@@ -82,9 +83,9 @@ def test_tools_objects_parameters_modelers_and_documents(palette, done, fake_ses
     for typed in ("skeleton", "plinth", "tolerance", "polyhedron", "rocking"):
         palette.open_over(window)
         find_and_run(palette, typed)
-    assert fake_session.calls.named("activate_tool") == [(("skeleton",), {})]
-    assert fake_session.calls.named("select") == [(("m4",), {})]
-    assert fake_session.calls.named("activate_modeler") == [(("bozzetto.polyhedron",), {})]
+    assert fake_session.calls.named("toolbox.take_tool") == [(("skeleton",), {})]
+    assert fake_session.calls.named("selection.select") == [(("m4",), {})]
+    assert fake_session.calls.named("toolbox.take_modeler") == [(("bozzetto.polyhedron",), {})]
     assert done == ["tolerance", Path("/x/Rocking horse.bozz")]
 
 
@@ -147,8 +148,10 @@ def test_it_fits_a_narrow_window(qtbot, palette, window):
     assert palette.width() <= 480 - 32
 
 
-def test_tools_have_the_keys_of_the_rail(registry, fake_session, fakes):
-    fake_session.tools = tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+def test_tools_have_the_keys_of_the_rail(registry, fake_session):
+    fake_session.toolbox.tools = tuple(
+        fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11)
+    )
     nothing = {"open_document": print, "focus_parameter": print}
     found = entries_of(registry, fake_session, recent=(), **nothing)
     assert [entry.key for entry in found if entry.id.startswith("tool ")] == [*"1234567890", ""]

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QLabel, QPushButton, QWidget
 
 from bozzetto.document.model import Document
 from bozzetto.scene.palette import DARK, LIGHT
@@ -22,10 +22,8 @@ from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.style.theme import apply_theme
 from bozzetto_app.widgets.icon_button import IconButton
-
-
-def button(widget: QWidget, name: str) -> QAbstractButton:
-    return next(b for b in widget.findChildren(QAbstractButton) if b.accessibleName() == name)
+from tests.app import fake_session as fakes
+from tests.app.seen import button, buttons, chosen, part
 
 
 @pytest.fixture
@@ -44,29 +42,31 @@ def shown(qtbot):
 def test_tools_are_taken_by_their_buttons(shown, fake_session):
     rail = shown(ToolRail(fake_session))
     button(rail, "Cut").click()
-    assert fake_session.calls.named("activate_tool") == [(("cut",), {})]
+    assert fake_session.calls.named("toolbox.take_tool") == [(("cut",), {})]
     assert button(rail, "Outline").isChecked()
     assert "(3)" in button(rail, "Cut").toolTip()
 
 
 def test_the_active_tool_is_the_sessions(shown, fake_session):
     rail = shown(ToolRail(fake_session))
-    fake_session.active_tool = "erase"
-    fake_session.tool_changed.emit()
-    assert [t for t, b in rail._buttons.items() if b.isChecked()] == ["erase"]
+    fake_session.toolbox.tool = "erase"
+    fake_session.toolbox.tool_changed.emit()
+    assert chosen(rail) == ["Erase"]
 
 
-def test_another_modeler_brings_other_tools(shown, fake_session, fakes):
+def test_another_modeler_brings_other_tools(shown, fake_session):
     rail = shown(ToolRail(fake_session))
-    fake_session.tools = (fakes.ToolInfo("spine", "Spine", None, "Draw."),)
-    fake_session.active_tool = "spine"
-    fake_session.modeler_changed.emit()
-    assert list(rail._buttons) == ["spine"]
+    fake_session.toolbox.tools = (fakes.ToolInfo("spine", "Spine", None, "Draw."),)
+    fake_session.toolbox.tool = "spine"
+    fake_session.toolbox.modeler_changed.emit()
+    assert [b.accessibleName() for b in buttons(rail)] == ["Spine"]
     assert button(rail, "Spine").isChecked()
 
 
-def test_the_tenth_tool_has_a_key_and_the_eleventh_none(shown, fake_session, fakes):
-    fake_session.tools = tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+def test_the_tenth_tool_has_a_key_and_the_eleventh_none(shown, fake_session):
+    fake_session.toolbox.tools = tuple(
+        fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11)
+    )
     rail = shown(ToolRail(fake_session))
     assert "(0)" in button(rail, "T9").toolTip()
     assert button(rail, "T10").toolTip() == "T10"
@@ -74,28 +74,30 @@ def test_the_tenth_tool_has_a_key_and_the_eleventh_none(shown, fake_session, fak
 
 def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
     rail = shown(ToolRail(fake_session))
-    assert not rail._waiting.isVisible()
-    fake_session.pending = (object(), object())
-    fake_session.marked_ink = (SimpleNamespace(reason="It crosses itself."),)
-    fake_session.pending_changed.emit()
-    assert rail._waiting.isVisible()
-    assert rail._count.text() == "2"
-    assert rail._count.toolTip().endswith("It crosses itself.")
-    rail._finish.click()
-    rail._drop.click()
-    assert len(fake_session.calls.named("commit_pending")) == 1
-    assert len(fake_session.calls.named("clear_pending")) == 1
-    fake_session.pending = ()
-    fake_session.pending_changed.emit()
-    assert not rail._waiting.isVisible()
+    assert not part(rail, "waiting").isVisible()
+    fake_session.drawing.pending = (object(), object())
+    fake_session.drawing.marked_ink = (SimpleNamespace(reason="It crosses itself."),)
+    fake_session.drawing.waiting_changed.emit()
+    assert part(rail, "waiting").isVisible()
+    assert part(rail, "waiting-count").text() == "2"
+    assert part(rail, "waiting-count").toolTip().endswith("It crosses itself.")
+    part(rail, "waiting-finish").click()
+    part(rail, "waiting-drop").click()
+    assert len(fake_session.calls.named("gestures.commit")) == 1
+    assert len(fake_session.calls.named("gestures.clear")) == 1
+    fake_session.drawing.pending = ()
+    fake_session.drawing.waiting_changed.emit()
+    assert not part(rail, "waiting").isVisible()
 
 
-def test_waiting_ink_does_not_make_a_low_window_higher(shown, fake_session, fakes):
-    fake_session.tools = tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+def test_waiting_ink_does_not_make_a_low_window_higher(shown, fake_session):
+    fake_session.toolbox.tools = tuple(
+        fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11)
+    )
     rail = shown(ToolRail(fake_session))
     rail.resize(rail.width(), 500)
-    fake_session.pending = (object(),)
-    fake_session.pending_changed.emit()
+    fake_session.drawing.pending = (object(),)
+    fake_session.drawing.waiting_changed.emit()
     assert rail.minimumSizeHint().height() <= 500
     assert rail.height() == 500
     places = [b.geometry() for b in rail.findChildren(IconButton) if b.parent() is rail]
@@ -103,8 +105,10 @@ def test_waiting_ink_does_not_make_a_low_window_higher(shown, fake_session, fake
     assert not any(a.intersects(b) for a, b in itertools.pairwise(places))
 
 
-def test_tools_have_their_full_size_where_there_is_room(shown, fake_session, fakes):
-    fake_session.tools = tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+def test_tools_have_their_full_size_where_there_is_room(shown, fake_session):
+    fake_session.toolbox.tools = tuple(
+        fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11)
+    )
     rail = shown(ToolRail(fake_session))
     rail.resize(rail.width(), 900)
     assert {(b.width(), b.height()) for b in rail.findChildren(IconButton) if b.isVisible()} == {
@@ -118,19 +122,19 @@ def test_tools_have_their_full_size_where_there_is_room(shown, fake_session, fak
 def test_modelers_are_chosen_by_name(shown, fake_session):
     bar = shown(ModelerBar(fake_session))
     button(bar, "Car").click()
-    assert fake_session.calls.named("activate_modeler") == [(("bozzetto.car",), {})]
-    fake_session.active_modeler = "bozzetto.car"
-    fake_session.modeler_changed.emit()
-    assert [b.text() for b in bar._buttons.values() if b.isChecked()] == ["Car"]
+    assert fake_session.calls.named("toolbox.take_modeler") == [(("bozzetto.car",), {})]
+    fake_session.toolbox.modeler = "bozzetto.car"
+    fake_session.toolbox.modeler_changed.emit()
+    assert chosen(bar) == ["Car"]
 
 
 def test_names_give_way_where_there_is_no_room(shown, fake_session):
     bar = shown(ModelerBar(fake_session))
     full = bar.sizeHint().width()
     bar.resize(full, bar.height())
-    assert not any(b.compact for b in bar._buttons.values())
+    assert not any(b.compact for b in buttons(bar))
     bar.resize(full // 2, bar.height())
-    assert all(b.compact for b in bar._buttons.values())
+    assert all(b.compact for b in buttons(bar))
     assert bar.sizeHint().width() == full, "it would never grow back"
 
 
@@ -142,7 +146,7 @@ def test_a_click_goes_to_a_step(shown, fake_session):
     panel.resize(200, 160)
     place = panel.visualItemRect(panel.item(0)).center()
     QTest.mouseClick(panel.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    assert fake_session.calls.named("go_to") == [((0,), {})]
+    assert fake_session.calls.named("drawing.go_to") == [((0,), {})]
 
 
 def test_the_current_step_is_said(shown, fake_session):
@@ -151,14 +155,17 @@ def test_the_current_step_is_said(shown, fake_session):
     assert said == ["New drawing", "Outline", "Ear, current", "Inflation"]
     place = panel.visualItemRect(panel.item(2)).center()
     QTest.mouseClick(panel.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    assert fake_session.calls.named("go_to") == []
-    assert fake_session.calls.named("tell"), "and that it is shown already"
+    assert fake_session.calls.named("drawing.go_to") == []
+    assert fake_session.calls.named("notices.tell"), "and that it is shown already"
 
 
 def test_history_follows_the_document(shown, fake_session):
     panel = shown(HistoryPanel(fake_session))
-    fake_session.history.entries, fake_session.history.position = ("New drawing", "Fin"), 1
-    fake_session.document_changed.emit()
+    fake_session.drawing.history.entries, fake_session.drawing.history.position = (
+        ("New drawing", "Fin"),
+        1,
+    )
+    fake_session.drawing.changed.emit()
     assert [panel.item(i).text() for i in range(panel.count())] == ["New drawing", "Fin"]
     assert panel.currentRow() == 1
 
@@ -171,72 +178,74 @@ def status(shown, fake_session):
     return shown(StatusLine(fake_session))
 
 
-def test_the_hint_is_always_there(status, fake_session, fakes):
-    assert status._words.text() == "Draw a closed outline."
-    fake_session.hint = "Draw the spine."
-    fake_session.noticed.emit(fakes.Notice("hint", fake_session.hint))
-    assert status._words.text() == "Draw the spine."
+def test_the_hint_is_always_there(status, fake_session):
+    assert part(status, "status-words").text() == "Draw a closed outline."
+    fake_session.notices.hint = "Draw the spine."
+    fake_session.notices.noticed.emit(fakes.Notice("hint", fake_session.notices.hint))
+    assert part(status, "status-words").text() == "Draw the spine."
 
 
-def test_an_error_stays_until_the_next_gesture(status, fake_session, fakes):
-    fake_session.noticed.emit(fakes.Notice("error", "The outline crosses itself."))
-    assert status._words.text() == "The outline crosses itself."
-    fake_session.noticed.emit(fakes.Notice("hint", fake_session.hint))
-    assert status._words.text() == "The outline crosses itself.", "a hint does not hide an error"
+def test_an_error_stays_until_the_next_gesture(status, fake_session):
+    fake_session.notices.noticed.emit(fakes.Notice("error", "The outline crosses itself."))
+    assert part(status, "status-words").text() == "The outline crosses itself."
+    fake_session.notices.noticed.emit(fakes.Notice("hint", fake_session.notices.hint))
+    assert part(status, "status-words").text() == "The outline crosses itself.", (
+        "a hint does not hide an error"
+    )
     status.went_on()
-    assert status._words.text() == fake_session.hint
+    assert part(status, "status-words").text() == fake_session.notices.hint
 
 
-def test_an_error_has_been_read_once_something_was_done(status, fake_session, fakes):
-    fake_session.noticed.emit(fakes.Notice("error", "There is no underlay to project."))
-    fake_session.document_changed.emit()
-    assert status._words.text() == fake_session.hint
+def test_an_error_has_been_read_once_something_was_done(status, fake_session):
+    fake_session.notices.noticed.emit(fakes.Notice("error", "There is no underlay to project."))
+    fake_session.drawing.changed.emit()
+    assert part(status, "status-words").text() == fake_session.notices.hint
 
 
-def test_an_error_goes_by_itself(qtbot, monkeypatch, status, fake_session, fakes):
+def test_an_error_goes_by_itself(qtbot, monkeypatch, status, fake_session):
     monkeypatch.setattr(status_line, "ERROR_TIME", 20)
-    fake_session.noticed.emit(fakes.Notice("error", "No."))
-    qtbot.waitUntil(lambda: status._words.text() == fake_session.hint)
+    fake_session.notices.noticed.emit(fakes.Notice("error", "No."))
+    qtbot.waitUntil(lambda: part(status, "status-words").text() == fake_session.notices.hint)
     assert status_line.INFO_TIME < 8000
 
 
 def test_work_shows_only_if_it_lasts(qtbot, status, fake_session):
     fake_session.busy_changed.emit(True)
     fake_session.progressed.emit(0.4, "Finding the skeleton")
-    assert not status._cancel.isVisible()
-    qtbot.waitUntil(status._cancel.isVisible)
-    assert status._step.text() == "Finding the skeleton"
-    status._cancel.click()
+    assert not part(status, "status-cancel").isVisible()
+    qtbot.waitUntil(part(status, "status-cancel").isVisible)
+    assert part(status, "status-step").text() == "Finding the skeleton"
+    part(status, "status-cancel").click()
     assert len(fake_session.calls.named("cancel_work")) == 1
     fake_session.busy_changed.emit(False)
-    assert not status._cancel.isVisible()
-    assert not status._progress.isVisible()
+    assert not part(status, "status-cancel").isVisible()
+    assert not part(status, "status-progress").isVisible()
 
 
 def test_short_work_never_shows(qtbot, status, fake_session):
     fake_session.busy_changed.emit(True)
     fake_session.busy_changed.emit(False)
     qtbot.wait(status_line.PATIENCE + 60)
-    assert not status._cancel.isVisible()
+    assert not part(status, "status-cancel").isVisible()
 
 
-def fault(fakes, **more):
+def fault(**more):
     return fakes.Notice("fault", "Silhouette stopped: no inside.", plugin="b.s", **more)
 
 
-def test_a_fault_says_who_and_offers_details(qtbot, status, fake_session, fakes):
-    notice = fault(fakes, details="Traceback …")
-    fake_session.noticed.emit(notice)
+def test_a_fault_says_who_and_offers_details(qtbot, status, fake_session):
+    notice = fault(details="Traceback …")
+    fake_session.notices.noticed.emit(notice)
     assert status.faults.isVisible()
     assert "Silhouette stopped" in " ".join(x.text() for x in status.faults.findChildren(QLabel))
     with qtbot.waitSignal(status.details_wanted) as asked:
         status.faults._details.click()
     assert asked.args == [notice]
-    assert status._words.text() == fake_session.hint, "the hint stays"
+    assert part(status, "status-words").text() == fake_session.notices.hint, "the hint stays"
 
 
-def test_a_fault_can_be_switched_off(qtbot, status, fake_session, fakes):
-    fake_session.noticed.emit(fault(fakes))
+def test_a_fault_can_be_switched_off(qtbot, status, fake_session):
+    fake_session.notices.noticed.emit(fault())
     with qtbot.waitSignal(status.switched_off) as off:
         status.faults._switch_off.click()
     assert off.args == ["b.s"]
@@ -244,14 +253,14 @@ def test_a_fault_can_be_switched_off(qtbot, status, fake_session, fakes):
     assert not status.faults.isVisible()
 
 
-def test_a_fault_can_be_closed_without_a_change(status, fake_session, fakes):
-    fake_session.noticed.emit(fault(fakes))
+def test_a_fault_can_be_closed_without_a_change(status, fake_session):
+    fake_session.notices.noticed.emit(fault())
     button(status.faults, "Close").click()
     assert not status.faults.isVisible()
     assert fake_session.registry.disabled == {}
 
 
-def test_a_fault_over_the_sheet_moves_nothing(qtbot, fake_session, fakes):
+def test_a_fault_over_the_sheet_moves_nothing(qtbot, fake_session):
     sheet = QWidget()
     qtbot.addWidget(sheet)
     sheet.resize(400, 300)
@@ -272,14 +281,14 @@ def test_a_fault_over_the_sheet_moves_nothing(qtbot, fake_session, fakes):
     assert (status.faults.width(), status.faults.geometry().bottom()) == (700, 199)
 
 
-def test_buttons_without_use_are_not_shown(status, fake_session, fakes):
-    fake_session.noticed.emit(fakes.Notice("fault", "Bozzetto made a mistake."))
+def test_buttons_without_use_are_not_shown(status, fake_session):
+    fake_session.notices.noticed.emit(fakes.Notice("fault", "Bozzetto made a mistake."))
     assert [b.text() for b in status.faults.findChildren(QPushButton) if b.isVisible()] == []
 
 
-def test_long_words_do_not_widen_the_window(status, fake_session, fakes):
+def test_long_words_do_not_widen_the_window(status, fake_session):
     before = status.minimumSizeHint().width()
-    fake_session.noticed.emit(fakes.Notice("error", "Very long. " * 60))
+    fake_session.notices.noticed.emit(fakes.Notice("error", "Very long. " * 60))
     assert status.minimumSizeHint().width() == before < 400
 
 
@@ -287,8 +296,8 @@ def test_long_words_do_not_widen_the_window(status, fake_session, fakes):
 
 
 @pytest.fixture
-def strip(shown, fake_session):
-    fake_session.document = Document()
+def strip(qtbot, shown, fake_session):
+    fake_session.drawing.document = Document()
     recent = [Path("/drawings/Lamp.bozz")]
     pictures = []
 
@@ -297,7 +306,7 @@ def strip(shown, fake_session):
         return QImage(4, 4, QImage.Format.Format_RGB32)
 
     made = shown(WelcomeStrip(fake_session, recent, thumbnail))
-    assert recent[0] in pictures
+    qtbot.waitUntil(lambda: recent[0] in pictures)
     return made
 
 
@@ -315,10 +324,10 @@ def test_samples_and_recent_files_can_be_chosen(qtbot, strip):
 
 def test_it_closes_by_drawing(qtbot, strip, fake_session):
     with qtbot.assertNotEmitted(strip.closed):
-        fake_session.document_changed.emit()
-    fake_session.pending = (object(),)
+        fake_session.drawing.changed.emit()
+    fake_session.drawing.pending = (object(),)
     with qtbot.waitSignal(strip.closed):
-        fake_session.pending_changed.emit()
+        fake_session.drawing.waiting_changed.emit()
 
 
 def test_a_card_under_the_pointer_keeps_its_picture(qtbot, shown, fake_session):
@@ -327,7 +336,8 @@ def test_a_card_under_the_pointer_keeps_its_picture(qtbot, shown, fake_session):
     made = shown(WelcomeStrip(fake_session, [Path("/drawings/Lamp.bozz")], lambda path: red))
     card = button(made, "Lamp")
     card.setDown(True)
-    assert card.grab().toImage().pixelColor(40, 31) == QColor(Qt.GlobalColor.red)
+    wanted = QColor(Qt.GlobalColor.red)
+    qtbot.waitUntil(lambda: card.grab().toImage().pixelColor(40, 31) == wanted)
 
 
 def test_the_strip_takes_no_more_of_the_sheet_than_it_needs(shown, fake_session):
@@ -340,11 +350,13 @@ def test_the_strip_takes_no_more_of_the_sheet_than_it_needs(shown, fake_session)
     assert few.verticalScrollBar().maximum() == 0
 
 
-def test_pictures_of_ink_follow_the_theme(qapp, shown, fake_session):
+def test_pictures_of_ink_follow_the_theme(qapp, qtbot, shown, fake_session):
     asked = []
     apply_theme(qapp, LIGHT)
     shown(WelcomeStrip(fake_session, [Path("/d/Lamp.bozz")], asked.append))
+    cards = 1 + sum(len(info.samples) for info in fake_session.toolbox.modelers)
+    qtbot.waitUntil(lambda: len(asked) == cards)
     before = len(asked)
     apply_theme(qapp, DARK)
-    assert len(asked) == 2 * before
+    qtbot.waitUntil(lambda: len(asked) == 2 * before)
     apply_theme(qapp, LIGHT)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -13,10 +14,11 @@ from PySide6.QtTest import QTest
 from bozzetto.errors import UserError
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.panels.objects.rows import entries_of, place_of_drop
+from tests.app import fake_session as fakes
 
 
 @pytest.fixture
-def panel(qtbot, fakes, fake_session):
+def panel(qtbot, fake_session):
     fake_session.trees["m1"] = fakes.horse_parts()
     made = ObjectsPanel(fake_session)
     qtbot.addWidget(made)
@@ -45,8 +47,8 @@ OTHERS = ["Saddle", "Rider", "Plinth", "Underlays", "Side view.jpg", "Front.png"
 def test_the_selected_models_parts_stand_under_it(panel, fake_session):
     assert names(panel) == HORSE + OTHERS
     assert panel.list.currentRow() == row_of(panel, "Head")
-    fake_session.selected = "m2"
-    fake_session.selection_changed.emit()
+    fake_session.selection.id = "m2"
+    fake_session.selection.changed.emit()
     assert names(panel) == ["Horse", *OTHERS]
     assert panel.list.currentRow() == row_of(panel, "Saddle")
 
@@ -54,7 +56,7 @@ def test_the_selected_models_parts_stand_under_it(panel, fake_session):
 def test_a_lone_part_is_listed_only_when_asked_for(panel, fake_session):
     tree = fake_session.trees["m1"]
     fake_session.trees["m1"] = replace(tree, parts=tree.parts[:1], selected="n1")
-    fake_session.document_changed.emit()
+    fake_session.drawing.changed.emit()
     assert names(panel) == ["Horse", *OTHERS]
     widget(panel, "Horse").fold.click()
     assert names(panel) == ["Horse", "Body", *OTHERS]
@@ -69,7 +71,7 @@ def test_folding(panel, fake_session):
     QTest.keyClick(panel.list, Qt.Key.Key_Right)
     assert names(panel)[1:3] == ["Body", "Head"]
     fake_session.trees["m1"] = fake_session.trees["m1"].chosen("g1")
-    fake_session.document_changed.emit()
+    fake_session.drawing.changed.emit()
     QTest.keyClick(panel.list, Qt.Key.Key_Right)
     assert "Left leg" in names(panel)
     QTest.keyClick(panel.list, Qt.Key.Key_Left)
@@ -84,18 +86,18 @@ def test_arrows_are_only_where_something_is_folded(panel):
 def test_choosing(panel, fake_session):
     place = panel.list.visualItemRect(panel.list.item(row_of(panel, "Flank"))).center()
     QTest.mouseClick(panel.list.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    assert set(map(str, fake_session.calls.named("select_part"))) == {str((("m1", "n6"), {}))}
+    assert set(map(str, fake_session.calls.named("parts.select"))) == {str((("m1", "n6"), {}))}
     fake_session.calls.made.clear()
     place = panel.list.visualItemRect(panel.list.item(0)).center()
     QTest.mouseClick(panel.list.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    assert (("m1", ""), {}) in fake_session.calls.named("select_part"), "the model as a whole"
+    assert (("m1", ""), {}) in fake_session.calls.named("parts.select"), "the model as a whole"
 
 
 def test_what_is_drawn_takes_the_choice_from_the_others(panel, fake_session):
     tree = fake_session.trees["m1"]
     for name in ("n1", "n2", "n1"):
         fake_session.trees["m1"] = tree.chosen(name)
-        fake_session.document_changed.emit()
+        fake_session.drawing.changed.emit()
         chosen = [panel.list.row(item) for item in panel.list.selectedItems()]
         assert chosen == [panel.list.currentRow()]
         assert panel._current().id == name
@@ -112,17 +114,17 @@ def test_rows_say_what_their_parts_do(panel):
 def test_deeds(panel, fake_session):
     calls = fake_session.calls
     widget(panel, "Right leg").eye.click()
-    assert calls.named("set_part_visible") == [(("m1", "n4", True), {})]
+    assert calls.named("parts.set_visible") == [(("m1", "n4", True), {})]
     panel.rename_current()
     editor = widget(panel, "Head").editor
     editor.setText("Skull")
     QTest.keyClick(editor, Qt.Key.Key_Return)
-    assert calls.named("rename_part") == [(("m1", "n2", "Skull"), {})]
+    assert calls.named("parts.rename") == [(("m1", "n2", "Skull"), {})]
     panel._duplicate.click()
-    assert calls.named("duplicate_part") == [(("m1", "n2"), {})]
+    assert calls.named("parts.duplicate") == [(("m1", "n2"), {})]
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
-    assert calls.named("delete_part") == [(("m1", "n2"), {})]
-    assert calls.named("delete") == []
+    assert calls.named("parts.delete") == [(("m1", "n2"), {})]
+    assert calls.named("objects.delete") == []
 
 
 def test_several_rows_become_a_group(panel, fake_session):
@@ -131,7 +133,7 @@ def test_several_rows_become_a_group(panel, fake_session):
         panel.list.setCurrentItem(panel.list.item(row_of(panel, name)), select)
     panel.list.setCurrentItem(panel.list.item(row_of(panel, "Flank")), select)
     QTest.keyClick(panel.list, Qt.Key.Key_G, Qt.KeyboardModifier.ControlModifier)
-    assert fake_session.calls.named("group_parts") == [(("m1", ["n1", "n2", "n6"]), {})]
+    assert fake_session.calls.named("parts.group") == [(("m1", ["n1", "n2", "n6"]), {})]
 
 
 def test_del_takes_all_chosen_rows_out_at_once(panel, fake_session):
@@ -140,7 +142,7 @@ def test_del_takes_all_chosen_rows_out_at_once(panel, fake_session):
         panel.list.setCurrentItem(panel.list.item(row_of(panel, name)), select)
     panel.list.setCurrentItem(panel.list.item(row_of(panel, "Flank")), select)
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
-    assert fake_session.calls.named("delete_several") == [
+    assert fake_session.calls.named("parts.delete_several") == [
         ((["m2"], {"m1": ["n1", "n2", "n6"]}, ["u2"]), {})
     ]
     for name in ("delete", "delete_part", "delete_underlay"):
@@ -151,7 +153,7 @@ def test_a_group_can_be_dissolved_from_its_menu(panel, fake_session):
     panel.list.choose(row_of(panel, "Legs"))
     menu = panel.menu_for_current()
     next(action for action in menu.actions() if action.text() == "Ungroup").trigger()
-    assert fake_session.calls.named("ungroup_part") == [(("m1", "g1"), {})]
+    assert fake_session.calls.named("parts.ungroup") == [(("m1", "g1"), {})]
 
 
 def test_the_menu_offers_the_modelers_that_take_shapes(panel, fake_session):
@@ -159,7 +161,9 @@ def test_the_menu_offers_the_modelers_that_take_shapes(panel, fake_session):
     uses = next(a.menu() for a in menu.actions() if a.text() == "Use as input for")
     assert [action.text() for action in uses.actions()] == ["Mesh", "Symmetry"]
     uses.actions()[1].trigger()
-    assert fake_session.calls.named("use") == [(("bozzetto.symmetry", ["m1"], {"m1": ["n2"]}), {})]
+    assert fake_session.calls.named("shapes.use") == [
+        (("bozzetto.symmetry", ["m1"], {"m1": ["n2"]}), {})
+    ]
 
 
 def test_the_menu_of_a_part(panel, fake_session):
@@ -168,14 +172,14 @@ def test_the_menu_of_a_part(panel, fake_session):
     assert titles == ["Rename", "Duplicate", "Group", "Hide", "Use as input for", "Delete"]
     next(action for action in menu.actions() if action.text() == "Group").trigger()
     next(action for action in menu.actions() if action.text() == "Hide").trigger()
-    assert fake_session.calls.named("group_parts") == [(("m1", ["n2"]), {})]
-    assert fake_session.calls.named("set_part_visible") == [(("m1", "n2", False), {})]
+    assert fake_session.calls.named("parts.group") == [(("m1", ["n2"]), {})]
+    assert fake_session.calls.named("parts.set_visible") == [(("m1", "n2", False), {})]
 
 
 def test_rows_stay_while_others_come_and_go(panel, fake_session):
     kept = [widget(panel, name) for name in ("Horse", "Body", "Flank", "Plinth")]
     fake_session.trees["m1"] = fake_session.trees["m1"].without("g1").moved("n6", "", 0)
-    fake_session.document_changed.emit()
+    fake_session.drawing.changed.emit()
     assert names(panel)[:5] == ["Horse", "Flank", "Body", "Head", "Saddle pit"]
     assert [widget(panel, name) for name in ("Horse", "Plinth")] == [kept[0], kept[3]]
 
@@ -210,13 +214,12 @@ def test_names_are_aligned(panel):
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.integers(1, 7), st.integers(0, 14), st.booleans())
-def test_a_dropped_part_lands_where_it_was_let_go(fakes, source, target, on):
+def test_a_dropped_part_lands_where_it_was_let_go(source, target, on):
     """Against the list itself: after the move the row stands in the gap it was put into."""
     tree = fakes.horse_parts()
     session_of = {"m1": tree}
-    document = fakes.FakeSession.__new__(fakes.FakeSession)  # only its document is wanted
-    fakes.FakeSession.__init__(document, fakes.Path())
-    entries = list(entries_of(document.document, session_of.get, lambda _: True, ()))
+    document = fakes.FakeSession(Path()).drawing.document
+    entries = list(entries_of(document, session_of.get, lambda _: True, ()))
     if target >= len(entries) and on:
         return
     part = entries[source].id
@@ -243,9 +246,9 @@ def test_a_dropped_part_lands_where_it_was_let_go(fakes, source, target, on):
     assert rows.index(part) == len(above)
 
 
-def test_nothing_is_moved_that_is_dropped_where_it_is(fakes, fake_session):
+def test_nothing_is_moved_that_is_dropped_where_it_is(fake_session):
     tree = fakes.horse_parts()
-    entries = list(entries_of(fake_session.document, {"m1": tree}.get, lambda _: True, ()))
+    entries = list(entries_of(fake_session.drawing.document, {"m1": tree}.get, lambda _: True, ()))
     gaps = ((1, 1), (1, 2), (2, 3), (4, 4), (1, 12))
     rows = ((1, 9), (3, 3), (1, 2))
     for source, target, on in (*((*g, False) for g in gaps), *((*r, True) for r in rows)):

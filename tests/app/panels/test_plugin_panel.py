@@ -85,7 +85,7 @@ def session(qtbot, plugin):
     made = Session(Registry(extra=["paneled"]))
     yield made
     made.cancel_all()
-    qtbot.waitUntil(lambda: not made.showing.busy)
+    qtbot.waitUntil(lambda: not made.solver.busy)
 
 
 @pytest.fixture
@@ -97,9 +97,9 @@ def panel(qtbot, session):
 
 def draw(session, modeler="paneled.modeler"):
     """A new object, selected."""
-    model = session.workbench.create(modeler, session.context())
-    session.commit("new", session.document.with_model(model))
-    session.select(model.id)
+    model = session.workbench.create(modeler, session.context.now())
+    session.drawing.commit("new", session.drawing.document.with_model(model))
+    session.selection.select(model.id)
     return model.id
 
 
@@ -111,20 +111,20 @@ def test_only_its_own_objects_have_it(session, panel):
     assert panel.findChild(QPushButton) is not None
     draw(session, "bozzetto.mesh")
     assert not panel.is_filled
-    session.select(own)
-    session.select(None)
+    session.selection.select(own)
+    session.selection.select(None)
     assert not panel.is_filled
     assert titles == ["Paneled", "", "Paneled", ""]
 
 
 def test_it_changes_the_selected_object_in_one_step(session, panel, plugin):
     draw(session)
-    before = session.history.position
+    before = session.drawing.history.position
     panel.findChild(QPushButton).click()
-    assert session.selected_model.state.turns == 1
-    assert session.history.position == before + 1
-    session.undo()
-    assert session.selected_model.state.turns == 0
+    assert session.selection.model.state.turns == 1
+    assert session.drawing.history.position == before + 1
+    session.drawing.undo()
+    assert session.selection.model.state.turns == 0
     assert plugin.seen == [0, 1, 0]
 
 
@@ -136,16 +136,16 @@ def test_it_is_told_of_another_object_of_its_kind(session, panel, plugin):
     assert panel.findChild(QPushButton) is button
     assert plugin.seen[-1] == 0
     button.click()
-    assert [model.state.turns for model in session.document] == [1, 1]
+    assert [model.state.turns for model in session.drawing.document] == [1, 1]
 
 
 def test_a_locked_object_stays_as_it_is(session, panel):
     model_id = draw(session)
-    session.set_locked(model_id, True)
+    session.objects.set_locked(model_id, True)
     notices = []
-    session.noticed.connect(notices.append)
+    session.notices.noticed.connect(notices.append)
     panel.findChild(QPushButton).click()
-    assert session.selected_model.state.turns == 0
+    assert session.selection.model.state.turns == 0
     assert "locked" in notices[-1].text
 
 
@@ -159,7 +159,7 @@ WRONG = {
 @pytest.mark.parametrize("name", WRONG)
 def test_a_panel_that_fails_leaves_the_window_alone(session, panel, plugin, name):
     notices = []
-    session.noticed.connect(notices.append)
+    session.notices.noticed.connect(notices.append)
     plugin.made = WRONG[name]
     draw(session)
     assert not panel.is_filled
@@ -169,7 +169,7 @@ def test_a_panel_that_fails_leaves_the_window_alone(session, panel, plugin, name
 
 def test_what_it_does_wrong_is_told_and_changes_nothing(session, panel, plugin):
     hosts, notices = [], []
-    session.noticed.connect(notices.append)
+    session.notices.noticed.connect(notices.append)
 
     def made(host):
         hosts.append(host)
@@ -179,9 +179,9 @@ def test_what_it_does_wrong_is_told_and_changes_nothing(session, panel, plugin):
     plugin.made = made
     draw(session)
     assert any("KeyError" in notice.text + notice.details for notice in notices)
-    state = session.selected_model.state
+    state = session.selection.model.state
     for wrong in (None, replace(state, turns=0.5)):
         told = len(notices)
         hosts[0].change(wrong, "Wrong")
         assert len(notices) > told
-        assert session.selected_model.state is state
+        assert session.selection.model.state is state

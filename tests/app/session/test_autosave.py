@@ -56,7 +56,7 @@ def crash(keeper):
 
 
 def draw(session, settle, *keepers, **more):
-    session.pen_lifted(stroke_of(circle(**more), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
     settle(session, *keepers)
 
 
@@ -94,7 +94,7 @@ def test_a_stroke_that_was_taken_back_is_not_kept(keep, folder, settle):
     session, keeper = keep()
     draw(session, settle, keeper)
     draw(session, settle, keeper, share=0.5)
-    session.drop_last_pending()
+    session.gestures.drop_last()
     settle(session, keeper)
     crash(keeper)
     assert kept_strokes(folder, session.registry) == [1]
@@ -112,8 +112,8 @@ def test_at_no_moment_is_a_stroke_in_neither_place(keep, settle, monkeypatch):
             totals.append(taken + len(now.document.waiting))
 
     monkeypatch.setattr(keeper, "_write", look)
-    session.pending_changed.connect(lambda: look(keeper._sheet))
-    session.document_changed.connect(lambda: look(keeper._sheet))
+    session.drawing.waiting_changed.connect(lambda: look(keeper._sheet))
+    session.drawing.changed.connect(lambda: look(keeper._sheet))
     for radius in range(40, 100, 10):
         draw(session, settle, keeper, radius=radius)
     assert totals == sorted(totals)
@@ -199,9 +199,9 @@ def test_recovering_shows_the_drawing_unsaved_and_forgets_the_old_data_only_then
     settle(later, other)
     other.recover(found[0])
     settle(later, other)
-    assert [strokes_of(model.state) for model in later.document] == [1]
-    assert len(later.pending) == 1
-    assert later.is_modified
+    assert [strokes_of(model.state) for model in later.drawing.document] == [1]
+    assert len(later.drawing.pending) == 1
+    assert later.drawing.is_modified
     assert RecoveryStore(folder).crashed_sessions() == []
     crash(other)
     assert kept_strokes(folder, later.registry) == [2]
@@ -243,7 +243,7 @@ def test_two_drawings_opened_in_one_breath_are_both_kept(offered, folder, settle
     first.click()
     second.click()
     box = question(window, qtbot)
-    assert len(window.session.document) == 1
+    assert len(window.session.drawing.document) == 1
     box.reject()
     settle(window.session, window.keeper)
     assert (first.text(), second.text()) == ("Opened", "Open")
@@ -255,11 +255,11 @@ def test_two_drawings_opened_in_one_breath_are_both_kept(offered, folder, settle
 def test_strokes_drawn_while_a_recovery_loads_are_asked_about(offered, folder, settle, qtbot):
     window, dialog = offered(1)
     buttons(dialog, "Open")[0].click()
-    stroke = stroke_of(circle(share=0.5), window.session.camera)
-    window.session.take_ink("Stroke", (WaitingStroke(stroke),))
+    stroke = stroke_of(circle(share=0.5), window.session.view.camera)
+    window.session.drawing.set_waiting("Stroke", (WaitingStroke(stroke),))
     question(window, qtbot).reject()
     settle(window.session, window.keeper)
-    assert window.session.pending == (stroke,)
+    assert window.session.drawing.pending == (stroke,)
     crash(window.keeper)
     assert kept_strokes(folder, window.session.registry) == [1, 1]
 
@@ -289,8 +289,8 @@ def test_a_stroke_drawn_while_the_answer_saves_is_asked_about_again(
 
     def save_and_draw(*arguments, **more):
         before(*arguments, **more)
-        stroke = stroke_of(circle(share=0.5), session.camera)
-        session.take_ink("Stroke", (WaitingStroke(stroke),))
+        stroke = stroke_of(circle(share=0.5), session.view.camera)
+        session.drawing.set_waiting("Stroke", (WaitingStroke(stroke),))
 
     session.files.save = save_and_draw
     press(box, "Save")
@@ -299,8 +299,8 @@ def test_a_stroke_drawn_while_the_answer_saves_is_asked_about_again(
     qtbot.waitUntil(lambda: window.findChild(QMessageBox, "unsaved") not in (None, box))
     window.findChild(QMessageBox, "unsaved").reject()
     settle(session, window.keeper)
-    assert session.title == "mine"
-    assert len(session.pending) == 1
+    assert session.drawing.title == "mine"
+    assert len(session.drawing.pending) == 1
     assert len(RecoveryStore(folder).crashed_sessions()) == 1
 
 
@@ -315,7 +315,7 @@ def test_a_crashed_drawing_is_discarded_only_by_who_is_sure(offered, folder, mon
     qtbot.waitUntil(lambda: len(RecoveryStore(folder).crashed_sessions()) == 1)
     qtbot.waitUntil(lambda: len(buttons(dialog, "Discarded")) == 1)
     assert len(buttons(dialog, "Open")) == 1
-    assert not window.session.is_modified
+    assert not window.session.drawing.is_modified
 
 
 def test_a_damaged_drawing_can_be_tried_again_and_is_not_deleted(offered, folder, settle):
@@ -368,7 +368,7 @@ def test_a_full_disk_is_told_and_drawing_goes_on(keep, settle, monkeypatch):
     draw(session, settle, keeper)
     draw(session, settle, keeper)
     assert "The disk is full. Make room." in [notice.text for notice in session.heard]
-    assert strokes_of(session.document.models[0].state) == 2
+    assert strokes_of(session.drawing.document.models[0].state) == 2
     monkeypatch.undo()
     draw(session, settle, keeper)
     assert keeper._sheet.record.state is State.IN_OWN_DATA
@@ -442,9 +442,9 @@ def test_after_a_kill_the_next_window_offers_the_drawing_and_a_living_one_is_lef
         opens[0].click()
         settle(window.session, window.keeper)
         QApplication.processEvents()
-        strokes = sum(strokes_of(model.state) for model in window.session.document)
-        assert strokes + len(window.session.pending) >= drawn - 1
-        assert window.session.is_modified
+        strokes = sum(strokes_of(model.state) for model in window.session.drawing.document)
+        assert strokes + len(window.session.drawing.pending) >= drawn - 1
+        assert window.session.drawing.is_modified
         assert window.isWindowModified()
     finally:
         living.kill_after(0)

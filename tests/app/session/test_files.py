@@ -35,7 +35,7 @@ def session(make_session, boxes):
 
 
 def draw(session, settle, **more):
-    session.pen_lifted(stroke_of(circle(**more), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
     settle(session)
 
 
@@ -44,7 +44,7 @@ def words(session, kind):
 
 
 def meshes(session):
-    return [item.mesh for _, item in session.scene.items() if isinstance(item, Shaded)]
+    return [item.mesh for _, item in session.scene.visible.items() if isinstance(item, Shaded)]
 
 
 def save(session, settle, path):
@@ -53,7 +53,7 @@ def save(session, settle, path):
 
 
 def reopen(session, settle, path):
-    session.open(path)
+    session.files.open_safely(path)
     settle(session)
 
 
@@ -64,20 +64,20 @@ def test_a_drawing_comes_back_to_the_last_bit(make_session, settle, tmp_path):
     first = make_session()
     draw(first, settle, radius=150)
     draw(first, settle, radius=60)
-    first.set_parameter("inflation", 1.3)
-    first.set_color(first.selected, (200, 120, 30))
+    first.objects.set_parameter("inflation", 1.3)
+    first.objects.set_color(first.selection.id, (200, 120, 30))
     settle(first)
-    assert first.is_modified
+    assert first.drawing.is_modified
     save(first, settle, tmp_path / "horse")
-    assert first.path == tmp_path / "horse.bozz"
-    assert (first.title, first.is_modified) == ("horse", False)
+    assert first.drawing.path == tmp_path / "horse.bozz"
+    assert (first.drawing.title, first.drawing.is_modified) == ("horse", False)
     first.files.close()
 
     second = make_session()
     reopen(second, settle, tmp_path / "horse.bozz")
-    assert not second.is_modified
-    assert second.camera == first.camera
-    (mine,), (other,) = first.document.models, second.document.models
+    assert not second.drawing.is_modified
+    assert second.view.camera == first.view.camera
+    (mine,), (other,) = first.drawing.document.models, second.drawing.document.models
     assert (mine.name, mine.color, mine.id) == (other.name, other.color, other.id)
     inflation = [[part.inflation for part in model.state.parts] for model in (mine, other)]
     assert inflation[0] == inflation[1]
@@ -90,13 +90,13 @@ def test_a_drawing_comes_back_to_the_last_bit(make_session, settle, tmp_path):
 def test_what_is_drawn_while_saving_counts_as_unsaved(session, settle, tmp_path):
     draw(session, settle)
     session.files.save(tmp_path / "a.bozz")
-    session.rename(session.selected, "Later")
+    session.objects.rename(session.selection.id, "Later")
     settle(session)
-    assert session.is_modified
+    assert session.drawing.is_modified
     reopened_names = json_names(tmp_path / "a.bozz")
     assert reopened_names == ["Boxes"]
-    session.undo()
-    assert not session.is_modified
+    session.drawing.undo()
+    assert not session.drawing.is_modified
 
 
 def json_names(path, *names):
@@ -112,7 +112,7 @@ def test_a_save_that_ends_after_a_new_sheet_was_begun_does_not_name_it(session, 
     session.files.new()
     settle(session)
     assert (tmp_path / "old.bozz").exists()
-    assert session.path is None
+    assert session.drawing.path is None
     assert not document_lock_path(tmp_path / "old.bozz").exists()
 
 
@@ -120,18 +120,18 @@ def test_a_failed_save_is_told_and_the_work_stays_unsaved(session, settle, tmp_p
     draw(session, settle)
     save(session, settle, tmp_path / "no" / "such" / "folder.bozz")
     assert len(words(session, "error")) == 1
-    assert session.is_modified
-    assert session.path is None
+    assert session.drawing.is_modified
+    assert session.drawing.path is None
 
 
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not really", b"\0" * 5000])
 def test_a_damaged_document_is_refused_and_the_sheet_stays(session, settle, tmp_path, content):
     draw(session, settle)
-    before = session.document
+    before = session.drawing.document
     (tmp_path / "bad.bozz").write_bytes(content)
     reopen(session, settle, tmp_path / "bad.bozz")
     reopen(session, settle, tmp_path / "missing.bozz")
-    assert session.document is before
+    assert session.drawing.document is before
     assert len(words(session, "error")) == 2
     assert not document_lock_path(tmp_path / "bad.bozz").exists()
 
@@ -141,10 +141,10 @@ def test_drawing_while_a_document_is_being_read_is_not_thrown_away(session, sett
     save(session, settle, tmp_path / "a.bozz")
     session.files.new()
     session.files.open(tmp_path / "a.bozz")
-    session.pen_lifted(stroke_of(circle(share=0.5), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(share=0.5), session.view.camera))
     settle(session)
-    assert session.path is None
-    assert len(session.pending) == 1
+    assert session.drawing.path is None
+    assert len(session.drawing.pending) == 1
     assert "you were drawing" in words(session, "info")[-1]
 
 
@@ -202,7 +202,7 @@ def test_what_is_exported_is_closed_and_as_large_as_what_is_shown(
 
 def test_hidden_objects_are_not_exported_and_nothing_is_an_error(session, settle, tmp_path):
     draw(session, settle)
-    session.set_visible(session.selected, False)
+    session.objects.set_visible(session.selection.id, False)
     session.files.export(tmp_path / "out.stl")
     settle(session)
     assert not (tmp_path / "out.stl").exists()
@@ -212,7 +212,7 @@ def test_hidden_objects_are_not_exported_and_nothing_is_an_error(session, settle
 def test_what_an_export_leaves_out_is_named(session, settle, tmp_path):
     draw(session, settle)
     stranger = Model(new_id(), "Stranger", "nobody.knows", OpaqueState(1, b"{}", (), ()))
-    session.commit("open", session.document.with_model(stranger))
+    session.drawing.commit("open", session.drawing.document.with_model(stranger))
     settle(session)
     session.files.export(tmp_path / "out.stl")
     settle(session)
@@ -259,57 +259,63 @@ def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, s
 
     session = make_session()
     (tmp_path / "square.svg").write_text(SVG)
-    session.import_file(tmp_path / "square.svg")
+    session.files.import_file(tmp_path / "square.svg")
     settle(session)
     session.files.export(tmp_path / "square.stl")
     settle(session)
-    session.import_file(tmp_path / "square.stl")
+    session.files.import_file(tmp_path / "square.stl")
     settle(session)
     write_png(tmp_path / "photo.png", np.full((30, 40, 4), 200, np.uint8))
-    session.import_file(tmp_path / "photo.png")
+    session.files.import_file(tmp_path / "photo.png")
     settle(session)
     (left_out,) = words(session, "error")  # the black of the drawing's line
     assert "the colours of 1 solid" in left_out
-    assert [model.modeler for model in session.document] == ["bozzetto.silhouette", "bozzetto.mesh"]
-    assert [under.name for under in session.document.underlays] == ["photo"]
-    assert len(session.history.entries) == 4
+    assert [model.modeler for model in session.drawing.document] == [
+        "bozzetto.silhouette",
+        "bozzetto.mesh",
+    ]
+    assert [under.name for under in session.drawing.document.underlays] == ["photo"]
+    assert len(session.drawing.history.entries) == 4
     drawn, read = meshes(session)
     assert np.allclose(np.ptp(drawn.vertices, axis=0), np.ptp(read.vertices, axis=0), rtol=1e-4)
     # In an SVG drawing a unit is a millimetre, and (x, y) lies at (x, 0, -y).
     assert np.allclose(drawn.vertices.min(0)[[0, 2]], (10, -90), atol=1.5)
-    across, down = session.document.underlays[0].across, session.document.underlays[0].down
+    across, down = (
+        session.drawing.document.underlays[0].across,
+        session.drawing.document.underlays[0].down,
+    )
     assert abs(across[0] / down[2]) == pytest.approx(40 / 30)
     for _ in range(3):
-        session.undo()
-    assert len(session.document) + len(session.document.underlays) == 0
+        session.drawing.undo()
+    assert len(session.drawing.document) + len(session.drawing.document.underlays) == 0
 
 
 def test_an_import_that_ends_on_another_sheet_is_dropped(session, settle, tmp_path):
     (tmp_path / "square.svg").write_text(SVG)
-    session.import_file(tmp_path / "square.svg")
+    session.files.import_file(tmp_path / "square.svg")
     session.files.new()
     settle(session)
-    assert len(session.document) == 0
+    assert len(session.drawing.document) == 0
 
 
 def test_opening_a_drawing_makes_a_new_document_of_it(session, settle, tmp_path):
     draw(session, settle)
     (tmp_path / "square.svg").write_text(SVG)
-    session.open(tmp_path / "square.svg")
+    session.files.open_safely(tmp_path / "square.svg")
     settle(session)
-    assert len(session.document) == 1
-    assert session.path is None
-    assert session.is_modified
+    assert len(session.drawing.document) == 1
+    assert session.drawing.path is None
+    assert session.drawing.is_modified
 
 
 def test_nonsense_is_refused_with_a_sentence(session, settle, tmp_path):
     for name, content in (("a.svg", "<svg"), ("b.stl", "solid"), ("c.png", "x"), ("d.xyz", "x")):
         (tmp_path / name).write_text(content)
-        session.import_file(tmp_path / name)
+        session.files.import_file(tmp_path / name)
         settle(session)
     assert len(words(session, "error")) == 4
     assert words(session, "fault") == []
-    assert len(session.document) == 0
+    assert len(session.drawing.document) == 0
 
 
 # -- who has it open -----------------------------------------------------------------------------
@@ -342,20 +348,20 @@ def test_somebody_elses_document_opens_to_be_looked_at(make_session, settle, tmp
     save(theirs, settle, mine)
     me = make_session()
     reopen(me, settle, mine)
-    assert len(me.document) == 1
-    assert me.read_only
+    assert len(me.drawing.document) == 1
+    assert me.drawing.read_only
     (said,) = words(me, "error")
     lock = holder(document_lock_path(mine))
     assert lock.user in said
     assert lock.host in said
     before = mine.read_bytes()
-    me.rename(me.selected, "Other")
+    me.objects.rename(me.selection.id, "Other")
     save(me, settle, mine)
     assert mine.read_bytes() == before
-    assert me.is_modified
+    assert me.drawing.is_modified
     save(me, settle, tmp_path / "copy.bozz")
-    assert not me.read_only
-    assert not me.is_modified
+    assert not me.drawing.read_only
+    assert not me.drawing.is_modified
     assert holder(document_lock_path(mine)) == lock
 
 
@@ -371,7 +377,7 @@ def test_a_lock_of_a_dead_process_is_taken_over(session, settle, tmp_path):
     subprocess.run([sys.executable, "-c", code, str(path)], check=True)
     assert holder(document_lock_path(path)).is_gone
     reopen(session, settle, path)
-    assert not session.read_only
+    assert not session.drawing.read_only
     assert holder(document_lock_path(path)).pid == os.getpid()
 
 
@@ -385,8 +391,8 @@ def test_a_document_in_a_folder_without_permission_can_be_looked_at(session, set
     folder.chmod(stat.S_IRUSR | stat.S_IXUSR)
     try:
         reopen(session, settle, folder / "a.bozz")
-        assert session.read_only
-        assert len(session.document) == 1
+        assert session.drawing.read_only
+        assert len(session.drawing.document) == 1
     finally:
         folder.chmod(0o755)
 
@@ -404,8 +410,8 @@ def test_where_no_lock_can_be_made_a_document_is_read_only(session, settle, tmp_
 
     monkeypatch.setattr(FileLock, "acquire", refuse)
     reopen(session, settle, path)
-    assert session.read_only
-    assert len(session.document) == 1
+    assert session.drawing.read_only
+    assert len(session.drawing.document) == 1
     assert "nothing can be written" in words(session, "error")[0]
 
 
@@ -420,25 +426,25 @@ def test_a_document_can_be_taken_over_and_who_lost_it_is_asked(make_session, set
     assert locked == [path]
     me.files.take_over(path)
     settle(me)
-    assert not me.read_only
-    me.rename(me.selected, "Mine")
+    assert not me.drawing.read_only
+    me.objects.rename(me.selection.id, "Mine")
     me.files.save()
     settle(me)
-    assert not me.is_modified
+    assert not me.drawing.is_modified
 
     met = []
     theirs.files.when_hindered = met.append
-    theirs.rename(theirs.selected, "Theirs")
+    theirs.objects.rename(theirs.selection.id, "Theirs")
     theirs.files.save()
     settle(theirs)
     assert isinstance(met[0].problem, Locked)
-    assert theirs.is_modified
+    assert theirs.drawing.is_modified
     met[0].go_on()
     settle(theirs)
     assert isinstance(met[1].problem, FileChanged)  # it was saved meanwhile
     met[1].go_on()
     settle(theirs)
-    assert not theirs.is_modified
+    assert not theirs.drawing.is_modified
     assert json_names(path, "Theirs", "Mine") == ["Theirs"]
 
 
@@ -450,7 +456,7 @@ def saved(session, settle, tmp_path):
     """The session's document, saved and then changed."""
     draw(session, settle)
     save(session, settle, tmp_path / "a.bozz")
-    session.rename(session.selected, "Later")
+    session.objects.rename(session.selection.id, "Later")
     return tmp_path / "a.bozz"
 
 
@@ -459,7 +465,7 @@ def test_a_file_that_another_program_changed_is_not_written_over(session, saved,
     session.files.save()
     settle(session)
     assert saved.read_bytes() == b"theirs"
-    assert session.is_modified
+    assert session.drawing.is_modified
     assert "changed by another program" in words(session, "error")[-1]
 
 
@@ -474,20 +480,20 @@ def test_the_answer_to_a_changed_file_is_done(session, saved, settle, answer):
     getattr(met[0], answer)()
     settle(session)
     assert ended == (["failed"] if answer == "leave" else ["then"])
-    assert session.is_modified is (answer == "leave")
+    assert session.drawing.is_modified is (answer == "leave")
     beside = saved.with_name("a 2.bozz")
-    assert session.path == (beside if answer == "keep_both" else saved)
+    assert session.drawing.path == (beside if answer == "keep_both" else saved)
     assert beside.exists() is (answer == "keep_both")
     if answer == "go_on":
         assert json_names(saved) == ["Later"]
         assert saved.with_name("a.bozz~1").read_bytes() == b"theirs"
     else:
         assert saved.read_bytes() == b"theirs"
-    session.rename(session.selected, "Last")
+    session.objects.rename(session.selection.id, "Last")
     if answer != "leave":
         session.files.save()
         settle(session)
-        assert not session.is_modified
+        assert not session.drawing.is_modified
         assert len(met) == 1
 
 
@@ -513,10 +519,10 @@ def test_what_was_opened_and_changed_elsewhere_is_asked_about(make_session, save
     other = make_session()
     reopen(other, settle, saved)
     saved.write_bytes(saved.read_bytes() + b" ")
-    other.rename(other.selected, "Mine")
+    other.objects.rename(other.selection.id, "Mine")
     other.files.save()
     settle(other)
-    assert other.is_modified
+    assert other.drawing.is_modified
 
 
 def test_saving_beside_never_hits_a_file_that_is_there(session, settle, tmp_path):
@@ -545,9 +551,9 @@ def test_a_file_that_became_a_folder_or_read_only_stays_as_it_is(session, saved,
     session.files.save()
     settle(session)
     assert "is a folder" in words(session, "error")[-1]
-    assert session.is_modified
+    assert session.drawing.is_modified
     save(session, settle, tmp_path / "b.bozz")
-    assert not session.is_modified
+    assert not session.drawing.is_modified
 
 
 @pytest.mark.skipif(os.name == "nt", reason="links")
@@ -569,11 +575,11 @@ def test_a_document_whose_name_is_not_text_is_opened_and_saved(session, saved, s
     except OSError:
         pytest.skip("the disk wants text")
     reopen(session, settle, odd)
-    assert session.path == odd
-    session.rename(session.selected, "Boxes")
+    assert session.drawing.path == odd
+    session.objects.rename(session.selection.id, "Boxes")
     session.files.save()
     settle(session)
-    assert not session.is_modified
+    assert not session.drawing.is_modified
     assert json_names(odd) == ["Boxes"]
     assert words(session, "error") + words(session, "fault") == []
     assert recent_files()[0] == odd
@@ -603,10 +609,10 @@ def test_a_picture_that_cannot_be_made_does_not_stop_the_save(
     monkeypatch.setattr(small_picture, "_painted", fail)
     draw(session, settle)
     save(session, settle, tmp_path / "a.bozz")
-    assert not session.is_modified
+    assert not session.drawing.is_modified
     assert not has_picture(tmp_path / "a.bozz")
     reopen(session, settle, tmp_path / "a.bozz")
-    assert len(session.document) == 1
+    assert len(session.drawing.document) == 1
 
 
 def test_a_picture_that_is_late_does_not_hold_the_save_up(session, settle, tmp_path, monkeypatch):
@@ -621,7 +627,7 @@ def test_a_picture_that_is_late_does_not_hold_the_save_up(session, settle, tmp_p
     draw(session, settle)
     for name in ("a.bozz", "b.bozz"):
         save(session, settle, tmp_path / name)
-        assert not session.is_modified
+        assert not session.drawing.is_modified
         assert not has_picture(tmp_path / name)
     assert len(begun) == 1  # the second save did not start another beside it
     gate.set()

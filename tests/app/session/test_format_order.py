@@ -27,8 +27,8 @@ def test_curves_are_offered_to_cad_first_and_solids_to_printers(
     make_session, settle, modeler, first, last
 ):
     session = make_session(modeler)
-    (info,) = [one for one in session.modelers if one.id == modeler]
-    session.import_file(info.samples[-1])
+    (info,) = [one for one in session.toolbox.modelers if one.id == modeler]
+    session.files.import_file(info.samples[-1])
     settle(session)
     offered = offered_formats(session)
     assert first in offered[0].holds
@@ -39,9 +39,9 @@ def test_curves_are_offered_to_cad_first_and_solids_to_printers(
 def test_an_empty_or_mixed_sheet_is_offered_meshes_first(make_session, settle):
     session = make_session()
     assert offered_formats(session)[0].id == "stl"
-    for info in session.modelers[:2]:
-        session.activate_modeler(info.id)
-        session.import_file(info.samples[-1])
+    for info in session.toolbox.modelers[:2]:
+        session.toolbox.take_modeler(info.id)
+        session.files.import_file(info.samples[-1])
         settle(session)
-    assert len({model.modeler for model in session.document}) == 2
+    assert len({model.modeler for model in session.drawing.document}) == 2
     assert offered_formats(session)[0].id == "stl"

@@ -13,7 +13,7 @@ from tests.app.tablet import stroke_of
 
 
 def draw(session, settle, x=300.0):
-    session.pen_lifted(stroke_of([(x, 300.0), (x + 100.0, 400.0)], session.camera))
+    session.gestures.stroke_lifted(stroke_of([(x, 300.0), (x + 100.0, 400.0)], session.view.camera))
     settle(session)
 
 
@@ -26,62 +26,62 @@ def session(make_session, marks, settle):
 
 
 def test_a_command_is_one_step_that_can_be_taken_back(session, settle):
-    before = session.document.models[0].state
-    steps = session.history.position
-    session.commanding.run("flip")
+    before = session.drawing.document.models[0].state
+    steps = session.drawing.history.position
+    session.commands.run("flip")
     settle(session)
-    after = session.document.models[0].state
+    after = session.drawing.document.models[0].state
     assert [pair[0][0] for pair in after.marks] == [-pair[0][0] for pair in before.marks]
-    assert session.history.position == steps + 1
-    assert session.history.undo_label == "Flip"
-    session.undo()
+    assert session.drawing.history.position == steps + 1
+    assert session.drawing.history.undo_label == "Flip"
+    session.drawing.undo()
     settle(session)
-    assert session.document.models[0].state is before
+    assert session.drawing.document.models[0].state is before
 
 
 def test_commands_run_in_the_order_of_the_gestures(session, settle):
     """A command right after a stroke finds the model with that stroke."""
-    session.pen_lifted(stroke_of([(500.0, 300.0), (600.0, 400.0)], session.camera))
-    session.commanding.run("flip")
-    session.commanding.run("flip")
-    session.commanding.run("flip")
+    session.gestures.stroke_lifted(stroke_of([(500.0, 300.0), (600.0, 400.0)], session.view.camera))
+    session.commands.run("flip")
+    session.commands.run("flip")
+    session.commands.run("flip")
     settle(session)
-    first, second = session.document.models[0].state.marks
-    assert list(session.history.entries[-4:]) == ["Mark", "Flip", "Flip", "Flip"]
+    first, second = session.drawing.document.models[0].state.marks
+    assert list(session.drawing.history.entries[-4:]) == ["Mark", "Flip", "Flip", "Flip"]
     assert first[0][0] > 0 > second[0][0]
 
 
 def test_a_refusal_is_told_and_changes_nothing(session, settle):
-    before = session.document
-    session.commanding.run("refuse")
+    before = session.drawing.document
+    session.commands.run("refuse")
     settle(session)
-    assert session.document is before
+    assert session.drawing.document is before
     assert [n.text for n in session.heard if n.kind == "error"] == [
         "This cannot be done. Do something else."
     ]
 
 
 def test_a_locked_model_is_not_commanded(session, settle):
-    session.set_locked(session.selected, True)
+    session.objects.set_locked(session.selection.id, True)
     settle(session)
-    assert not session.commanding.is_enabled("flip")
-    before = session.document
-    session.commanding.run("flip")
+    assert not session.commands.is_enabled("flip")
+    before = session.drawing.document
+    session.commands.run("flip")
     settle(session)
-    assert session.document is before
+    assert session.drawing.document is before
     assert "locked" in session.heard[-1].text
 
 
 def test_what_is_enabled_follows_the_state(session, settle):
-    assert session.commanding.is_enabled("flip")
-    session.undo()
+    assert session.commands.is_enabled("flip")
+    session.drawing.undo()
     settle(session)
-    assert session.commanding.commands == ()
-    session.redo()
+    assert session.commands.commands == ()
+    session.drawing.redo()
     settle(session)
-    session.select(session.document.models[0].id)
+    session.selection.select(session.drawing.document.models[0].id)
     settle(session)
-    assert session.commanding.is_enabled("flip")
+    assert session.commands.is_enabled("flip")
 
 
 def test_a_modeler_that_fails_to_name_its_commands_is_asked_once(
@@ -99,7 +99,7 @@ def test_a_modeler_that_fails_to_name_its_commands_is_asked_once(
         draw(session, settle, x)
     assert len(asked) == 1
     assert len([n for n in session.heard if n.kind == "fault"]) == 1
-    assert len(session.document.models[0].state.marks) == 3
+    assert len(session.drawing.document.models[0].state.marks) == 3
 
 
 def test_commands_are_asked_and_run_in_workers(make_session, marks, settle, monkeypatch):
@@ -112,7 +112,7 @@ def test_commands_are_asked_and_run_in_workers(make_session, marks, settle, monk
     monkeypatch.setattr(marks, "commands", commands)
     session = make_session(MODELER, extra=[marks.package])
     draw(session, settle)
-    session.commanding.run("flip")
+    session.commands.run("flip")
     settle(session)
     assert threads
     assert threading.main_thread() not in threads
@@ -136,21 +136,21 @@ def test_the_key_of_a_command_works_and_a_taken_one_stays_the_programs(window, s
     assert registry.qaction("command.refuse").shortcuts() == []
     (refuse,) = (a for a in registry.actions() if a.id == "command.refuse")
     assert "F" in refuse.tip
-    before = window.session.document.models[0].state
+    before = window.session.drawing.document.models[0].state
     window.activateWindow()
     window.canvas.setFocus()
     QTest.keyClick(window.canvas, Qt.Key.Key_X)
     settle(window.session)
-    assert window.session.document.models[0].state is not before
-    assert window.session.history.undo_label == "Flip"
+    assert window.session.drawing.document.models[0].state is not before
+    assert window.session.drawing.history.undo_label == "Flip"
 
 
 def test_commands_go_when_no_model_of_theirs_is_selected(window, settle):
-    window.session.select(None)
+    window.session.selection.select(None)
     settle(window.session)
     assert not [a for a in window.actions_.actions() if a.id.startswith("command.")]
     assert window.actions_.holder("X") is None
-    window.session.select(window.session.document.models[0].id)
+    window.session.selection.select(window.session.drawing.document.models[0].id)
     settle(window.session)
     assert {"command.flip", "command.refuse"} <= {a.id for a in window.actions_.actions()}
 

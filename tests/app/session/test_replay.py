@@ -24,27 +24,27 @@ def session(make_session, boxes):
 
 def drawing(session, *shares):
     strokes = [
-        stroke_of(circle(radius=50 + 20 * k, share=share), session.camera)
+        stroke_of(circle(radius=50 + 20 * k, share=share), session.view.camera)
         for k, share in enumerate(shares)
     ]
-    return Drawing(Strokes(tuple(strokes)), session.camera)
+    return Drawing(Strokes(tuple(strokes)), session.view.camera)
 
 
 def test_the_strokes_arrive_sample_by_sample_and_whole(session, settle, qtbot):
     recorded = drawing(session, 1.0, 1.0)
     growing = []
-    session.live_changed.connect(lambda: growing.append(len(session.document)))
+    session.scene.live_changed.connect(lambda: growing.append(len(session.drawing.document)))
     replay = Replay(session, recorded, speed=4.0)
     with qtbot.waitSignal(replay.finished, timeout=20_000):
         replay.start()
     settle(session)
-    kept = session.document.models[0].state.strokes
+    kept = session.drawing.document.models[0].state.strokes
     assert len(kept) == 2
     for mine, theirs in zip(kept, recorded.strokes, strict=True):
         assert np.array_equal(mine.x, theirs.x)
         assert np.array_equal(mine.t, theirs.t)
     assert growing  # it was previewed on the way
-    assert session.history.position == 2
+    assert session.drawing.history.position == 2
 
 
 def test_what_is_left_open_at_the_end_is_finished(session, settle, qtbot):
@@ -52,70 +52,72 @@ def test_what_is_left_open_at_the_end_is_finished(session, settle, qtbot):
     with qtbot.waitSignal(replay.finished, timeout=20_000):
         replay.start()
     settle(session)
-    assert session.pending == ()
-    assert len(session.document) == 1
+    assert session.drawing.pending == ()
+    assert len(session.drawing.document) == 1
 
 
 def test_strokes_without_time_are_played_too(session, settle, qtbot):
     from bozzetto.ink.stroke import Stroke
 
     points = circle()
-    bare = Stroke(x=points[:, 0], y=points[:, 1], camera=session.camera)
-    replay = Replay(session, Drawing(Strokes((bare,)), session.camera), speed=FAST)
+    bare = Stroke(x=points[:, 0], y=points[:, 1], camera=session.view.camera)
+    replay = Replay(session, Drawing(Strokes((bare,)), session.view.camera), speed=FAST)
     with qtbot.waitSignal(replay.finished, timeout=20_000):
         replay.start()
     settle(session)
-    assert len(session.document) == 1
+    assert len(session.drawing.document) == 1
 
 
 def test_stopping_keeps_what_was_finished_and_nothing_of_the_rest(session, settle, qtbot):
     replay = Replay(session, drawing(session, *[1.0] * 10), speed=8.0)
     replay.start()
-    qtbot.waitUntil(lambda: len(session.document) == 1, timeout=20_000)
+    qtbot.waitUntil(lambda: len(session.drawing.document) == 1, timeout=20_000)
     with qtbot.waitSignal(replay.finished):
         replay.stop()
     settle(session)
-    count = len(session.document.models[0].state.strokes)
+    count = len(session.drawing.document.models[0].state.strokes)
     assert count < 10
-    assert session.pending == ()
-    assert not session.live_scene.layers
+    assert session.drawing.pending == ()
+    assert not session.scene.live.layers
     qtbot.wait(100)
-    assert len(session.document.models[0].state.strokes) == count
+    assert len(session.drawing.document.models[0].state.strokes) == count
     replay.stop()
 
 
 def test_every_sample_drawing_makes_sound_solids_when_watched(make_window, settle, qtbot):
     window = make_window()
     session = window.session
-    for info in session.modelers:
+    for info in session.toolbox.modelers:
         for sample in info.samples:
+            window.replays.speed = FAST
             window.watch(info.id, sample)
-            if window._replay is not None:  # marks on a picture have no strokes to be watched
-                window._replay._speed = FAST
-                with qtbot.waitSignal(window._replay.finished, timeout=60_000):
+            if (
+                window.replays.current is not None
+            ):  # marks on a picture have no strokes to be watched
+                with qtbot.waitSignal(window.replays.finished, timeout=60_000):
                     pass
             settle(session, window.keeper)
             assert [n.text for n in session.heard if n.kind in ("error", "fault")] == []
-            assert len(session.document) >= 1
-            for part in session.report.get("parts", ()):
+            assert len(session.drawing.document) >= 1
+            for part in session.solver.report.get("parts", ()):
                 assert part["watertight"]
-            session.history.mark_saved()
+            session.drawing.history.mark_saved()
     assert not window.welcome.isVisible()
 
 
 @pytest.mark.parametrize("by", ["hand", "document"])
 def test_a_hand_or_another_document_stops_it(make_window, boxes, settle, qtbot, by):
     window = make_window(MODELER, extra=[boxes.package])
-    window._play(drawing(window.session, *[1.0] * 10))
+    window.replays.play(drawing(window.session, *[1.0] * 10))
     qtbot.wait(100)
-    assert window._replay is not None
+    assert window.replays.current is not None
     if by == "hand":
         Stylus(window.canvas).draw(circle(radius=33))
     else:
         window.session.files.new()
     settle(window.session)
-    assert window._replay is None
-    count = sum(len(model.state.strokes) for model in window.session.document)
+    assert window.replays.current is None
+    count = sum(len(model.state.strokes) for model in window.session.drawing.document)
     qtbot.wait(300)
-    assert sum(len(model.state.strokes) for model in window.session.document) == count
+    assert sum(len(model.state.strokes) for model in window.session.drawing.document) == count
     assert count == (1 if by == "hand" else 0)

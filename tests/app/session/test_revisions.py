@@ -242,3 +242,44 @@ def test_answers_of_a_document_that_was_left_are_not_shown():
     bench.ask("a")
     bench.settle()
     assert bench.shown["a"][-1][0] == bench.number
+
+
+@given(st.lists(st.sampled_from(["value", "work", "take", "paint"]), max_size=60))
+def test_in_a_drag_no_preview_begins_before_the_last_is_painted(acts):
+    bench = Bench()
+    bench.rules.expect_paint(True)
+    bench.ask("a")
+    bench.settle()
+    unpainted = False
+    for act in acts:
+        if act == "value":
+            bench.ask("a", dragging=True)
+        elif act == "take":
+            bench.take()
+        elif act == "paint":
+            bench.rules.painted()
+            unpainted = False
+        else:
+            before = len(bench.underway)
+            was_idle = bench.working is None
+            bench.work(cost=2)
+            if was_idle and unpainted:
+                assert bench.working is None
+            unpainted = unpainted or len(bench.underway) > before
+    if bench.dragging:
+        bench.rules.let_go()
+    bench.tell()
+    bench.settle()
+    assert bench.shown["a"][-1][0] == bench.number, "the last value is shown all the same"
+
+
+def test_a_model_without_a_picture_waits_for_no_paint():
+    bench = Bench()
+    bench.rules.expect_paint(True)
+    bench.ask("a", dragging=True)
+    bench.work()
+    bench.ask("b", dragging=True)
+    bench.ask("a", dragging=True)
+    task = bench.rules.next()
+    assert task is not None
+    assert task.model.id == "b"

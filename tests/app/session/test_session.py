@@ -31,7 +31,7 @@ def session(make_session, boxes):
 def draw(settle):
     def draw_on(session, *strokes):
         for points in strokes:
-            session.pen_lifted(stroke_of(points, session.camera))
+            session.gestures.stroke_lifted(stroke_of(points, session.view.camera))
             settle(session)
 
     return draw_on
@@ -42,7 +42,7 @@ def kinds(session):
 
 
 def shown(session):
-    return [item.mesh for _, item in session.scene.items() if isinstance(item, Shaded)]
+    return [item.mesh for _, item in session.scene.visible.items() if isinstance(item, Shaded)]
 
 
 # -- from ink to solids ------------------------------------------------------------------------
@@ -55,13 +55,13 @@ def test_a_closed_outline_is_a_watertight_solid_and_a_second_one_inside_a_hole(
     draw(session, circle(radius=150))
     assert all(map(bounds_volume, shown(session)))
     assert len(shown(session)) == 1
-    assert session.report["parts"][0]["genus"] == 0
+    assert session.solver.report["parts"][0]["genus"] == 0
     draw(session, circle(radius=50))
     assert bounds_volume(shown(session)[0])
-    assert session.report["parts"][0]["genus"] == 1
-    session.undo()
+    assert session.solver.report["parts"][0]["genus"] == 1
+    session.drawing.undo()
     settle(session)
-    assert session.report["parts"][0]["genus"] == 0
+    assert session.solver.report["parts"][0]["genus"] == 0
     assert "fault" not in kinds(session)
     assert "error" not in kinds(session)
 
@@ -78,78 +78,78 @@ def test_an_outline_that_crosses_itself_is_refused_with_its_place_and_waits(make
     refused = [notice for notice in session.heard if notice.kind == "error"]
     assert len(refused) == 1
     assert np.hypot(*(np.array(refused[0].places[0]) - (500, 360))) < 10
-    assert len(session.document) == 0
-    (ink,) = session.marked_ink
+    assert len(session.drawing.document) == 0
+    (ink,) = session.drawing.marked_ink
     assert (ink.status, ink.reason) == ("refused", refused[0].text)
     assert ink.places == refused[0].places
-    assert session.live_scene.layers == ()
+    assert session.scene.live.layers == ()
     draw(session, circle())
-    assert len(session.document) == 1
-    assert session.marked_ink == (ink,)
+    assert len(session.drawing.document) == 1
+    assert session.drawing.marked_ink == (ink,)
 
 
 def test_open_strokes_wait_with_a_hint_until_enter(session, draw, settle):
     draw(session, circle(share=ARC))
-    assert len(session.pending) == 1
-    assert session.hint == "Close the box, or press Enter."
-    assert session.is_modified
+    assert len(session.drawing.pending) == 1
+    assert session.notices.hint == "Close the box, or press Enter."
+    assert session.drawing.is_modified
     draw(session, circle(share=ARC, radius=60))
-    assert len(session.pending) == 2
-    session.drop_last_pending()
-    assert len(session.pending) == 1
-    session.commit_pending()
+    assert len(session.drawing.pending) == 2
+    session.gestures.drop_last()
+    assert len(session.drawing.pending) == 1
+    session.gestures.commit()
     settle(session)
-    assert session.pending == ()
-    assert len(session.document.models[0].state.strokes) == 1
+    assert session.drawing.pending == ()
+    assert len(session.drawing.document.models[0].state.strokes) == 1
 
 
 def test_enter_at_once_after_the_stroke_makes_one_object(session, settle):
-    session.pen_lifted(stroke_of(circle(share=ARC), session.camera))
-    session.commit_pending()
+    session.gestures.stroke_lifted(stroke_of(circle(share=ARC), session.view.camera))
+    session.gestures.commit()
     settle(session)
-    assert session.pending == ()
-    assert [len(model.state.strokes) for model in session.document] == [1]
+    assert session.drawing.pending == ()
+    assert [len(model.state.strokes) for model in session.drawing.document] == [1]
 
 
 def test_closed_strokes_in_quick_succession_are_taken_one_by_one(session, settle):
     for number in range(5):
-        session.pen_lifted(stroke_of(circle(radius=50 + number), session.camera))
+        session.gestures.stroke_lifted(stroke_of(circle(radius=50 + number), session.view.camera))
     settle(session)
-    assert session.pending == ()
-    strokes = session.document.models[0].state.strokes
+    assert session.drawing.pending == ()
+    strokes = session.drawing.document.models[0].state.strokes
     assert len(strokes) == 5
     widths = [np.ptp(stroke.x) for stroke in strokes]
     assert widths == sorted(widths)
     assert len(set(widths)) == 5
-    assert len(session.history.entries) == 6
+    assert len(session.drawing.history.entries) == 6
 
 
 def test_enter_with_nothing_waiting_starts_a_new_object(session, draw):
     draw(session, circle())
-    session.commit_pending()
-    assert session.selected is None
+    session.gestures.commit()
+    assert session.selection.id is None
     draw(session, circle())
-    assert [model.name for model in session.document] == ["Boxes", "Boxes 2"]
-    assert session.selected == session.document.models[1].id
+    assert [model.name for model in session.drawing.document] == ["Boxes", "Boxes 2"]
+    assert session.selection.id == session.drawing.document.models[1].id
 
 
 def test_a_stroke_taken_back_while_it_is_worked_on_leaves_nothing(session, boxes, settle):
     gate = threading.Event()
     boxes.misdeeds["apply"] = lambda state, gesture, context: (gate.wait(10), state)[1]
-    session.pen_lifted(stroke_of(circle(), session.camera))
-    session.undo()
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
+    session.drawing.undo()
     gate.set()
     settle(session)
-    assert session.pending == ()
-    assert len(session.document) == 0
-    assert session.history.entries == ("Start", "Stroke")
-    assert not session.is_modified
+    assert session.drawing.pending == ()
+    assert len(session.drawing.document) == 0
+    assert session.drawing.history.entries == ("Start", "Stroke")
+    assert not session.drawing.is_modified
     del boxes.misdeeds["apply"]
-    session.redo()
+    session.drawing.redo()
     settle(session)
-    assert session.pending == ()
-    assert len(session.document) == 1
-    assert session.history.entries == ("Start", "Draw")
+    assert session.drawing.pending == ()
+    assert len(session.drawing.document) == 1
+    assert session.drawing.history.entries == ("Start", "Draw")
 
 
 def test_a_gesture_overtaken_by_an_edit_is_worked_out_again(session, boxes, draw, settle):
@@ -164,50 +164,50 @@ def test_a_gesture_overtaken_by_an_edit_is_worked_out_again(session, boxes, draw
         return session.workbench.tool(MODELER, "draw").apply(state, gesture, context)
 
     well["apply"] = slow
-    session.pen_lifted(stroke_of(circle(radius=44), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(radius=44), session.view.camera))
     assert begun.wait(10)
-    session.set_parameter("size", 33.0)
+    session.objects.set_parameter("size", 33.0)
     gate.set()
     settle(session)
-    state = session.document.models[0].state
+    state = session.drawing.document.models[0].state
     assert state.size == 33.0
     assert len(state.strokes) == 2
-    assert session.pending == ()
+    assert session.drawing.pending == ()
 
 
 def test_ink_waits_while_the_tools_are_still_being_imported(make_session, boxes, settle):
     session = make_session(MODELER, extra=[boxes.package])
-    session.activate_modeler("bozzetto.silhouette")
-    session.activate_modeler(MODELER)
-    assert session.active_tool == ""
-    session.pen_lifted(stroke_of(circle(), session.camera))
+    session.toolbox.take_modeler("bozzetto.silhouette")
+    session.toolbox.take_modeler(MODELER)
+    assert session.toolbox.tool == ""
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
     settle(session)
-    assert len(session.document) == 1
-    assert session.active_tool == "draw"
+    assert len(session.drawing.document) == 1
+    assert session.toolbox.tool == "draw"
 
 
 def test_changing_the_modeler_keeps_waiting_ink_and_leaves_others_models_alone(session, draw):
     draw(session, circle(), circle(share=ARC))
-    first = session.document.models[0]
-    session.activate_modeler("bozzetto.silhouette")
-    assert len(session.pending) == 1
-    session.drop_last_pending()
+    first = session.drawing.document.models[0]
+    session.toolbox.take_modeler("bozzetto.silhouette")
+    assert len(session.drawing.pending) == 1
+    session.gestures.drop_last()
     draw(session, circle(radius=140))
-    assert [model.modeler for model in session.document] == [MODELER, "bozzetto.silhouette"]
-    assert session.document.models[0] is first
+    assert [model.modeler for model in session.drawing.document] == [MODELER, "bozzetto.silhouette"]
+    assert session.drawing.document.models[0] is first
 
 
 def test_locked_and_hidden_models_get_no_ink(session, draw):
     draw(session, circle())
-    model = session.document.models[0]
-    session.set_locked(model.id, True)
+    model = session.drawing.document.models[0]
+    session.objects.set_locked(model.id, True)
     draw(session, circle())
-    session.select(model.id)
-    session.set_locked(model.id, False)
-    session.set_visible(model.id, False)
+    session.selection.select(model.id)
+    session.objects.set_locked(model.id, False)
+    session.objects.set_visible(model.id, False)
     draw(session, circle())
-    assert len(session.document) == 3
-    assert session.document.models[0].state is model.state
+    assert len(session.drawing.document) == 3
+    assert session.drawing.document.models[0].state is model.state
 
 
 # -- undo, redo, edits ---------------------------------------------------------------------------
@@ -215,118 +215,118 @@ def test_locked_and_hidden_models_get_no_ink(session, draw):
 
 def test_undo_and_redo_walk_through_everything_drawn(session, draw, settle):
     draw(session, *(circle(radius=40 + 10 * k) for k in range(4)))
-    states = [session.document]
-    while session.history.position:
-        session.undo()
-        states.append(session.document)
+    states = [session.drawing.document]
+    while session.drawing.history.position:
+        session.drawing.undo()
+        states.append(session.drawing.document)
     assert [sum(len(m.state.strokes) for m in d) for d in states] == [4, 3, 2, 1, 0]
     for before in reversed(states[:-1]):
-        session.redo()
-        assert session.document is before
-    session.redo()
+        session.drawing.redo()
+        assert session.drawing.document is before
+    session.drawing.redo()
     settle(session)
-    assert session.document is states[0]
+    assert session.drawing.document is states[0]
     assert len(shown(session)) == 4
 
 
 @pytest.mark.parametrize(
     "edit",
     [
-        lambda s, m: s.rename(m.id, "Cat"),
-        lambda s, m: s.set_visible(m.id, False),
-        lambda s, m: s.set_locked(m.id, True),
-        lambda s, m: s.set_color(m.id, (10, 200, 30)),
-        lambda s, m: s.delete(m.id),
-        lambda s, m: s.duplicate(m.id),
-        lambda s, m: s.move_to(m.id, 1),
-        lambda s, m: s.set_parameter("size", 42.0),
+        lambda s, m: s.objects.rename(m.id, "Cat"),
+        lambda s, m: s.objects.set_visible(m.id, False),
+        lambda s, m: s.objects.set_locked(m.id, True),
+        lambda s, m: s.objects.set_color(m.id, (10, 200, 30)),
+        lambda s, m: s.objects.delete(m.id),
+        lambda s, m: s.objects.duplicate(m.id),
+        lambda s, m: s.objects.move_to(m.id, 1),
+        lambda s, m: s.objects.set_parameter("size", 42.0),
     ],
     ids="rename hide lock colour delete duplicate reorder parameter".split(),
 )
 def test_every_edit_is_one_step_back_and_forth(session, draw, settle, edit):
     draw(session, circle())
-    session.commit_pending()
+    session.gestures.commit()
     draw(session, circle())
-    session.select(session.document.models[0].id)
-    before, steps = session.document, len(session.history.entries)
-    edit(session, session.document.models[0])
-    after = session.document
+    session.selection.select(session.drawing.document.models[0].id)
+    before, steps = session.drawing.document, len(session.drawing.history.entries)
+    edit(session, session.drawing.document.models[0])
+    after = session.drawing.document
     assert after is not before
-    assert len(session.history.entries) == steps + 1
-    session.undo()
-    assert session.document is before
-    session.redo()
+    assert len(session.drawing.history.entries) == steps + 1
+    session.drawing.undo()
+    assert session.drawing.document is before
+    session.drawing.redo()
     settle(session)
-    assert session.document is after
+    assert session.drawing.document is after
     assert "error" not in kinds(session)
 
 
 def test_a_slider_drag_is_one_step_and_solves_what_it_ends_with(session, draw, settle):
     draw(session, circle())
-    steps = len(session.history.entries)
+    steps = len(session.drawing.history.entries)
     for value in np.linspace(10, 60, 30):
-        session.set_parameter("size", float(value), dragging=True)
-    session.end_drag()
+        session.objects.set_parameter("size", float(value), dragging=True)
+    session.objects.end_drag()
     for value in (50.0, 40.0):
-        session.set_parameter("size", value, dragging=True)
-    session.end_drag()
+        session.objects.set_parameter("size", value, dragging=True)
+    session.objects.end_drag()
     settle(session)
-    assert len(session.history.entries) == steps + 2
+    assert len(session.drawing.history.entries) == steps + 2
     assert np.ptp(shown(session)[0].vertices, axis=0) == pytest.approx(40)
-    session.undo()
+    session.drawing.undo()
     settle(session)
     assert np.ptp(shown(session)[0].vertices, axis=0) == pytest.approx(60)
 
 
 def test_refused_edits_say_why_and_change_nothing(session, draw):
     draw(session, circle())
-    model = session.document.models[0]
-    session.set_locked(model.id, True)
-    before = session.document
+    model = session.drawing.document.models[0]
+    session.objects.set_locked(model.id, True)
+    before = session.drawing.document
     for refused in (
-        lambda: session.rename(model.id, "Cat"),
-        lambda: session.delete(model.id),
-        lambda: session.set_parameter("size", 3.0),
-        lambda: session.rename("nobody", "Cat"),
+        lambda: session.objects.rename(model.id, "Cat"),
+        lambda: session.objects.delete(model.id),
+        lambda: session.objects.set_parameter("size", 3.0),
+        lambda: session.objects.rename("nobody", "Cat"),
     ):
         session.heard.clear()
         refused()
         assert kinds(session) == ["error"]
-        assert session.document is before
-    session.set_locked(model.id, False)
+        assert session.drawing.document is before
+    session.objects.set_locked(model.id, False)
     session.heard.clear()
-    session.set_parameter("size", 1e9)
+    session.objects.set_parameter("size", 1e9)
     assert kinds(session) == ["error"]
 
 
 def test_underlays_fade_as_one_step_and_leave(session):
     pixels = np.full((4, 6, 4), 255, np.uint8)
     place = {"corner": (0.0, 0.0, 0.0), "across": (6.0, 0.0, 0.0), "down": (0.0, 0.0, -4.0)}
-    session.edit(edit.add_underlay, Underlay("u1", "Sketch", pixels, **place))
+    session.objects.edit(edit.add_underlay, Underlay("u1", "Sketch", pixels, **place))
     for opacity in (0.4, 0.3, 0.2):
-        session.set_underlay_opacity("u1", opacity, dragging=True)
-    session.end_drag()
-    assert session.document.underlays[0].opacity == 0.2
-    assert len(session.history.entries) == 3
-    assert len(session.scene.layers) == 1
-    session.set_underlay_visible("u1", False)
-    assert len(session.scene.layers) == 0
-    session.delete_underlay("u1")
-    assert session.document.underlays == ()
+        session.objects.set_underlay_opacity("u1", opacity, dragging=True)
+    session.objects.end_drag()
+    assert session.drawing.document.underlays[0].opacity == 0.2
+    assert len(session.drawing.history.entries) == 3
+    assert len(session.scene.visible.layers) == 1
+    session.objects.set_underlay_visible("u1", False)
+    assert len(session.scene.visible.layers) == 0
+    session.objects.delete_underlay("u1")
+    assert session.drawing.document.underlays == ()
 
 
 def test_jumping_in_the_history_goes_to_the_ink_that_waited_then(session, draw, settle):
     draw(session, circle(), circle(), circle(share=ARC))
-    session.go_to(1)
+    session.drawing.go_to(1)
     settle(session)
-    assert session.pending == ()
-    assert len(session.document.models[0].state.strokes) == 1
-    session.go_to(3)
+    assert session.drawing.pending == ()
+    assert len(session.drawing.document.models[0].state.strokes) == 1
+    session.drawing.go_to(3)
     settle(session)
-    assert len(session.pending) == 1
-    session.commit_pending()
+    assert len(session.drawing.pending) == 1
+    session.gestures.commit()
     settle(session)
-    assert len(session.document.models[0].state.strokes) == 3
+    assert len(session.drawing.document.models[0].state.strokes) == 3
 
 
 # -- work under way ------------------------------------------------------------------------------
@@ -361,19 +361,21 @@ def session_result(state):
 
 def test_undo_while_solving_drops_the_answer(session, boxes, settle):
     slow = Slow(boxes)
-    session.pen_lifted(stroke_of(circle(), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
     assert_soon(session, slow.begun.is_set)
-    session.undo()
+    session.drawing.undo()
     slow.gate.set()
     settle(session)
-    assert len(session.document) == 0
+    assert len(session.drawing.document) == 0
     assert shown(session) == []
 
 
 def test_ink_is_shown_while_its_shape_is_being_solved(session, boxes, settle):
     slow = Slow(boxes)
-    session.pen_lifted(stroke_of(circle(), session.camera))
-    assert_soon(session, lambda: [layer.name for layer in session.scene.layers] == ["shape", "ink"])
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
+    assert_soon(
+        session, lambda: [layer.name for layer in session.scene.visible.layers] == ["shape", "ink"]
+    )
     assert shown(session) == []
     slow.gate.set()
     settle(session)
@@ -384,23 +386,23 @@ def test_cancelled_work_leaves_what_was_shown_and_the_document(session, boxes, d
     draw(session, circle())
     before = shown(session)
     slow = Slow(boxes)
-    session.set_parameter("size", 50.0)
-    document = session.document
+    session.objects.set_parameter("size", 50.0)
+    document = session.drawing.document
     assert_soon(session, slow.begun.is_set)
     session.cancel_work()
     settle(session)
     assert slow.stopped == 1
-    assert session.document is document
+    assert session.drawing.document is document
     assert shown(session) == before
     assert "fault" not in kinds(session)
 
 
 def test_renaming_while_solving_does_not_begin_again(session, boxes, settle):
     slow = Slow(boxes)
-    session.pen_lifted(stroke_of(circle(), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
     assert_soon(session, slow.begun.is_set)
     for name in ("Cat", "Dog"):
-        session.rename(session.document.models[0].id, name)
+        session.objects.rename(session.drawing.document.models[0].id, name)
     assert_soon(session, lambda: True)
     slow.gate.set()
     settle(session)
@@ -412,16 +414,16 @@ def test_renaming_while_solving_does_not_begin_again(session, boxes, settle):
 def test_a_new_object_does_not_wait_for_the_solve_of_another(session, boxes, draw, settle):
     draw(session, circle())
     slow = Slow(boxes)
-    session.set_parameter("size", 50.0)
+    session.objects.set_parameter("size", 50.0)
     assert_soon(session, slow.begun.is_set)
-    session.commit_pending()
+    session.gestures.commit()
 
     def only_the_first_is_slow(state, job):
         return slow.solve(state, job) if state.size == 50.0 else session_result(state)
 
     boxes.misdeeds["solve"] = only_the_first_is_slow
-    session.pen_lifted(stroke_of(circle(), session.camera))
-    assert_soon(session, lambda: len(session.document) == 2 and slow.stopped == 1)
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
+    assert_soon(session, lambda: len(session.drawing.document) == 2 and slow.stopped == 1)
     slow.gate.set()
     settle(session)
     assert len(shown(session)) == 2
@@ -429,20 +431,20 @@ def test_a_new_object_does_not_wait_for_the_solve_of_another(session, boxes, dra
 
 def test_another_document_during_a_solve_gets_nothing_of_the_old_one(session, boxes, settle):
     slow = Slow(boxes)
-    session.pen_lifted(stroke_of(circle(), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
     assert_soon(session, slow.begun.is_set)
     session.files.new()
     slow.gate.set()
     settle(session)
-    assert len(session.document) == 0
-    assert session.scene.layers == ()
-    assert session.report == {}
-    assert not session.is_modified
+    assert len(session.drawing.document) == 0
+    assert session.scene.visible.layers == ()
+    assert session.solver.report == {}
+    assert not session.drawing.is_modified
 
 
 def test_one_bad_recipe_complains_once_and_the_others_are_shown(session, boxes, draw, settle):
     draw(session, circle())
-    session.commit_pending()
+    session.gestures.commit()
 
     def solve(state, job):
         if state.size == 77.0:
@@ -451,13 +453,13 @@ def test_one_bad_recipe_complains_once_and_the_others_are_shown(session, boxes, 
 
     boxes.misdeeds["solve"] = solve
     draw(session, circle())
-    session.set_parameter("size", 77.0)
+    session.objects.set_parameter("size", 77.0)
     settle(session)
-    session.rename(session.document.models[0].id, "Good")
+    session.objects.rename(session.drawing.document.models[0].id, "Good")
     settle(session)
     assert [n.text for n in session.heard if n.kind == "error"] == ["No solution. Make it smaller."]
     assert len(shown(session)) == 2  # of the bad one what was there before
-    session.set_parameter("size", 20.0)
+    session.objects.set_parameter("size", 20.0)
     settle(session)
     assert max(np.ptp(mesh.vertices) for mesh in shown(session)) >= 20
 
@@ -465,23 +467,23 @@ def test_one_bad_recipe_complains_once_and_the_others_are_shown(session, boxes, 
 def test_the_live_preview_goes_when_its_shape_comes_but_not_under_the_next_stroke(
     session, boxes, settle
 ):
-    first = stroke_of(circle(), session.camera)
-    session.pen_moved(first)
+    first = stroke_of(circle(), session.view.camera)
+    session.gestures.stroke_moved(first)
     settle(session)
-    assert session.live_scene.layers
-    session.pen_lifted(first)
+    assert session.scene.live.layers
+    session.gestures.stroke_lifted(first)
     settle(session)
-    assert not session.live_scene.layers
+    assert not session.scene.live.layers
     slow = Slow(boxes)
-    session.pen_lifted(stroke_of(circle(radius=60), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(radius=60), session.view.camera))
     assert_soon(session, slow.begun.is_set)
-    session.pen_moved(stroke_of(circle(share=ARC), session.camera))
-    assert_soon(session, lambda: bool(session.live_scene.layers))
+    session.gestures.stroke_moved(stroke_of(circle(share=ARC), session.view.camera))
+    assert_soon(session, lambda: bool(session.scene.live.layers))
     slow.gate.set()
     settle(session)
-    assert session.live_scene.layers
-    session.pen_cancelled()
-    assert not session.live_scene.layers
+    assert session.scene.live.layers
+    session.gestures.cancel()
+    assert not session.scene.live.layers
 
 
 def assert_soon(session, true):
@@ -506,11 +508,11 @@ def test_a_tap_reaches_the_tool_that_is_in_the_hand(session, boxes, settle):
         return type(state)(size=5.0)
 
     boxes.misdeeds["apply"] = apply
-    session.tapped(10.0, 20.0, shift=True)
+    session.gestures.tap(Tap(10.0, 20.0, session.view.camera, shift=True))
     settle(session)
     assert isinstance(seen[0], Tap)
     assert (seen[0].x, seen[0].y, seen[0].shift) == (10.0, 20.0, True)
-    assert session.document.models[0].state.size == 5.0
+    assert session.drawing.document.models[0].state.size == 5.0
 
 
 def test_without_a_modeler_a_stroke_waits_with_a_word(make_session, settle):
@@ -518,24 +520,24 @@ def test_without_a_modeler_a_stroke_waits_with_a_word(make_session, settle):
     from bozzetto_app.session.session import Session
 
     session = Session(Registry(no_plugins=True))
-    session.pen_lifted(Stroke(x=[1, 2], y=[1, 2], camera=session.camera))
-    assert session.hint == "Choose a modeler first."
-    assert len(session.pending) == 1
-    session.commit_pending()
-    assert len(session.pending) == 1
-    assert session.modelers == ()
+    session.gestures.stroke_lifted(Stroke(x=[1, 2], y=[1, 2], camera=session.view.camera))
+    assert session.notices.hint == "Choose a modeler first."
+    assert len(session.drawing.pending) == 1
+    session.gestures.commit()
+    assert len(session.drawing.pending) == 1
+    assert session.toolbox.modelers == ()
 
 
 def test_what_redo_brings_back_is_selected_again(make_session, boxes, settle):
     session = make_session(MODELER, extra=[boxes.package])
-    session.pen_lifted(stroke_of(circle(), session.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
     settle(session)
-    drawn = session.selected
-    session.undo()
-    assert session.selected is None
-    session.redo()
+    drawn = session.selection.id
+    session.drawing.undo()
+    assert session.selection.id is None
+    session.drawing.redo()
     settle(session)
-    assert session.selected == drawn
+    assert session.selection.id == drawn
 
 
 # -- what a closed document leaves behind --------------------------------------------------------
@@ -545,7 +547,7 @@ def test_the_shapes_of_a_closed_document_are_forgotten(session, draw, settle):
     """However many documents a day has, the process holds the one that is open."""
     for _ in range(3):
         draw(session, circle())
-        model = session.document.models[-1]
+        model = session.drawing.document.models[-1]
         assert session.workbench.best_result(model) is not None
         session.files.new()
         settle(session)
@@ -554,7 +556,7 @@ def test_the_shapes_of_a_closed_document_are_forgotten(session, draw, settle):
 
 def test_shapes_that_undo_may_bring_back_are_kept(session, draw, settle):
     draw(session, circle())
-    model = session.document.models[-1]
-    session.undo()
+    model = session.drawing.document.models[-1]
+    session.drawing.undo()
     settle(session)
     assert session.workbench.best_result(model) is not None

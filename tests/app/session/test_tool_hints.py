@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from bozzetto.plugin.gesture import Drag
 from tests import adviser
 from tests.adviser import MODELER
 from tests.app.tablet import stroke_of
@@ -26,47 +27,47 @@ def session(make_session, marks, settle, monkeypatch):
 @pytest.fixture
 def draw(settle):
     def one(session, x=300.0):
-        session.pen_lifted(stroke_of([(x, 300.0), (400.0, 400.0)], session.camera))
+        session.gestures.stroke_lifted(stroke_of([(x, 300.0), (400.0, 400.0)], session.view.camera))
         settle(session)
 
     return one
 
 
 def test_before_anything_is_drawn_the_tools_own_hint_stands(session, marks):
-    assert session.hint == "Draw a mark."
+    assert session.notices.hint == "Draw a mark."
     assert marks.expected == 0
 
 
 def test_the_hint_follows_strokes_commands_and_the_history(session, draw, settle):
     draw(session)
-    assert session.hint == "1 marks. Draw another."
+    assert session.notices.hint == "1 marks. Draw another."
     draw(session, 320.0)
-    assert session.hint == "2 marks. Draw another."
-    session.undo()
+    assert session.notices.hint == "2 marks. Draw another."
+    session.drawing.undo()
     settle(session)
-    assert session.hint == "1 marks. Draw another."
-    session.redo()
+    assert session.notices.hint == "1 marks. Draw another."
+    session.drawing.redo()
     settle(session)
-    assert session.hint == "2 marks. Draw another."
-    session.commanding.run("flip")
+    assert session.notices.hint == "2 marks. Draw another."
+    session.commands.run("flip")
     settle(session)
-    assert session.hint == "2 marks. Draw another."
+    assert session.notices.hint == "2 marks. Draw another."
 
 
 def test_without_a_model_the_tools_own_hint_is_back(session, draw, settle):
     draw(session)
-    session.select(None)
+    session.selection.select(None)
     settle(session)
-    assert session.hint == "Draw a mark."
+    assert session.notices.hint == "Draw a mark."
 
 
 def test_the_same_state_is_asked_about_once(session, draw, settle, marks):
     draw(session)
     asked = marks.expected
-    session.select(session.selected)
-    session.set_visible(session.selected, False)
+    session.selection.select(session.selection.id)
+    session.objects.set_visible(session.selection.id, False)
     settle(session)
-    session.set_visible(session.document.models[0].id, True)
+    session.objects.set_visible(session.drawing.document.models[0].id, True)
     settle(session)
     assert marks.expected <= asked + 1
 
@@ -77,7 +78,7 @@ def test_a_fault_is_told_once_and_drawing_goes_on(session, draw, marks, words):
     for x in (300.0, 320.0, 340.0):
         draw(session, x)
     assert [notice.kind for notice in session.heard].count("fault") == 1
-    assert len(session.document.models[0].state.marks) == 3
+    assert len(session.drawing.document.models[0].state.marks) == 3
 
 
 def test_a_tool_with_nothing_special_to_say_leaves_room_for_what_else_can_be_done(
@@ -85,27 +86,27 @@ def test_a_tool_with_nothing_special_to_say_leaves_room_for_what_else_can_be_don
 ):
     marks.words = lambda state: "Draw a mark."
     draw(session)
-    assert session.hint.startswith("Draw a mark. ")
-    assert "Enter starts a new object." in session.hint
+    assert session.notices.hint.startswith("Draw a mark. ")
+    assert "Enter starts a new object." in session.notices.hint
 
 
 def test_after_a_drag_of_a_handle_the_tool_in_the_hand_still_speaks(make_window, settle):
     """A joint's drag goes to *Arrange*, whatever tool is in the hand."""
     window = make_window()
     session = window.session
-    session.import_file(session.modelers[0].samples[1])
+    session.files.import_file(session.toolbox.modelers[0].samples[1])
     settle(session, window.keeper)
-    session.set_parameter("posing", True)
+    session.objects.set_parameter("posing", True)
     settle(session, window.keeper)
-    assert session.active_tool == "draw"
-    assert "joint" in session.hint
-    assert "outline" not in session.hint
-    layers = [layer for layer in session.scene.layers if layer.name == "joints"]
+    assert session.toolbox.tool == "draw"
+    assert "joint" in session.notices.hint
+    assert "outline" not in session.notices.hint
+    layers = [layer for layer in session.scene.visible.layers if layer.name == "joints"]
     handle = next(item for layer in layers for item in layer.items if hasattr(item, "tip"))
-    x, y = session.camera.project([handle.point])[0][0]
-    path = stroke_of([(x, y), (x + 15.0, y + 15.0)], session.camera)
-    session.handle_released(handle.id, path)
+    x, y = session.view.camera.project([handle.point])[0][0]
+    path = stroke_of([(x, y), (x + 15.0, y + 15.0)], session.view.camera)
+    session.gestures.handle_released(Drag(handle.id, path))
     settle(session)
-    assert session.history.undo_label == "Arrange"
-    assert session.active_tool == "draw"
-    assert "joint" in session.hint
+    assert session.drawing.history.undo_label == "Arrange"
+    assert session.toolbox.tool == "draw"
+    assert "joint" in session.notices.hint

@@ -17,7 +17,7 @@ from tests.app.tablet import Stylus, stroke_of
 
 
 def draw(session, settle):
-    session.pen_lifted(stroke_of([(300.0, 300.0), (400.0, 400.0)], session.camera))
+    session.gestures.stroke_lifted(stroke_of([(300.0, 300.0), (400.0, 400.0)], session.view.camera))
     settle(session)
 
 
@@ -29,26 +29,26 @@ def session(make_session, marks, settle):
 
 
 def test_advice_is_given_before_anything_is_drawn(session):
-    assert len(session.document) == 0
-    assert session.advising.advice.level == "refuse"
+    assert len(session.drawing.document) == 0
+    assert session.advice.advice.level == "refuse"
 
 
 def test_advice_follows_the_view(session, settle):
-    session.set_camera(session.advising.advice.better)
+    session.view.set_camera(session.advice.advice.better)
     settle(session)
-    assert session.advising.advice.level == "good"
-    assert session.advising.advice.better is None
+    assert session.advice.advice.level == "good"
+    assert session.advice.advice.better is None
 
 
 def test_a_turning_view_is_asked_ten_times_a_second_at_most(session, settle, marks, qtbot):
     asked, begun = marks.asked, time.perf_counter()
     while time.perf_counter() - begun < 0.6:
-        session.set_camera(turn(session.camera, 0.5, 0.0))
+        session.view.set_camera(turn(session.view.camera, 0.5, 0.0))
         qtbot.wait(5)
     settle(session)
     most = (time.perf_counter() - begun) / 0.1 + 1
     assert 2 <= marks.asked - asked <= most
-    assert session.advising._asked[2] == session.camera
+    assert session.advice._asked[2] == session.view.camera
 
 
 def test_the_newest_view_wins(session, settle, marks):
@@ -62,11 +62,11 @@ def test_the_newest_view_wins(session, settle, marks):
 
     marks.advise = slow
     for _ in range(20):
-        session.set_camera(turn(session.camera, 3.0, 2.0))
+        session.view.set_camera(turn(session.view.camera, 3.0, 2.0))
     gate.set()
     settle(session)
     assert len(seen) <= 3
-    assert np.allclose(seen[-1].eye, session.camera.eye)
+    assert np.allclose(seen[-1].eye, session.view.camera.eye)
 
 
 def test_advice_is_about_a_moved_model_where_it_stands(session, settle, marks):
@@ -74,29 +74,29 @@ def test_advice_is_about_a_moved_model_where_it_stands(session, settle, marks):
 
     draw(session, settle)
     quarter = Placement((1.0, 0, 0, 0, 0, -1.0, 0, 1.0, 0), 1.0, (0.0, 0.0, 0.0))  # about x
-    session.set_placement(session.selected, quarter)
+    session.objects.set_placement(session.selection.id, quarter)
     settle(session)
     # Seen from the front, which is from above in the frame of the model turned with it.
-    assert session.advising.advice.level == "good"
-    session.undo()
+    assert session.advice.advice.level == "good"
+    session.drawing.undo()
     settle(session)
-    assert session.advising.advice.level == "refuse"
+    assert session.advice.advice.level == "refuse"
 
 
 def test_layers_of_the_advice_are_shown_and_go_with_it(session, settle, boxes):
-    assert [layer.name for layer in session.live_scene.layers] == ["vanishing"]
-    session.activate_modeler("bozzetto.silhouette")
+    assert [layer.name for layer in session.scene.live.layers] == ["vanishing"]
+    session.toolbox.take_modeler("bozzetto.silhouette")
     settle(session)
-    assert session.advising.advice is None
-    assert session.live_scene.layers == ()
+    assert session.advice.advice is None
+    assert session.scene.live.layers == ()
 
 
 def test_a_modeler_that_gives_none_is_not_asked_again(make_session, settle):
     session = make_session("bozzetto.silhouette")
-    session.set_camera(turn(session.camera, 5.0, 0.0))
+    session.view.set_camera(turn(session.view.camera, 5.0, 0.0))
     settle(session)
-    assert session.advising.advice is None
-    assert not session.advising.busy
+    assert session.advice.advice is None
+    assert not session.advice.busy
 
 
 @pytest.mark.parametrize(
@@ -106,13 +106,13 @@ def test_wrong_advice_is_a_fault_and_not_asked_for_again(make_session, marks, se
     marks.advise = lambda state, camera: advice
     session = make_session(MODELER, extra=[marks.package])
     for _ in range(3):
-        session.set_camera(turn(session.camera, 5.0, 0.0))
+        session.view.set_camera(turn(session.view.camera, 5.0, 0.0))
         settle(session)
-    assert session.advising.advice is None
+    assert session.advice.advice is None
     assert len([n for n in session.heard if n.kind == "fault"]) == 1
     assert marks.asked == 1
     draw(session, settle)
-    assert len(session.document) == 1
+    assert len(session.drawing.document) == 1
 
 
 def test_the_button_turns_the_view(make_window, marks, settle, qtbot):
@@ -122,11 +122,11 @@ def test_the_button_turns_the_view(make_window, marks, settle, qtbot):
     assert window.canvas.light.button.isVisible()
     window.actions_.run("view.better")
     settle(session)
-    assert session.advising.advice.level == "good"
+    assert session.advice.advice.level == "good"
     assert not window.canvas.light.button.isVisible()
     window.actions_.refresh()
     assert not window.actions_.qaction("view.better").isEnabled()
-    session.activate_modeler("bozzetto.silhouette")
+    session.toolbox.take_modeler("bozzetto.silhouette")
     settle(session)
     assert not window.canvas.light.isVisible()
 
@@ -160,43 +160,43 @@ def followed(make_window, marks, settle):
 def test_the_view_goes_along_at_once(followed, marks, settle):
     session, canvas = followed.session, followed.canvas
     canvas.motion.reduced = False
-    marks.goal = beside(session.camera)
+    marks.goal = beside(session.view.camera)
     draw(session, settle)
     assert not canvas.motion.is_running
-    assert session.camera.eye == marks.goal.eye
+    assert session.view.camera.eye == marks.goal.eye
     settle(session)
-    assert not session.advising.advice.follow
+    assert not session.advice.advice.follow
 
 
 def test_it_waits_for_the_hand(followed, marks, settle):
     """What is drawn belongs to the view in which it is drawn."""
     session, canvas = followed.session, followed.canvas
-    stylus, before = Stylus(canvas), session.camera
+    stylus, before = Stylus(canvas), session.view.camera
     stylus.press((300.0, 300.0))
     stylus.move((320.0, 320.0))
     marks.goal = beside(before)
-    session.advising._asked = None
-    session.advising.look()
+    session.advice._asked = None
+    session.advice.look()
     settle(session)
-    assert session.advising.advice.follow
-    assert session.camera == before
+    assert session.advice.advice.follow
+    assert session.view.camera == before
     stylus.move((380.0, 380.0))
     stylus.lift((400.0, 400.0))
     settle(session)
-    assert session.camera.eye == marks.goal.eye
+    assert session.view.camera.eye == marks.goal.eye
     drawn = before.on_plane([(300.0, 300.0), (400.0, 400.0)], (0, 0, 0), (0, 1, 0))
-    assert np.allclose(session.selected_model.state.marks[-1], drawn, atol=2.0)
+    assert np.allclose(session.selection.model.state.marks[-1], drawn, atol=2.0)
 
 
 def test_a_view_that_was_turned_meanwhile_stays(followed, marks, settle):
     session = followed.session
-    advising = session.advising
-    marks.goal = beside(session.camera)
-    turned = turn(session.camera, 20.0, 5.0)
-    session.camera = turned  # turned between the question and its answer
+    advising = session.advice
+    marks.goal = beside(session.view.camera)
+    turned = turn(session.view.camera, 20.0, 5.0)
+    session.view.camera = turned  # turned between the question and its answer
     advising.advice = ViewAdvice("good", "It moved", marks.goal, pinned=True, follow=True)
     followed.canvas._follow()
-    assert session.camera == turned
+    assert session.view.camera == turned
 
 
 def test_layers_of_another_tool_are_not_there(session, settle, marks):
@@ -204,6 +204,6 @@ def test_layers_of_another_tool_are_not_there(session, settle, marks):
     mine, other = Layer("mine", lines, tool="mark"), Layer("other", lines, tool="another")
     marks.advise = lambda state, camera: ViewAdvice("good", "", scene=Scene((mine, other)))
     draw(session, settle)
-    session.set_camera(turn(session.camera, 3.0, 0.0))
+    session.view.set_camera(turn(session.view.camera, 3.0, 0.0))
     settle(session)
-    assert [layer.name for layer in session.advising.scene.layers] == ["mine"]
+    assert [layer.name for layer in session.scene.advice.layers] == ["mine"]

@@ -172,3 +172,24 @@ def test_a_thread_does_one_request_after_another_and_ends_when_idle(qtbot, heard
     qtbot.waitUntil(lambda: not heard.answers[0].is_alive(), timeout=10_000)
     channel.submit(heard.request(lambda job: "again"))
     qtbot.waitUntil(lambda: heard.answers[-1] == "again", timeout=10_000)
+
+
+def test_work_in_a_queue_gets_what_the_window_has_when_its_turn_comes(qtbot, heard):
+    channel = Channel("test", keep_all=True)
+    state, threads = [0], []
+
+    def inputs():
+        threads.append(threading.get_ident())
+        return state[0]
+
+    def answered(answer):
+        heard.answers.append(answer)
+        state[0] += 10
+
+    for _ in range(3):
+        channel.submit(
+            Request(lambda job, found: found + 1, answered, heard.problems.append, inputs=inputs)
+        )
+    qtbot.waitUntil(lambda: len(heard.answers) == 3)
+    assert heard.answers == [1, 11, 21]
+    assert set(threads) == {threading.get_ident()}

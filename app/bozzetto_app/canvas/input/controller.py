@@ -10,23 +10,19 @@ import math
 from time import perf_counter
 from typing import TYPE_CHECKING, Final, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QEventPoint, QMouseEvent, QTabletEvent, QTouchEvent, QWheelEvent
 
 from bozzetto.ink.stroke import Stroke, StrokeTool
+from bozzetto.plugin.gesture import Drag, Tap
 from bozzetto.scene.display_list import Handle
-from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera
-from bozzetto.view.navigation import orbit, pan, zoom
 from bozzetto_app.canvas.input.handle_picking import HANDLE_REACH, INKING_REACH, HandleTargets
 from bozzetto_app.canvas.input.state_machine import (
     TAP_TRAVEL,
     Button,
     GestureMachine,
     Mode,
-    Motion,
     Outcome,
     Pointer,
     Press,
@@ -41,26 +37,16 @@ from bozzetto_app.canvas.input.tablet_events import (
     mouse_sample,
     tablet_sample,
 )
-from bozzetto_app.canvas.input.touch import Fingers, middle_and_spread
+from bozzetto_app.canvas.input.view_control import ViewControl
 from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
 
 if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
-    from bozzetto_app.session.toolbox import ToolInfo
 
 __all__ = ["Hand"]
 
 REPORT_INTERVAL: Final = 1.0 / 30.0
 """Least time between two reports of the stroke so far, seconds."""
-
-ZOOM_PER_PIXEL: Final = 0.01
-"""Natural logarithm of the enlargement for a pixel of drag."""
-
-ZOOM_PER_NOTCH: Final = 1.2
-"""Enlargement for one notch of the wheel."""
-
-NOTCH: Final = 120.0
-"""Qt's angle of one notch, eighths of a degree."""
 
 _MOVE: Final = QEvent.Type.TabletMove
 _TIP_ALONE: Final = Qt.MouseButton.LeftButton
@@ -112,8 +98,8 @@ class Hand(QObject):
         self._overlay = overlay
         self._targets: HandleTargets | None = None
         self._columns: SampleColumns | None = None
-        self._camera: Camera = session.camera
-        self._pivot: NDArray[np.float64] = np.zeros(3)
+        self._camera: Camera = session.view.camera
+        self._view = ViewControl(session)
         self._recording = False
         self._seeking = False
         self._fresh: list[RawSample] = []
@@ -121,7 +107,6 @@ class Hand(QObject):
         self._lasting = Clock()
         self._keys = keys_of(Qt.KeyboardModifier.NoModifier, space=False)
         self._tool: StrokeTool = "pen"
-        self._fingers: Fingers | None = None
         self._reported = -math.inf
         self._due = False
         self._soon = QTimer(self, singleShot=True, interval=0)
@@ -136,7 +121,7 @@ class Hand(QObject):
         event.accept()
         kind = event.type()
         if kind == _MOVE:
-            if event.buttons() != _TIP_ALONE:  # seldom, and dearer to look at
+            if event.buttons() != _TIP_ALONE:  # rare, and more expensive to look at
                 self._end_unseen("pen", event)
             if self._recording and self.machine.owns("pen"):
                 self._keep(tablet_sample(event))
@@ -151,13 +136,13 @@ class Hand(QObject):
             self._move("pen", event.position(), event, eraser=is_eraser(event))
 
     def pen_came(self) -> None:
-        """The pen is near: fingers are a palm from now on."""
+        """Note that the pen is near: from now on a touch is a palm."""
         self.machine.see_pen(perf_counter())
         if self.machine.owns("touch"):
             self.cancel()
 
     def pen_left(self) -> None:
-        """The pen has gone; a stroke that was not lifted ends here."""
+        """Note that the pen has gone; a stroke that was not lifted ends here."""
         self.machine.lose_pen(perf_counter())
         self._overlay.set_hover(None)
         if self.machine.owns("pen"):
@@ -203,12 +188,7 @@ class Hand(QObject):
         if self.machine.mode is not Mode.IDLE or not turned:
             return
         self.pressed.emit()
-        place = event.position()
-        factor = ZOOM_PER_NOTCH ** (turned / NOTCH)
-        at = self._under(place.x(), place.y())
-        camera: Camera = self._session.camera
-        held = self._session.advising.holds_eye(camera)
-        self._session.set_camera(zoom(camera, factor, at=at, eye_fixed=held))
+        self._view.wheel(event.position().x(), event.position().y(), turned)
 
     # -- fingers ------------------------------------------------------------------------------
 
@@ -225,18 +205,12 @@ class Hand(QObject):
             first = places[0]
             if not self.machine.begin(Press("touch", Button.TIP, first.x(), first.y(), now)):
                 return
-            self._camera = self._session.camera
-            self._fingers = None
+            self._camera = self._session.view.camera
+            self._view.touch_began()
         if not places or event.type() == QEvent.Type.TouchCancel:
             self.machine.release("touch", Button.TIP, now)
             return
-        if self._fingers is None or self._fingers.count != len(places):
-            (x, y), _ = middle_and_spread(places)
-            self._fingers = Fingers(places, self._under(x, y))
-        else:
-            camera: Camera = self._session.camera
-            held = self._session.advising.holds_eye(camera)
-            self._session.set_camera(self._fingers.moved(places, camera, eye_fixed=held))
+        self._view.touch(places)
 
     # -- gestures -----------------------------------------------------------------------------
 
@@ -244,10 +218,10 @@ class Hand(QObject):
         """Drop the gesture under way (Esc); say whether there was one."""
         mode = self.machine.cancel()
         if mode is Mode.NAVIGATING:
-            self._session.set_camera(self._camera)
+            self._session.view.set_camera(self._camera)
         if mode.records or mode is Mode.AIMING:
             self._forget()
-            self._session.pen_cancelled()
+            self._session.gestures.cancel()
         self.mode_changed.emit()
         return mode is not Mode.IDLE
 
@@ -277,11 +251,11 @@ class Hand(QObject):
             self.end()
 
     def scene_or_view_changed(self) -> None:
-        """Handles may stand elsewhere now."""
+        """Forget the positions of handles: they may differ now."""
         self._targets = None
 
     def leave(self) -> None:
-        """The pointer has left the canvas."""
+        """Show nothing under the pointer, which has left the canvas."""
         self._overlay.set_hover(None)
         self._overlay.set_hot_handle(None)
 
@@ -316,7 +290,7 @@ class Hand(QObject):
         self._keys = press.keys
         self._lasting = Clock()
         self._lasting(sample.stamp, sample.received)
-        self._camera = self._session.camera
+        self._camera = self._session.view.camera
         mode = self.machine.mode
         if mode.records:
             plain: StrokeTool = "mouse" if pointer == "mouse" else "pen"
@@ -331,7 +305,7 @@ class Hand(QObject):
             self._keep(sample)
             self._drain()
         elif mode is Mode.NAVIGATING:
-            self._pivot = self._under(sample.x, sample.y)
+            self._view.begin(sample.x, sample.y)
         elif mode is Mode.AIMING:
             self._seeking = True
             self._reported = -math.inf
@@ -396,19 +370,17 @@ class Hand(QObject):
         was_recording = self._recording
         self._forget(keep_wet=outcome is Outcome.STROKE)
         if outcome is Outcome.STROKE and stroke is not None:
-            self._session.pen_lifted(stroke)
+            self._session.gestures.stroke_lifted(stroke)
             self._overlay.clear_wet()
         elif outcome is Outcome.DROP and stroke is not None and press is not None:
-            self._session.handle_released(
-                press.handle, stroke, shift=self._keys.shift, ctrl=self._keys.ctrl
-            )
+            self._session.gestures.handle_released(self._drag(press.handle, stroke))
         elif outcome is Outcome.TAP and press is not None:
             x, y = place if press.aims else (press.x, press.y)
-            self._session.tapped(x, y, shift=press.keys.shift, ctrl=press.keys.ctrl)
+            self._session.gestures.tap(self._tap(x, y, press))
         elif outcome in (Outcome.FLICK, Outcome.MENU):
             self.menu_released.emit(outcome is Outcome.FLICK)
         elif was_recording:
-            self._session.pen_cancelled()
+            self._session.gestures.cancel()
         if outcome is Outcome.NOTHING and (mode is not Mode.NAVIGATING or travel < TAP_TRAVEL):
             self.came_to_nothing.emit(_MEANT.get(mode, "stroke"))
         self.mode_changed.emit()
@@ -475,51 +447,34 @@ class Hand(QObject):
         self._reported = perf_counter()
         self._later.stop()
         if self.machine.mode is Mode.AIMING:
-            keys = press.keys
-            self._session.tap_moved(*self.machine.place, shift=keys.shift, ctrl=keys.ctrl)
+            self._session.gestures.tap_moved(self._tap(*self.machine.place, press))
             return
         if columns is None or not len(columns):
             return
         stroke = self._stroke(columns)
         if self.machine.mode is Mode.DRAGGING:
-            self._session.handle_moved(
-                press.handle, stroke, shift=self._keys.shift, ctrl=self._keys.ctrl
-            )
+            self._session.gestures.handle_moved(self._drag(press.handle, stroke))
         else:
-            self._session.pen_moved(stroke)
+            self._session.gestures.stroke_moved(stroke)
 
     def _stroke(self, columns: SampleColumns) -> Stroke:
         return columns.stroke(self._camera, self._tool)
 
+    def _tap(self, x: float, y: float, press: Press) -> Tap:
+        return Tap(x, y, self._session.view.camera, press.keys.shift, press.keys.ctrl)
+
+    def _drag(self, handle: str, path: Stroke) -> Drag:
+        return Drag(handle, path, self._keys.shift, self._keys.ctrl)
+
     def _as_lifted(self, sample: RawSample) -> RawSample:
-        """A release reports no pressure; the line ends as wide as it was."""
+        """Return the last sample with the pressure before it: a release reports none."""
         last = self._newest
         return sample if last is None else sample._replace(pressure=last.pressure)
 
-    # -- view ---------------------------------------------------------------------------------
-
     def _turn(self, x: float, y: float) -> None:
         press = self.machine.press
-        if press is None:
-            return
-        dx, dy = x - press.x, y - press.y
-        held = self._session.advising.holds_eye(self._camera)
-        if self.machine.motion is Motion.ORBIT:
-            camera = orbit(self._camera, dx, dy, self._pivot)
-        elif self.machine.motion is Motion.PAN:
-            camera = pan(self._camera, dx, dy, self._pivot, eye_fixed=held)
-        else:
-            factor = math.exp(-ZOOM_PER_PIXEL * dy)
-            camera = zoom(self._camera, factor, at=self._pivot, eye_fixed=held)
-        self._session.set_camera(camera)
-
-    def _under(self, x: float, y: float) -> NDArray[np.float64]:
-        """The place in the world under a canvas position: on a surface, else on the sheet."""
-        camera: Camera = self._session.camera
-        hits = cast_rays(self._session.scene, camera.rays([(x, y)]))
-        if hits.hit[0]:
-            return np.asarray(hits.points[0])
-        return np.asarray(camera.on_plane([(x, y)], camera.target, camera.axes[2])[0])
+        if press is not None:
+            self._view.turn(self.machine.motion, x - press.x, y - press.y)
 
     # -- hovering -----------------------------------------------------------------------------
 
@@ -536,22 +491,20 @@ class Hand(QObject):
 
     def _handle_under(self, x: float, y: float) -> tuple[Handle, float, float] | None:
         if self._targets is None:
-            shown = self._session.scene.under(self._session.advising.scene)
-            self._targets = HandleTargets(shown, self._session.camera)
+            scene = self._session.scene
+            self._targets = HandleTargets(
+                scene.visible.under(scene.advice), self._session.view.camera
+            )
         exact = self._takes() == "ink" or self._aims()
         reach = INKING_REACH if exact else HANDLE_REACH
         return self._targets.under(x, y, reach)
 
     def _takes(self) -> Literal["ink", "tap", "drag"]:
-        """What the active tool wants."""
-        tool = self._tool_in_hand()
+        """Return the kind of gesture that the active tool wants."""
+        tool = self._session.toolbox.active
         return "ink" if tool is None else tool.gesture
 
     def _aims(self) -> bool:
-        """Whether the active tool wants places that are met exactly."""
-        tool = self._tool_in_hand()
+        """Return whether the active tool wants positions that are met exactly."""
+        tool = self._session.toolbox.active
         return tool is not None and tool.aims
-
-    def _tool_in_hand(self) -> ToolInfo | None:
-        active = self._session.active_tool
-        return next((tool for tool in self._session.tools if tool.id == active), None)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QMimeData
 from PySide6.QtGui import QImage
 
-from bozzetto.exchange.import_file import is_picture
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING
 
@@ -19,7 +18,7 @@ __all__ = ["carries_something", "dropped_files", "take", "take_file"]
 
 
 def dropped_files(data: QMimeData) -> list[Path]:
-    """The files on this machine that a drag carries."""
+    """Return the files on this machine that a drag carries."""
     paths = [Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile()]
     return [path for path in paths if path.is_file()]
 
@@ -35,6 +34,7 @@ def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bo
     Parameters
     ----------
     session : Session
+        Gets the files or the picture.
     data : QMimeData, optional
         A drag out of a browser may carry the picture itself and no file; of a clipboard that
         belongs to nobody there is none at all.
@@ -48,21 +48,23 @@ def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bo
     """
     if data is None:
         return False
+    from bozzetto.exchange.import_file import is_picture
+
     paths = dropped_files(data)
     for path in paths:
         if under and is_picture(path):
-            session.picturing.take_file(path, under=True)
+            session.pictures.take_file(path, under=True)
         else:
             take_file(session, path)
     image = data.imageData() if not paths and data.hasImage() else None
     if isinstance(image, QImage):
-        session.picturing.take_image(image, tr("Session", "Picture"), under=under)
+        session.pictures.take_image(image, tr("Session", "Picture"), under=under)
     return bool(paths) or isinstance(image, QImage)
 
 
 def take_file(session: Session, path: Path) -> None:
     """Open a document; bring anything else into the one that is open."""
     if path.suffix.lower() == DOCUMENT_ENDING:
-        session.open(path)
+        session.files.open_safely(path)
     else:
-        session.import_file(path)
+        session.files.import_file(path)

@@ -1,4 +1,4 @@
-"""Which handle a press would take."""
+"""The handle that a press would take."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ can be met, right beside it."""
 
 
 class HandleTargets:
-    """The handles of a scene as they stand on the canvas; made once per scene and camera.
+    """The handles of a scene with their canvas positions; made once per scene and camera.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class HandleTargets:
             self.places = np.zeros((0, 2))
 
     def under(self, x: float, y: float, reach: float) -> tuple[Handle, float, float] | None:
-        """The handle nearest to a canvas position within reach, and where it is seen."""
+        """Return the nearest handle within reach of a canvas position, and where it is seen."""
         if not self.handles:
             return None
         gaps = np.hypot(self.places[:, 0] - x, self.places[:, 1] - y)

@@ -97,7 +97,7 @@ class Clock:
         self._now: float | None = None
 
     def __call__(self, stamp: int, received: float) -> float:
-        """The time of the next sample; never less than the one before."""
+        """Return the time of the next sample, seconds; never less than the one before."""
         if self._now is None:
             self._now = 0.0
         elif self._begin is not None and stamp > self._stamp:
@@ -140,7 +140,7 @@ class SampleColumns:
         return pressure
 
     def stroke(self, camera: Camera, tool: StrokeTool) -> Stroke:
-        """The stroke so far."""
+        """Return the stroke so far."""
         x, y, pressure, t, tilt_x, tilt_y, twist = self._rows[: self._count].T
         return Stroke(
             x,

@@ -59,7 +59,7 @@ def mouse_sample(event: QMouseEvent) -> RawSample:
 
 
 def button_of(button: Qt.MouseButton) -> Button | None:
-    """What a button means here; None for those that mean nothing."""
+    """Return the meaning of a button; None if it has none."""
     return _BUTTONS.get(button)
 
 
@@ -69,7 +69,7 @@ def is_held(button: Button, event: QTabletEvent | QMouseEvent) -> bool:
 
 
 def keys_of(modifiers: Qt.KeyboardModifier, *, space: bool) -> Keys:
-    """The keys held down during an event."""
+    """Return the keys held down during an event."""
     return Keys(
         alt=bool(modifiers & Qt.KeyboardModifier.AltModifier),
         space=space,

@@ -60,12 +60,12 @@ class SeenFace:
     facing: float
 
     def place(self, u: float, v: float) -> Array:
-        """The place on the sheet of face coordinates, −1 … 1 to the right and up."""
+        """Return the sheet position of face coordinates, −1 … 1 to the right and up."""
         return np.asarray(self.middle + u * self.across + v * self.above)
 
 
 def seen_faces(camera: Camera) -> list[SeenFace]:
-    """The faces turned to the eye of a camera, the most frontal one last."""
+    """Return the faces turned to the eye of a camera, the most frontal one last."""
     right, up, forward = camera.axes
     sheet = np.vstack((right, -up))
     found = []
@@ -85,10 +85,12 @@ def seen_faces(camera: Camera) -> list[SeenFace]:
 
 
 def direction_at(camera: Camera, x: float, y: float) -> Point | None:
-    """The outward direction of the face, edge or corner under a place.
+    """Return the outward direction of the face, edge or corner under a position.
 
     Parameters
     ----------
+    camera : Camera
+        The view of the sheet, which the cube follows.
     x, y : float
         From the middle of the cube, in half edges, y down.
 
@@ -111,7 +113,7 @@ def direction_at(camera: Camera, x: float, y: float) -> Point | None:
 
 
 def patch(seen: SeenFace, direction: Point) -> Array | None:
-    """The part of a face that belongs to a face, edge or corner; (4, 2), or None."""
+    """Return the part of a face that belongs to a face, edge or corner; (4, 2), or None."""
     if np.dot(direction, seen.face.outward) < 0.5:
         return None
     spans = []

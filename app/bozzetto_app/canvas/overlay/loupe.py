@@ -1,7 +1,7 @@
 """The loupe: what is under the pen, three times as large, while a place must be met exactly.
 
 What is on the sheet already is magnified, which costs next to nothing. Where the pen is over a
-picture, that is sampled anew, for it has more to show than the sheet, and lines and points
+picture, that is sampled again, for it has more to show than the sheet, and lines and points
 are drawn over it as fine as they are.
 """
 
@@ -48,7 +48,7 @@ CROSS: Final = (5.0, 16.0)
 """Where the arms of the crosshair begin and end, pixels from the middle."""
 
 FINEST: Final = 2 * DIAMETER
-"""Pixels of a picture across the loupe that can be told apart, on screens of double density."""
+"""Pixels of a picture across the loupe that can be distinguished, on screens of double density."""
 
 MARK_SIZE: Final = 4.5
 """Radius of handles in the loupe, pixels: a ring, so that the place itself is seen."""
@@ -62,6 +62,7 @@ def place_beside(
     Parameters
     ----------
     pen : (x, y)
+        Position of the pen, canvas pixels.
     size : (width, height)
         Of the sheet.
     before : (int, int)
@@ -127,7 +128,7 @@ class Loupe(QWidget):
         self.update()
 
     def put_away(self) -> None:
-        """The place has been found."""
+        """Hide the loupe: the aimed gesture has ended."""
         self._sides = (-1, -1)
         self.hide()
 
@@ -158,7 +159,7 @@ class Loupe(QWidget):
         painter.end()
 
     def _paint_sheet(self, painter: QPainter) -> None:
-        """What is on the sheet, magnified."""
+        """Draw the part of the sheet under the pen, magnified."""
         shown, sheet = self._shown(), self._sheet
         if shown.isNull() or not sheet.width() or not sheet.height():
             return
@@ -178,7 +179,7 @@ class Loupe(QWidget):
         painter.translate(0.5 * self.width(), 0.5 * self.height())
 
     def _pictures_under(self) -> list[tuple[Image, QPolygonF]]:
-        """The pictures that the pen is over, with their corners in the loupe."""
+        """Return the pictures under the pen, with their corners in the loupe."""
         found = []
         for _, item in self._scene.items():
             if isinstance(item, Image) and item.pixels.size:
@@ -288,7 +289,7 @@ def _paint_part(painter: QPainter, pixels: NDArray[np.uint8], part: QRectF) -> N
 def _within(
     begins: NDArray[np.float64], ends: NDArray[np.float64], reach: float
 ) -> NDArray[np.float64]:
-    """The parts of straight pieces inside a square about the middle, (k, 4): x, y, x, y.
+    """Return the parts of straight pieces inside a square about the middle, (k, 4): x, y, x, y.
 
     Long lines cost Qt the more the less is seen of them. Liang & Barsky, "A new concept and
     method for line clipping", 1984.

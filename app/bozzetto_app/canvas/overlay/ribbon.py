@@ -73,7 +73,7 @@ class Smoother:
 
 
 def _corner(before: InkPoint, at: InkPoint, after: InkPoint) -> list[InkPoint]:
-    """A parabola around a sample that ends on the straight lines to its neighbours."""
+    """Return a parabola around a sample that ends on the straight lines to its neighbours."""
     start, end = _towards(at, before), _towards(at, after)
     length = math.dist(start[:2], at[:2]) + math.dist(at[:2], end[:2])
     pieces = 1 if length <= FINE_STEP else 2  # never longer than twice CORNER
@@ -87,14 +87,14 @@ def _corner(before: InkPoint, at: InkPoint, after: InkPoint) -> list[InkPoint]:
 
 
 def _towards(point: InkPoint, other: InkPoint) -> InkPoint:
-    """The place where a corner ends: half way to the next sample, or at `CORNER`."""
+    """Return the point where a corner ends: half way to the next sample, or at `CORNER`."""
     share = min(0.5, CORNER / math.dist(point[:2], other[:2]))
     x, y, width = (p + share * (q - p) for p, q in zip(point, other, strict=True))
     return x, y, width
 
 
 def smoothed(points: Iterable[InkPoint]) -> list[InkPoint]:
-    """The line of a whole stroke with its corners rounded, from its first to its last sample."""
+    """Return the line of a whole stroke with rounded corners, from first to last sample."""
     smoother = Smoother()
     line = [fine for point in points for fine in smoother.push(point)]
     if smoother.tip is not None:
@@ -105,11 +105,12 @@ def smoothed(points: Iterable[InkPoint]) -> list[InkPoint]:
 def ribbon_path(
     line: Sequence[InkPoint], *, open_start: bool = False, open_end: bool = False
 ) -> QPainterPath:
-    """The area of a line, with round ends and round sharp corners.
+    """Return the area of a line, with round ends and round sharp corners.
 
     Parameters
     ----------
     line : sequence of (x, y, width)
+        Points of the line with its width at each, pixels.
     open_start, open_end : bool
         The end is a joint with a ribbon painted before or after: instead of a round cap it
         reaches `JOINT` pixels into the other one, which leaves neither a gap nor a bead.
@@ -171,7 +172,7 @@ def _add_run(
 
 
 def _end(point: InkPoint, ahead: tuple[float, float], kind: float) -> list[QPointF]:
-    """What closes an outline beyond its last point: a half disc, or a short reach."""
+    """Return the points that close an outline beyond its end: a half disc, or a short reach."""
     (x, y, width), (ux, uy) = point, ahead
     half = 0.5 * width
     if kind != ROUND:

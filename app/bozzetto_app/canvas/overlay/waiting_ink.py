@@ -62,14 +62,14 @@ class MarkedLine:
 
     @classmethod
     def of(cls, waiting: WaitingStroke, camera: Camera, *, is_lit: bool) -> MarkedLine:
-        """A waiting stroke as a camera sees it."""
+        """Return a waiting stroke as a camera sees it."""
         drawn = waiting.stroke.camera
         points = seen_through(waiting.stroke.points, drawn, camera)
         places = seen_through(np.array(waiting.places, float), drawn, camera)
         return cls(points, places[_is_near(places)], is_lit)
 
     def pieces(self) -> Iterator[Points]:
-        """The parts of the line that are near the sheet."""
+        """Return the parts of the line that are near the sheet."""
         near = _is_near(self.points)
         for piece in np.split(self.points, np.flatnonzero(np.diff(near)) + 1):
             if _is_near(piece[:1]).all():
@@ -114,7 +114,7 @@ def _pen(palette: Palette, width: float, opacity: float) -> QPen:
 
 
 def _path(points: Points) -> QPainterPath:
-    """A polyline; a single point is a dot."""
+    """Return a path through the points; a single point is a dot."""
     path = QPainterPath(QPointF(*points[0]))
     for x, y in points[1:]:
         path.lineTo(x, y)

@@ -69,7 +69,7 @@ class Tip:
     least: float = 0.28
 
     def width(self, pressure: float) -> float:
-        """The width at a pressure (0 … 1), pixels."""
+        """Return the width at a pressure (0 … 1), pixels."""
         return self.size * (self.least + (1.0 - self.least) * pressure)
 
 
@@ -280,7 +280,7 @@ class InkOverlay(QWidget):
         self._loose = self._loose[-1:]
 
     def _moving_line(self) -> list[InkPoint]:
-        """The part that is painted afresh: loose points, the newest sample, the prediction."""
+        """Return the part that is repainted: loose points, the newest sample, the prediction."""
         line = list(self._loose)
         if self._smoother.tip is not None:
             line.append(self._smoother.tip)

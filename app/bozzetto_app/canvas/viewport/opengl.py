@@ -70,7 +70,7 @@ def _unit(color: Color) -> tuple[float, float, float]:
 
 
 def layer_items(layer: Layer, palette: Palette, shading: Shading) -> list[BatchItem]:
-    """The items that draw a layer."""
+    """Return the items that draw a layer."""
     made: list[BatchItem] = []
     solid, glass = buffers.opaque_surfaces(layer), buffers.glass_surfaces(layer)
     if shading == "xray":
@@ -103,11 +103,14 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
     -------
     proved
         A first picture was made, read back, and found to be right.
+    painted
+        The newest scene is painted.
     failed : str
         OpenGL does not do what it should; the reason.
     """
 
     proved = Signal()
+    painted = Signal()
     failed = Signal(str)
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -137,7 +140,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
 
     @property
     def widget(self) -> QWidget:
-        """Itself."""
+        """The viewport itself."""
         return self
 
     def set_scene(self, scene: Scene, *, moving: bool = False) -> None:
@@ -172,7 +175,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         self._changed()
 
     def grab(self) -> QImage:
-        """The picture as it is now, at full resolution."""
+        """Return the picture as it is now, at full resolution."""
         image: QImage = self.grabFramebuffer()
         image.setDevicePixelRatio(self.devicePixelRatioF())
         painter = QPainter(image)
@@ -182,7 +185,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         return image
 
     def shown(self) -> QImage:
-        """The picture that is on the screen, read back now and then where it has changed."""
+        """Return the picture on the screen; it is read back now and then if it has changed."""
         now = perf_counter()
         if self._is_newer and now - self._read_back_at > READ_BACK_INTERVAL:
             self._read_back, self._read_back_at = self.grab(), now
@@ -190,7 +193,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         return self._read_back
 
     def describe(self) -> str:
-        """Who draws."""
+        """Return the name of the renderer."""
         return f"OpenGL ({self._renderer})" if self._renderer else "OpenGL"
 
     def release(self) -> None:
@@ -225,7 +228,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         self.update()
 
     def _ground(self) -> Scene:
-        """The grid under what is shown; nothing where it is switched off."""
+        """Draw the grid under the objects, unless it is switched off."""
         if not self._grid:
             return Scene()
         return Scene((ground_grid(self._seen(), ground_height(self._scene.bounds())),))
@@ -282,7 +285,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         return QMatrix4x4(self.frame.projection.ravel().tolist())
 
     def paintGL(self) -> None:
-        """Draw the picture; what goes wrong is told, not printed."""
+        """Draw the picture; errors are signalled, not printed."""
         if self._broken:
             return
         try:
@@ -295,6 +298,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
             return
         if not self._is_proved and not self._blank:
             QTimer.singleShot(0, self, self._prove)
+        self.painted.emit()
 
     def drawItemTree(self, item: Any = None, useItemNames: bool = False) -> None:
         """Draw the items in order; unlike pyqtgraph's, errors pass."""

@@ -154,7 +154,7 @@ def dots(items: Sequence[Points], palette: Palette) -> Batch:
 
 
 def picture(item: Image) -> Batch:
-    """A picture on a rectangle: place 3, texel 2."""
+    """Return the buffer of a picture on a rectangle: position 3, texel 2."""
     corner, across, down = (
         np.asarray(v, np.float32) for v in (item.corner, item.across, item.down)
     )
@@ -165,12 +165,12 @@ def picture(item: Image) -> Batch:
 
 
 def opaque_surfaces(layer: Layer) -> list[Shaded]:
-    """The meshes of a layer that hide what is behind them."""
+    """Return the opaque meshes of a layer."""
     return [item for item in _surfaces(layer) if not _is_glass(item)]
 
 
 def glass_surfaces(layer: Layer) -> list[Shaded]:
-    """The meshes of a layer that let the inside show through."""
+    """Return the meshes of a layer that let the inside show through."""
     return [item for item in _surfaces(layer) if _is_glass(item)]
 
 

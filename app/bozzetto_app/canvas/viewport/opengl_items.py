@@ -103,7 +103,7 @@ class BatchItem(GLGraphicsItem):  # type: ignore[misc]
             self._buffers = None
 
     def forget(self) -> None:
-        """The context is another one: what was uploaded is not there."""
+        """Upload again: the context is another one."""
         self._buffers = None
 
     def paint(self) -> None:
@@ -178,7 +178,7 @@ class SurfaceItem(BatchItem):
     """Opaque meshes; pushed back a little so that lines on them are seen."""
 
     def passes(self, programs: Programs, program: int, frame: Frame) -> None:
-        """The surface, then its far side blown up by a pixel: what peeps out is the contour."""
+        """Draw the surface, then its far side enlarged by a pixel, which leaves the contour."""
         _shade(programs, program, frame)
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glEnable(GL.GL_POLYGON_OFFSET_FILL)
@@ -216,7 +216,7 @@ class LineItem(BatchItem):
         self._hidden = hidden
 
     def passes(self, programs: Programs, program: int, frame: Frame) -> None:
-        """What is hidden, without a trace in the depth buffer; then what is seen."""
+        """Draw the hidden parts without writing depth, then the visible ones."""
         _blend()
         GL.glDepthMask(GL.GL_FALSE)
         if self._hidden == "show":

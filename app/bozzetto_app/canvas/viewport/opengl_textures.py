@@ -1,4 +1,4 @@
-"""Pictures on the card: uploaded once, however often the layers around them are made anew."""
+"""Pictures on the card: uploaded once, however often the layers around them are rebuilt."""
 
 from __future__ import annotations
 

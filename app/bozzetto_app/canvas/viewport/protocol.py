@@ -1,4 +1,4 @@
-"""What the canvas asks of a viewport, and which one this machine can have."""
+"""The interface of a viewport, and the choice of the one that this machine can have."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import Palette
-from bozzetto.scene.renderer.shading import Shading
 from bozzetto.view.camera import Camera
+from bozzetto_app.session.view_state import Shading
 
 __all__ = [
     "BACKEND_VARIABLE",
@@ -50,8 +50,9 @@ class ViewportBackend(Protocol):
         Parameters
         ----------
         scene : Scene
+            In world coordinates.
         moving : bool
-            Whether more of the same comes in a moment, so that soon is better than fine.
+            Whether the next scene comes in a moment, so that speed matters more than quality.
         """
         ...
 
@@ -75,19 +76,19 @@ class ViewportBackend(Protocol):
         ...
 
     def grab(self) -> QImage:
-        """The picture as it is now, at full resolution; waits for it."""
+        """Return the picture as it is now, at full resolution; wait for it."""
         ...
 
     def shown(self) -> QImage:
-        """The picture that is on the screen, at once; it may lag a moment behind."""
+        """Return the picture on the screen at once; it may lag a moment behind."""
         ...
 
     def describe(self) -> str:
-        """Who draws, for the About dialog."""
+        """Return the name of the renderer, for the About dialog."""
         ...
 
     def release(self) -> None:
-        """Give back what would outlive the widget; it can still paint, and takes it anew."""
+        """Free what would outlive the widget; if it paints again, it makes that again."""
         ...
 
 
@@ -99,7 +100,7 @@ def may_use_gl() -> bool:
 
 
 def choose_backend() -> BackendName:
-    """The viewport for this machine, found by really making an OpenGL context.
+    """Return the viewport for this machine, by really making an OpenGL context.
 
     Needs a QGuiApplication. Contexts can also fail later, at the first paint; the canvas
     watches for that and goes back to the software viewport.

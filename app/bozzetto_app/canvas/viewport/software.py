@@ -2,7 +2,7 @@
 
 The newest request wins. While the view turns, or while what is shown changes faster than frames
 can be made, frames are rendered smaller, and sharpened once there is rest. A full frame that has
-taken long already is given up for a newer request; a smaller one never is, so that there is
+taken long already is abandoned for a newer request; a smaller one never is, so that there is
 always something to see.
 """
 
@@ -21,7 +21,6 @@ from PySide6.QtWidgets import QWidget
 from bozzetto.errors import Cancelled
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene
-from bozzetto.scene.grid import ground_grid, ground_height
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.viewport.protocol import Shading
@@ -46,7 +45,7 @@ COARSE: Final = (0.3, 0.6)
 
 
 def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
-    """A QImage of its own from rows of RGBA, shape (h, w, 4)."""
+    """Return a QImage with its own copy of RGBA pixels, shape (h, w, 4)."""
     rows = np.ascontiguousarray(pixels)
     height, width = rows.shape[:2]
     image = QImage(
@@ -57,7 +56,7 @@ def to_image(pixels: NDArray[np.uint8], scale: float) -> QImage:
 
 
 def coarseness(frame_time: float) -> float:
-    """The resolution with which a frame is fast enough, as a share of the full one.
+    """Return the resolution at which a frame is fast enough, as a share of the full one.
 
     Parameters
     ----------
@@ -74,10 +73,13 @@ class SoftwareViewport(QWidget):
     Signals
     -------
     first_painted
-        The widget has been on the screen once.
+        The widget has been painted once.
+    painted
+        The newest frame is painted; none is on its way.
     """
 
     first_painted = Signal()
+    painted = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -102,7 +104,7 @@ class SoftwareViewport(QWidget):
 
     @property
     def widget(self) -> QWidget:
-        """Itself."""
+        """The viewport itself."""
         return self
 
     def set_scene(self, scene: Scene, *, moving: bool = False) -> None:
@@ -137,20 +139,20 @@ class SoftwareViewport(QWidget):
         self._ask()
 
     def grab(self) -> QImage:  # type: ignore[override]
-        """The picture as it is now, at full resolution."""
+        """Return the picture as it is now, at full resolution."""
         scale = self.devicePixelRatioF()
         return to_image(self._work(scale)(Job()), scale)
 
     def shown(self) -> QImage:
-        """The newest frame."""
+        """Return the newest frame."""
         return self._frame
 
     def describe(self) -> str:
-        """Who draws."""
+        """Return the name of the renderer."""
         return "Software renderer (NumPy)"
 
     def release(self) -> None:
-        """Nothing outlives it."""
+        """Do nothing: nothing outlives the widget."""
 
     # -- frames -------------------------------------------------------------------------------
 
@@ -170,14 +172,17 @@ class SoftwareViewport(QWidget):
         if not self._was_painted:
             self._was_painted = True
             self.first_painted.emit()
+            self._ask()
+        if not self._channel.busy:
+            self.painted.emit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         self._ask()
 
     def _ask(self) -> None:
         """Request a frame of what is to be shown now."""
-        if self.width() < 2 or self.height() < 2:
-            return
+        if self.width() < 2 or self.height() < 2 or not self._was_painted:
+            return  # the first paint asks again
         if self._was_overtaken:
             self._wait_for_rest(REST)
         scale = self.devicePixelRatioF()
@@ -206,12 +211,10 @@ class SoftwareViewport(QWidget):
         self._ask()
 
     def _work(self, scale: float, number: int | None = None) -> Callable[[Job], NDArray[np.uint8]]:
-        """A function that renders what is set now, for a worker.
+        """Return a function for a worker that renders what is set now.
 
-        A frame with a number is given up where it takes long and a later one is asked for.
+        A frame with a number is abandoned if it takes long and a later one is asked for.
         """
-        from bozzetto.scene.renderer import render
-
         size = (self.width(), self.height())
         camera = self._camera.with_viewport(*size)
         solid, live, grid = self._scene, self._live, self._grid
@@ -227,6 +230,10 @@ class SoftwareViewport(QWidget):
                     self._frame_time = max(self._frame_time, spent)
                     raise Cancelled("a newer frame is wanted")
                 job.checkpoint(0.0, "frame")
+
+            # Not needed for the first paint of the window, which is the empty sheet.
+            from bozzetto.scene.grid import ground_grid, ground_height
+            from bozzetto.scene.renderer import render
 
             scene = solid.under(live)
             if grid:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Final
 
-from PySide6.QtCore import QObject, QRect, Qt, QTimer
+from PySide6.QtCore import QObject, QRect, Qt, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.plugin.job import Job
@@ -48,7 +48,14 @@ class Viewports(QObject):
     canvas : QWidget
         Parent of the viewports, which lie below its other children.
     palette : Palette
+
+    Signals
+    -------
+    first_painted
+        The window has been painted once.
     """
+
+    first_painted = Signal()
 
     def __init__(self, session: Session, canvas: QWidget, palette: Palette) -> None:
         super().__init__(canvas)
@@ -61,11 +68,12 @@ class Viewports(QObject):
         if may_use_gl():
             from PySide6.QtOpenGLWidgets import QOpenGLWidget
 
-            # A window that gets its first OpenGL child later is made anew: it would vanish
+            # A window that gets its first OpenGL child later is rebuilt: it would vanish
             # and come back under the person's eyes. A hidden child from the start avoids it.
             QOpenGLWidget(canvas).hide()
         software = SoftwareViewport(canvas)
         software.first_painted.connect(self._painted_first, Qt.ConnectionType.QueuedConnection)
+        software.painted.connect(session.solver.frame_painted)
         self.current: ViewportBackend = software
         """The viewport that is shown."""
 
@@ -86,18 +94,21 @@ class Viewports(QObject):
 
     def show_scene(self) -> None:
         """Show the session's scene."""
+        self._session.solver.expect_paint(self._canvas.isVisible())
         for viewport in self._both():
-            viewport.set_scene(self._session.scene, moving=self._session.is_dragging)
+            viewport.set_scene(
+                self._session.scene.visible, moving=self._session.drawing.is_dragging
+            )
 
     def show_live(self) -> None:
         """Show what is there only while the pen is down."""
         for viewport in self._both():
-            viewport.set_live(self._session.live_scene)
+            viewport.set_live(self._session.scene.live)
 
     def show_camera(self) -> None:
         """Look through the session's camera."""
         for viewport in self._both():
-            viewport.set_camera(self._session.camera)
+            viewport.set_camera(self._session.view.camera)
 
     def show_style(self) -> None:
         """Shade and show the ground as the session says.
@@ -105,16 +116,16 @@ class Viewports(QObject):
         Where a picture was drawn from, its own ground is what is seen.
         """
         session = self._session
-        grid = session.show_grid and not session.advising.holds_eye(session.camera)
-        self._style = session.shading, grid
+        grid = session.view.show_grid and not session.advice.holds_eye(session.view.camera)
+        self._style = session.view.shading, grid
         for viewport in self._both():
             viewport.set_style(*self._style)
 
     def show_advice(self) -> None:
         """See whether the view stands where a picture was drawn from."""
         session = self._session
-        held = session.advising.holds_eye(session.camera)
-        if self._style != (session.shading, session.show_grid and not held):
+        held = session.advice.holds_eye(session.view.camera)
+        if self._style != (session.view.shading, session.view.show_grid and not held):
             self.show_style()
 
     def set_palette(self, palette: Palette) -> None:
@@ -139,7 +150,8 @@ class Viewports(QObject):
     # -- the change -----------------------------------------------------------------------------
 
     def _painted_first(self) -> None:
-        """The window is on the screen: now there is time to see whether OpenGL works."""
+        """Look whether OpenGL works, now that the window is on the screen."""
+        self.first_painted.emit()
         if choose_backend() == "gl":
             self._imports.submit(Request(_import_gl, self._raise_gl, self._missing))
 
@@ -152,6 +164,7 @@ class Viewports(QObject):
     def _raise_gl(self, viewport: type[GLViewport]) -> None:
         """Make the OpenGL viewport below the software one, which stays until it is proved."""
         rising = self._rising = viewport(self._canvas)
+        rising.painted.connect(self._session.solver.frame_painted)
         rising.proved.connect(self._proved, Qt.ConnectionType.QueuedConnection)
         rising.failed.connect(self.give_up_gl, Qt.ConnectionType.QueuedConnection)
         self.show_all()
@@ -182,6 +195,7 @@ class Viewports(QObject):
             self.current.release()
             failed = self.current.widget
             software = SoftwareViewport(self._canvas)
+            software.painted.connect(self._session.solver.frame_painted)
             software.setGeometry(failed.geometry())
             software.lower()
             software.show()

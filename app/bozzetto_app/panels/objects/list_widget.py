@@ -68,7 +68,7 @@ class _Ground(QStyledItemDelegate):
 
 
 class ObjectList(QListWidget):
-    """The list itself: what a person does to its rows is told, and done elsewhere.
+    """The list itself; it only reports what a person does to its rows.
 
     Signals
     -------

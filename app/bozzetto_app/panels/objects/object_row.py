@@ -181,15 +181,15 @@ class ModelRow(NamedRow):
     def __init__(self, session: Session, model: Model) -> None:
         super().__init__()
         self._model = model
-        self.renamed.connect(lambda name: session.rename(self._model.id, name))
+        self.renamed.connect(lambda name: session.objects.rename(self._model.id, name))
         self.fold = Fold()
         self.fold.clicked.connect(self.folded)
         self.swatch = Swatch()
-        self.swatch.chosen.connect(lambda color: session.set_color(self._model.id, color))
+        self.swatch.chosen.connect(lambda color: session.objects.set_color(self._model.id, color))
         self.lock = IconButton("unlock", "", on="lock", side=24, glyph=16, faint=True)
-        self.lock.clicked.connect(lambda on: session.set_locked(self._model.id, bool(on)))
+        self.lock.clicked.connect(lambda on: session.objects.set_locked(self._model.id, bool(on)))
         self.eye = Eye()
-        self.eye.clicked.connect(lambda off: session.set_visible(self._model.id, not off))
+        self.eye.clicked.connect(lambda off: session.objects.set_visible(self._model.id, not off))
         policy = self.lock.sizePolicy()
         policy.setRetainSizeWhenHidden(True)
         self.lock.setSizePolicy(policy)
@@ -274,11 +274,15 @@ class UnderlayRow(QWidget):
         self.opacity = Slider(tr("Objects", "Opacity"), 0.0, 1.0, 0.01, 0.5)
         self.opacity.setFixedWidth(72)
         self.opacity.slid.connect(
-            lambda value, going: session.set_underlay_opacity(self._id, value, dragging=going)
+            lambda value, going: session.objects.set_underlay_opacity(
+                self._id, value, dragging=going
+            )
         )
-        self.opacity.drag_ended.connect(session.end_drag)
+        self.opacity.drag_ended.connect(session.objects.end_drag)
         self.eye = Eye()
-        self.eye.clicked.connect(lambda off: session.set_underlay_visible(self._id, not off))
+        self.eye.clicked.connect(
+            lambda off: session.objects.set_underlay_visible(self._id, not off)
+        )
         row = QHBoxLayout(self)
         row.setContentsMargins(GUTTER + FOLD, 0, 8, 0)
         row.setSpacing(4)

@@ -82,19 +82,19 @@ class ObjectsPanel(QWidget):
         column.addWidget(self._empty, 1)
         column.addWidget(self.list, 1)
         column.addLayout(foot)
-        session.document_changed.connect(self.refresh)
-        session.selection_changed.connect(self.refresh)
+        session.drawing.changed.connect(self.refresh)
+        session.selection.changed.connect(self.refresh)
         self.refresh()
 
     def refresh(self) -> None:
-        """Show the document as it is now; rows are only made anew where the list differs."""
-        document = self._session.document
+        """Show the document as it is now; rows are only rebuilt if the list differs."""
+        document = self._session.drawing.document
         wanted = list(
-            entries_of(document, self._session.parts_of, self._is_open, self._folded_groups)
+            entries_of(document, self._session.parts.of, self._is_open, self._folded_groups)
         )
         if wanted != self._entries:
             self._exchange(wanted)
-        trees = {model.id: self._session.parts_of(model.id) for model in document}
+        trees = {model.id: self._session.parts.of(model.id) for model in document}
         depths = {
             Entry("part", part.id, model_id): (part, depth)
             for model_id, tree in trees.items()
@@ -148,13 +148,13 @@ class ObjectsPanel(QWidget):
                     parts.setdefault(other.model, []).append(other.id)
             models = [other.id for other in chosen if other.kind == "model"]
             underlays = [other.id for other in chosen if other.kind == "underlay"]
-            self._session.delete_several(models, parts, underlays)
+            self._session.parts.delete_several(models, parts, underlays)
         elif entry.kind == "model":
-            self._session.delete(entry.id)
+            self._session.objects.delete(entry.id)
         elif entry.kind == "part":
-            self._session.delete_part(entry.model, entry.id)
+            self._session.parts.delete(entry.model, entry.id)
         elif entry.kind == "underlay":
-            self._session.delete_underlay(entry.id)
+            self._session.objects.delete_underlay(entry.id)
 
     def group_chosen(self) -> None:
         """Put the chosen parts into a group of their own."""
@@ -162,13 +162,13 @@ class ObjectsPanel(QWidget):
         if entry.kind == "part":
             chosen = self._chosen_entries()
             ids = [other.id for other in chosen if other.model == entry.model]
-            self._session.group_parts(entry.model, ids)
+            self._session.parts.group(entry.model, ids)
 
     def ungroup_current(self) -> None:
         """Dissolve the group that is chosen."""
         entry = self._current()
         if entry.kind == "part":
-            self._session.ungroup_part(entry.model, entry.id)
+            self._session.parts.ungroup(entry.model, entry.id)
 
     def use_chosen(self, modeler_id: str) -> None:
         """Let the chosen rows be the input of a modeler."""
@@ -179,7 +179,7 @@ class ObjectsPanel(QWidget):
             if entry.kind == "part" and entry.model not in whole:
                 parts.setdefault(entry.model, []).append(entry.id)
         if whole or parts:
-            self._session.using.use(modeler_id, [*whole, *parts], parts)
+            self._session.shapes.use(modeler_id, [*whole, *parts], parts)
 
     def drop(self, source: int, target: int, on: bool) -> None:
         """Move what was dragged from one row to the gap above another, or onto it."""
@@ -187,13 +187,13 @@ class ObjectsPanel(QWidget):
         if entry.kind == "model" and not on:
             above = [other.id for other in self._entries[:target] if other.kind == "model"]
             place = len(above) - (entry.id in above)
-            if place != self._session.document.place_of(entry.id):
-                self._session.move_to(entry.id, place)
+            if place != self._session.drawing.document.place_of(entry.id):
+                self._session.objects.move_to(entry.id, place)
         elif entry.kind == "part":
-            tree = self._session.parts_of(entry.model)
+            tree = self._session.parts.of(entry.model)
             goal = None if tree is None else place_of_drop(self._entries, tree, source, target, on)
             if goal is not None:
-                self._session.move_part(entry.model, entry.id, *goal)
+                self._session.parts.move(entry.model, entry.id, *goal)
 
     def fold(self, entry: Entry, is_open: bool) -> None:
         """List what a model or a group is made of, or not."""
@@ -213,9 +213,9 @@ class ObjectsPanel(QWidget):
     def _duplicate_current(self) -> None:
         entry = self._current()
         if entry.kind == "model":
-            self._session.duplicate(entry.id)
+            self._session.objects.duplicate(entry.id)
         elif entry.kind == "part":
-            self._session.duplicate_part(entry.model, entry.id)
+            self._session.parts.duplicate(entry.model, entry.id)
 
     # -- rows --
 
@@ -223,7 +223,7 @@ class ObjectsPanel(QWidget):
         """Whether the parts of a model are listed."""
         if model_id in self._unfolded:
             return self._unfolded[model_id]
-        tree = self._session.parts_of(model_id) if model_id == self._session.selected else None
+        tree = self._session.parts.of(model_id) if model_id == self._session.selection.id else None
         return tree is not None and len(tree.parts) > 1
 
     def _current(self) -> Entry:
@@ -231,7 +231,7 @@ class ObjectsPanel(QWidget):
         return self._entries[row] if 0 <= row < len(self._entries) else Entry("heading")
 
     def _chosen_entries(self) -> list[Entry]:
-        """What is chosen, in the order of the rows."""
+        """Return the chosen objects and parts, in the order of the rows."""
         rows = sorted(self.list.row(item) for item in self.list.selectedItems())
         return [self._entries[row] for row in rows]
 
@@ -266,7 +266,7 @@ class ObjectsPanel(QWidget):
     def _widget(self, entry: Entry) -> QWidget:
         session = self._session
         if entry.kind == "underlay":
-            underlay = next(u for u in session.document.underlays if u.id == entry.id)
+            underlay = next(u for u in session.drawing.document.underlays if u.id == entry.id)
             return UnderlayRow(session, underlay)
         if entry.kind == "heading":
             heading = QLabel(tr("Objects", "Underlays"))
@@ -274,7 +274,7 @@ class ObjectsPanel(QWidget):
             heading.setContentsMargins(12, 4, 12, 0)
             return heading
         row = (
-            ModelRow(session, session.document.model(entry.id))
+            ModelRow(session, session.drawing.document.model(entry.id))
             if entry.kind == "model"
             else PartRow(session, entry.model, entry.id)
         )
@@ -299,11 +299,11 @@ class ObjectsPanel(QWidget):
         self._enable()
 
     def _wanted(self) -> Entry | None:
-        """The row of the chosen part, where it is listed, else that of the selected model."""
-        selected = self._session.selected
+        """Return the row of the chosen part if it is listed, else that of the selected model."""
+        selected = self._session.selection.id
         if selected is None:
             return None
-        tree = self._session.parts_of(selected)
+        tree = self._session.parts.of(selected)
         part = None if tree is None else Entry("part", tree.selected, selected)
         if part is not None and part in self._entries:
             return part
@@ -320,16 +320,16 @@ class ObjectsPanel(QWidget):
             button.setToolTip(name if button.isEnabled() else f"{name}\n{nothing}")
 
     def _chosen(self) -> None:
-        """A person went to a row."""
+        """Select the object or part of a row that the person went to."""
         if self._filling:
             return
         entry = self._current()
         if entry.kind == "part":
-            self._session.select_part(entry.model, entry.id)
+            self._session.parts.select(entry.model, entry.id)
         elif entry.kind == "model":
-            self._session.select(entry.id)
+            self._session.selection.select(entry.id)
             if self._is_open(entry.id):
-                self._session.select_part(entry.id, "")
+                self._session.parts.select(entry.id, "")
         self._enable()
 
     # -- the menu --
@@ -340,7 +340,7 @@ class ObjectsPanel(QWidget):
             menu.popup(self.list.viewport().mapToGlobal(place))
 
     def menu_for_current(self) -> QMenu:
-        """What can be done with the chosen row."""
+        """Return the menu of the chosen row."""
         menu = QMenu(self)
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         entry = self._current()
@@ -348,9 +348,9 @@ class ObjectsPanel(QWidget):
             menu.addAction(tr("Objects", "Rename"), self.rename_current)
             menu.addAction(tr("Objects", "Duplicate"), self._duplicate_current)
         if entry.kind == "model":
-            self._add_for_model(menu, self._session.document.model(entry.id))
+            self._add_for_model(menu, self._session.drawing.document.model(entry.id))
         elif entry.kind == "part":
-            self._add_for_part(menu, entry, self._session.parts_of(entry.model))
+            self._add_for_part(menu, entry, self._session.parts.of(entry.model))
         if entry.kind in ("model", "part"):
             self._add_uses(menu)
         if entry.kind != "heading":
@@ -361,8 +361,8 @@ class ObjectsPanel(QWidget):
         hide = tr("Objects", "Hide") if model.visible else tr("Objects", "Show")
         lock = tr("Objects", "Unlock") if model.locked else tr("Objects", "Lock")
         menu.addSeparator()
-        menu.addAction(hide, lambda: self._session.set_visible(model.id, not model.visible))
-        menu.addAction(lock, lambda: self._session.set_locked(model.id, not model.locked))
+        menu.addAction(hide, lambda: self._session.objects.set_visible(model.id, not model.visible))
+        menu.addAction(lock, lambda: self._session.objects.set_locked(model.id, not model.locked))
         menu.addSeparator()
 
     def _add_for_part(self, menu: QMenu, entry: Entry, tree: PartTree | None) -> None:
@@ -377,12 +377,12 @@ class ObjectsPanel(QWidget):
         menu.addSeparator()
         menu.addAction(
             hide,
-            lambda: self._session.set_part_visible(entry.model, entry.id, not part.visible),
+            lambda: self._session.parts.set_visible(entry.model, entry.id, not part.visible),
         )
         menu.addSeparator()
 
     def _add_uses(self, menu: QMenu) -> None:
-        takers = self._session.using.takers
+        takers = self._session.shapes.takers
         if takers:
             uses = menu.addMenu(tr("Objects", "Use as input for"))
             for info in takers:

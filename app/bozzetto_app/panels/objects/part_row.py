@@ -61,12 +61,12 @@ class PartRow(NamedRow):
 
     def __init__(self, session: Session, model_id: str, part_id: str) -> None:
         super().__init__()
-        self.renamed.connect(lambda name: session.rename_part(model_id, part_id, name))
+        self.renamed.connect(lambda name: session.parts.rename(model_id, part_id, name))
         self.fold = Fold()
         self.fold.clicked.connect(self.folded)
         self.sign = _Sign()
         self.eye = Eye()
-        self.eye.clicked.connect(lambda off: session.set_part_visible(model_id, part_id, not off))
+        self.eye.clicked.connect(lambda off: session.parts.set_visible(model_id, part_id, not off))
         self._row = QHBoxLayout(self)
         self._row.setSpacing(0)
         self._row.addWidget(self.fold)
@@ -83,6 +83,7 @@ class PartRow(NamedRow):
         Parameters
         ----------
         part : Part
+            The part of this row.
         depth : int
             Groups that it is in.
         is_open : bool, optional
@@ -100,7 +101,7 @@ class PartRow(NamedRow):
 
 
 def _words_of(part: Any, operation: str) -> str:
-    """What its operation is called in the form; "" where it has none."""
+    """Return the name of a part's operation in the form; "" if it has none."""
     for field in parameter_fields(type(part)):
         if field.name == "operation":
             return dict(field.parameter.choices).get(operation, operation)

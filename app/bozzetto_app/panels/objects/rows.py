@@ -39,6 +39,7 @@ def entries_of(
     Parameters
     ----------
     document : Document
+        The objects and underlays to list.
     parts_of : callable
         Gives the parts of a model by its id.
     is_open : callable

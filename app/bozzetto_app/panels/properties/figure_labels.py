@@ -153,7 +153,7 @@ def known_figures() -> dict[str, KnownFigure]:
         ),
         "sigma": KnownFigure(
             tr("Figures", "Off per pixel"),
-            tr("Figures", "How far places in space are off if the hand is off by one pixel"),
+            tr("Figures", "Error of points in space for one pixel of error in the drawing"),
             unit="mm",
             digits=2,
             spread=True,

@@ -45,6 +45,7 @@ class ParametersPanel(QScrollArea):
             words.setProperty("tone", "quiet")
         self._form = QWidget()
         self._rows: dict[tuple[str, str], ParameterRow] = {}
+        self._values: dict[tuple[str, str], Any] = {}
         self._paces: list[DragPace] = []
         self._part_section: Section | None = None
         self._fields: tuple[object, ...] = ()
@@ -62,10 +63,10 @@ class ParametersPanel(QScrollArea):
         self._column.addStretch(1)
         self.setWidget(page)
 
-        session.parameters_changed.connect(self.refresh)
-        session.selection_changed.connect(self.refresh)
-        session.document_changed.connect(self.refresh)
-        session.report_changed.connect(self._show_report)
+        session.selection.changed.connect(self.refresh)
+        session.drawing.changed.connect(self.refresh)
+        session.drawing.models_changed.connect(self._value_dragged)
+        session.solver.report_changed.connect(self._show_report)
         self.refresh()
         self._show_report()
 
@@ -83,14 +84,18 @@ class ParametersPanel(QScrollArea):
         row.words.buddy().setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def refresh(self) -> None:
-        """Show the values that there are now.
+        """Show the values of the selected model and part.
 
         The form is only rebuilt for other fields, or if a person has the cursor in it while
         another model or part is chosen: every new stroke may choose another part.
         """
         session = self._session
-        own, inner, part = session.parameters, session.part_parameters, session.chosen_part
-        chosen = (session.selected, "" if part is None else part.id)
+        own, inner, part = (
+            session.objects.parameters,
+            session.parts.parameters,
+            session.parts.chosen,
+        )
+        chosen = (session.selection.id, "" if part is None else part.id)
         fields = (*(field for field, _ in own), "", *(field for field, _ in inner))
         if chosen != self._owner:
             for pace in self._paces:
@@ -101,19 +106,32 @@ class ParametersPanel(QScrollArea):
         self._owner = chosen
         if self._part_section is not None and part is not None:
             self._part_section.rename(part.name)
+        dragging = session.drawing.is_dragging
         for owner, found in (("", own), ("part", inner)):
             for field, value in found:
-                self._rows[owner, field.name].show_value(value)
-        locked = any(model.locked for model in session.document if model.id == session.selected)
+                key = owner, field.name
+                if not dragging or key not in self._values or self._values[key] != value:
+                    self._values[key] = value
+                    self._rows[key].show_value(value)
+        if dragging:
+            return
+        locked = any(
+            model.locked for model in session.drawing.document if model.id == session.selection.id
+        )
         self._locked.setVisible(locked)
         self._form.setEnabled(not locked)
         self._empty.setText(
             tr("Parameters", "Draw or choose an object to see its parameters.")
-            if session.selected is None
+            if session.selection.id is None
             else tr("Parameters", "This object has no parameters.")
         )
         self._empty.setVisible(not own and not inner)
         self._form.setVisible(bool(own or inner))
+
+    def _value_dragged(self) -> None:
+        """Follow the values of a drag; `changed` comes only when it ends or pauses."""
+        if self._session.drawing.is_dragging:
+            self.refresh()
 
     def _is_in_use(self) -> bool:
         """Whether something is being typed: it is meant for what was chosen by then."""
@@ -124,19 +142,20 @@ class ParametersPanel(QScrollArea):
         session = self._session
         old, self._form = self._form, QWidget()
         self._rows = {}
+        self._values = {}
         self._paces = []
         self._part_section = None
         column = QVBoxLayout(self._form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(12)
-        self._fill(column, session.parameters, "", session.set_parameter)
-        part = session.chosen_part
-        if part is not None and session.part_parameters:
+        self._fill(column, session.objects.parameters, "", session.objects.set_parameter)
+        part = session.parts.chosen
+        if part is not None and session.parts.parameters:
             inner = QWidget()
             below = QVBoxLayout(inner)
             below.setContentsMargins(0, 4, 0, 0)
             below.setSpacing(12)
-            self._fill(below, session.part_parameters, "part", session.set_part_parameter)
+            self._fill(below, session.parts.parameters, "part", session.parts.set_parameter)
             if column.count():
                 column.addWidget(hairline())
             self._part_section = _section(part.name, inner, "panels/part", True)
@@ -163,7 +182,7 @@ class ParametersPanel(QScrollArea):
             pace = DragPace(partial(_changed, change, field.name), row)
             row.changed.connect(pace.change)
             row.drag_ended.connect(pace.end)
-            row.drag_ended.connect(self._session.end_drag)
+            row.drag_ended.connect(self._session.objects.end_drag)
             self._paces.append(pace)
             self._rows[owner, field.name] = row
             (folded if field.parameter.advanced else column).addWidget(row)
@@ -174,8 +193,8 @@ class ParametersPanel(QScrollArea):
             advanced.deleteLater()
 
     def _show_report(self) -> None:
-        report = self._session.report
-        part = self._session.chosen_part
+        report = self._session.solver.report
+        part = self._session.parts.chosen
         self._figures.show_report(report, "" if part is None else part.id)
         self._figures_section.setVisible(bool(report))
         self._line.setVisible(bool(report))
@@ -186,7 +205,7 @@ def _changed(change: Callable[..., None], name: str, value: Any, going: bool) ->
 
 
 def _section(title: str, content: QWidget, key: str, is_open: bool) -> Section:
-    """A section that stays folded or open as a person left it, under a key of the settings."""
+    """Return a section that stays folded or open; the settings keep that under a key."""
     section = Section(title, content, open_=bool(settings().value(key, is_open, bool)))
     section.folded.connect(lambda shown: settings().setValue(key, shown))
     return section

@@ -70,7 +70,7 @@ class Figure:
 
 
 def readable_key(key: str) -> tuple[str, str]:
-    """A key in words, and the unit that it ends in."""
+    """Return a key in words, and the unit that it ends in."""
     words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", key).replace("-", "_").split("_")
     words = [word for word in words if word]
     unit = UNITS.get(words[-1], "") if len(words) > 1 else ""
@@ -132,20 +132,20 @@ def _is_number(value: Any) -> bool:
 
 
 def _spread(values: Sequence[float], known: KnownFigure) -> str:
-    """What is in the middle of many numbers, and the largest of them."""
+    """Return the median of many numbers, and the largest of them."""
     middle, largest = _said(median(values), known), _said(max(values), known)
     return tr("Figures", "{middle}, at most {largest}", middle=middle, largest=largest)
 
 
 def _parts(value: Any) -> list[Mapping[str, Any]]:
-    """The entries of a list of reports; none where it is something else."""
+    """Return the entries of a list of reports; none if it is something else."""
     if isinstance(value, list) and all(isinstance(entry, Mapping) for entry in value):
         return value
     return []
 
 
 def figures_of(report: Mapping[str, Any], depth: int = 0, part: str = "") -> Iterator[Figure]:
-    """The rows of a report, in its own order.
+    """Return the rows of a report, in its own order.
 
     A value whose key also occurs with ``expected_`` before it is good when both agree. A
     single part without a name needs no heading. Mappings and long lists are summed up where it
@@ -154,6 +154,7 @@ def figures_of(report: Mapping[str, Any], depth: int = 0, part: str = "") -> Ite
     Parameters
     ----------
     report : mapping
+        Figures by their keys, as the modeler reports them.
     depth : int
         How far the rows are set in.
     part : str
@@ -192,7 +193,7 @@ def _is_verdict(report: Mapping[str, Any], key: str) -> bool:
 
 
 def _known(key: str) -> KnownFigure | None:
-    """What is known of a figure, by its key with or without the unit."""
+    """Return what is known of a figure, by its key with or without the unit."""
     bare = key.rpartition("_")[0] if readable_key(key)[1] else ""
     return known_figures().get(key) or known_figures().get(bare)
 
@@ -308,5 +309,5 @@ class Figures(QWidget):
 
 
 def _kind(figure: Figure) -> tuple[int, Mark, bool, bool]:
-    """What of a row is not only words."""
+    """Return the parts of a row that are not only words."""
     return figure.depth, figure.mark, figure.value is None, figure.value == ""

@@ -9,6 +9,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
+from bozzetto.plugin.gesture import Tap
 from bozzetto_app.canvas.input.stroke_samples import PressureCurve
 
 LEFT, RIGHT, MIDDLE = (
@@ -46,7 +47,7 @@ def test_a_pen_stroke_arrives_as_it_was_drawn(session, canvas, pen):
     assert stroke.tool == "pen"
     assert stroke.has_pressure
     assert stroke.has_time
-    assert stroke.camera == session.camera
+    assert stroke.camera == session.view.camera
     assert stroke.camera.viewport == (800, 600)
 
 
@@ -67,11 +68,13 @@ def test_reports_come_at_most_thirty_times_a_second(session, pen, qtbot):
         pen.move(100 + 5 * i, 100)
         qtbot.wait(5)
     lasted = perf_counter() - begun
-    reports = session.named("pen_moved")
+    reports = session.first("gestures.stroke_moved")
     assert 2 <= len(reports) <= 30 * lasted + 2
-    lengths = [len(call[1]) for call in reports]
+    lengths = [len(stroke) for stroke in reports]
     assert lengths == sorted(lengths)
-    qtbot.waitUntil(lambda: len(session.named("pen_moved")[-1][1]) == 41)  # the last one, too
+    qtbot.waitUntil(
+        lambda: len(session.first("gestures.stroke_moved")[-1]) == 41
+    )  # the last one, too
 
 
 def test_the_pressure_curve_is_in_the_stroke(session, canvas, pen):
@@ -173,8 +176,8 @@ def test_escape_takes_the_stroke_back(session, canvas, pen, qtbot):
     pen.move(350, 100)
     pen.release(350, 100)
     assert session.strokes == []
-    assert session.named("pen_cancelled")
-    assert not canvas._overlay.has_wet_ink
+    assert session.calls.named("gestures.cancel")
+    assert not canvas.overlay.has_wet_ink
     pen.stroke(arc(10))
     assert len(session.strokes) == 1
 
@@ -184,7 +187,7 @@ def test_a_dot_is_dropped_silently(session, pen):
     pen.move(101, 101)
     pen.release(101, 101)
     assert session.strokes == []
-    assert session.named("pen_cancelled")
+    assert session.calls.named("gestures.cancel")
 
 
 def test_leaving_proximity_without_a_release_ends_the_stroke(session, pen):
@@ -198,75 +201,77 @@ def test_leaving_proximity_without_a_release_ends_the_stroke(session, pen):
 
 
 def test_a_tap_tool_takes_taps_only(session, pen):
-    session.active_tool = "mark"
+    session.toolbox.tool = "mark"
     pen.press(100, 100)
     pen.move(102, 101)
     pen.release(102, 101)
     pen.stroke(arc(30))
-    assert session.named("tapped") == [("tapped", 100.0, 100.0, False, False)]
+    assert session.first("gestures.tap") == [Tap(100.0, 100.0, session.view.camera, False, False)]
     assert session.strokes == []
 
 
 def test_a_tap_knows_shift_and_ctrl(session, pen):
-    session.active_tool = "mark"
+    session.toolbox.tool = "mark"
     pen.modifiers = Qt.KeyboardModifier.ShiftModifier
     pen.press(100, 100)
     pen.release(100, 100)
-    assert session.named("tapped")[-1][3:] == (True, False)
+    (*_, last) = session.first("gestures.tap")
+    assert (last.shift, last.ctrl) == (True, False)
 
 
 def test_hovering_shows_the_ring_and_pressing_takes_it_away(canvas, pen):
     pen.move(200, 200)
-    assert canvas._overlay._ring[:2] == (200, 200)
+    assert canvas.overlay._ring[:2] == (200, 200)
     pen.press(200, 200)
-    assert canvas._overlay._ring is None
+    assert canvas.overlay._ring is None
     pen.release(200, 200)
     pen.move(210, 200)
     pen.leaves()
-    assert canvas._overlay._ring is None
+    assert canvas.overlay._ring is None
 
 
 def test_a_handle_lights_up_and_is_dragged(session, canvas, pen, box_scene):
-    session.set_scene(box_scene)
-    session.active_tool = "edit"
-    ((x, y),), _ = session.camera.project([(50.0, -50.0, 50.0)])
+    session.scene.show(box_scene)
+    session.toolbox.tool = "edit"
+    ((x, y),), _ = session.view.camera.project([(50.0, -50.0, 50.0)])
     pen.move(x + 15, y)
-    assert canvas._overlay._hot is not None
+    assert canvas.overlay._hot is not None
     pen.press(x + 15, y)
     for step in range(5):
         pen.move(x + 20 + 10 * step, y)
     pen.modifiers = Qt.KeyboardModifier.ShiftModifier
     pen.release(x + 70, y)
     assert session.strokes == []
-    _, handle, path, shift, ctrl = session.named("handle_released")[0]
+    (drag,) = session.first("gestures.handle_released")
+    handle, path, shift, ctrl = drag.handle, drag.path, drag.shift, drag.ctrl
     assert (handle, shift, ctrl) == ("corner", True, False)
     assert path.x[-1] == pytest.approx(x + 70, abs=1e-3)
-    assert session.named("handle_moved")
-    assert not session.named("pen_moved")
+    assert session.first("gestures.handle_moved")
+    assert not session.first("gestures.stroke_moved")
 
 
 def test_ink_may_start_beside_a_handle(session, pen, box_scene):
-    session.set_scene(box_scene)
-    ((x, y),), _ = session.camera.project([(50.0, -50.0, 50.0)])
+    session.scene.show(box_scene)
+    ((x, y),), _ = session.view.camera.project([(50.0, -50.0, 50.0)])
     pen.stroke([(x + 15, y, 0.5), (x + 40, y, 0.5), (x + 80, y, 0.5)])
     assert len(session.strokes) == 1
     pen.stroke([(x + 5, y, 0.5), (x + 40, y, 0.5), (x + 80, y, 0.5)])
-    assert len(session.named("handle_released")) == 1
+    assert len(session.first("gestures.handle_released")) == 1
 
 
 def test_escape_gives_a_dragged_handle_back(session, canvas, pen, box_scene, qtbot):
-    session.set_scene(box_scene)
-    ((x, y),), _ = session.camera.project([(50.0, -50.0, 50.0)])
+    session.scene.show(box_scene)
+    ((x, y),), _ = session.view.camera.project([(50.0, -50.0, 50.0)])
     pen.press(x, y)
     pen.move(x + 50, y)
     qtbot.keyClick(canvas, Qt.Key.Key_Escape)
     pen.release(x + 60, y)
-    assert session.named("handle_released") == []
-    assert session.named("pen_cancelled")
+    assert session.first("gestures.handle_released") == []
+    assert session.calls.named("gestures.cancel")
 
 
 def test_a_second_press_during_a_stroke_changes_nothing(session, canvas, pen):
-    camera = session.camera
+    camera = session.view.camera
     pen.press(100, 100)
     pen.move(150, 100)
     pen.press(150, 100, button=MIDDLE)
@@ -274,5 +279,5 @@ def test_a_second_press_during_a_stroke_changes_nothing(session, canvas, pen):
     pen.release(200, 200, button=MIDDLE)
     pen.move(250, 100)
     pen.release(250, 100)
-    assert session.camera == camera
+    assert session.view.camera == camera
     assert len(session.strokes) == 1

@@ -27,11 +27,11 @@ def test_nothing_is_shown_without_advice(canvas):
 
 
 def test_it_lies_at_the_top_centre_and_keeps_off_the_cube(canvas, session):
-    session.advising.say(ViewAdvice("good", "words " * 200, TURNED))
+    session.advice.say(ViewAdvice("good", "words " * 200, TURNED))
     place = canvas.light.geometry()
     assert canvas.light.isVisible()
     assert abs(place.center().x() - canvas.rect().center().x()) <= 1
-    assert not place.intersects(canvas._cube.geometry())
+    assert not place.intersects(canvas.cube.geometry())
     assert place.contains(canvas.light.button.geometry())
     assert canvas.light.words.endswith("…")
 
@@ -39,38 +39,38 @@ def test_it_lies_at_the_top_centre_and_keeps_off_the_cube(canvas, session):
 @pytest.mark.parametrize("extra", range(1, 120, 3))
 def test_the_first_sentence_stands_alone_where_there_is_no_room_for_more(canvas, session, extra):
     message = f"Lines run towards each other. Turn {'i' * extra} down: 2.7 times more exact."
-    session.advising.say(ViewAdvice("warn", message, TURNED))
+    session.advice.say(ViewAdvice("warn", message, TURNED))
     assert canvas.light.words in (message, "Lines run towards each other")
 
 
 def test_it_makes_way_for_what_covers_the_left(canvas, session):
-    session.advising.say(ViewAdvice("good", "Fine"))
+    session.advice.say(ViewAdvice("good", "Fine"))
     before = canvas.light.geometry().center().x()
     canvas.leave_room(200)
     assert canvas.light.geometry().center().x() == pytest.approx(before + 100, abs=1)
 
 
 def test_the_button_is_there_only_for_a_better_view(canvas, session):
-    session.advising.say(ViewAdvice("warn", "Flat"))
+    session.advice.say(ViewAdvice("warn", "Flat"))
     assert not canvas.light.button.isVisible()
-    session.advising.say(ViewAdvice("warn", "Flat", TURNED))
+    session.advice.say(ViewAdvice("warn", "Flat", TURNED))
     assert canvas.light.button.isVisible()
-    session.advising.say(None)
+    session.advice.say(None)
     assert not canvas.light.button.isVisible()
 
 
 def test_a_click_on_the_button_turns_and_does_not_draw(canvas, session):
     canvas.motion.reduced = True
-    session.advising.say(ViewAdvice("warn", "Flat", TURNED))
+    session.advice.say(ViewAdvice("warn", "Flat", TURNED))
     QTest.mouseClick(canvas.light.button, Qt.MouseButton.LeftButton)
-    assert session.camera.eye == TURNED.eye
-    assert session.camera.viewport == (canvas.width(), canvas.height())
+    assert session.view.camera.eye == TURNED.eye
+    assert session.view.camera.viewport == (canvas.width(), canvas.height())
     assert session.strokes == []
 
 
 def test_ink_begins_on_the_words(canvas, session):
     """The chip itself is no obstacle: what lies under the pen there is the sheet."""
-    session.advising.say(ViewAdvice("warn", "Flat", TURNED))
+    session.advice.say(ViewAdvice("warn", "Flat", TURNED))
     place = canvas.light.geometry()
     under = canvas.childAt(place.left() + 20, place.center().y())
     assert under is not canvas.light
@@ -84,7 +84,7 @@ def test_levels_differ_in_shape_and_not_only_in_colour(canvas, session, palette)
     canvas.set_palette(palette)
     masks = {}
     for level in ("good", "warn", "refuse"):
-        session.advising.say(ViewAdvice(level, "x"))
+        session.advice.say(ViewAdvice(level, "x"))
         lamp = pixels(canvas.light)[6:24, 10:26]
         ground = pixels(canvas.light)[4, 30]
         masks[level] = np.abs(lamp - ground).max(axis=2) > 60
@@ -93,6 +93,6 @@ def test_levels_differ_in_shape_and_not_only_in_colour(canvas, session, palette)
 
 
 def test_it_says_what_it_shows_to_a_screen_reader(canvas, session):
-    session.advising.say(ViewAdvice("refuse", "3° to the plane"))
+    session.advice.say(ViewAdvice("refuse", "3° to the plane"))
     assert "3° to the plane" in canvas.light.accessibleName()
     assert "No view" in canvas.light.accessibleName()

@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor, QImage, QMouseEvent, QRegion
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
+from bozzetto.plugin.gesture import Tap
 from bozzetto.scene import DARK, LIGHT, Handle, Image, Layer, Lines, Points, Scene
 from bozzetto.view import Camera
 from bozzetto_app.canvas.input.state_machine import Mode
@@ -25,9 +26,9 @@ AIMING = (FakeTool("mark", "tap", True), FakeTool("edit", "drag", True), FakeToo
 
 @pytest.fixture
 def loupe(canvas, session):
-    session.tools, session.active_tool = AIMING, "mark"
-    session.set_camera(FRONT)
-    return canvas._loupe
+    session.toolbox.tools, session.toolbox.tool = AIMING, "mark"
+    session.view.set_camera(FRONT)
+    return canvas.loupe
 
 
 # -- the gesture --------------------------------------------------------------------------------
@@ -40,15 +41,16 @@ def test_the_place_is_where_the_pen_lifts_however_long_it_takes(session, canvas,
         pen.move(200 + 5 * k, 200 + 2 * k)
     time.sleep(0.3)
     pen.release(400, 281)
-    assert session.named("tapped") == [("tapped", 400.0, 281.0, False, False)]
-    assert session.named("tap_moved")[0][1:3] == (200.0, 200.0)
+    assert session.first("gestures.tap") == [Tap(400.0, 281.0, session.view.camera, False, False)]
+    first = session.first("gestures.tap_moved")[0]
+    assert (first.x, first.y) == (200.0, 200.0)
     assert not session.strokes
 
 
 def test_without_a_movement_it_is_a_tap_too(session, canvas, pen, loupe):
     pen.press(321, 123)
     pen.release(321, 123)
-    assert session.named("tapped") == [("tapped", 321.0, 123.0, False, False)]
+    assert session.first("gestures.tap") == [Tap(321.0, 123.0, session.view.camera, False, False)]
 
 
 def test_the_mouse_aims_and_keys_come_along(session, canvas, loupe):
@@ -61,7 +63,7 @@ def test_the_mouse_aims_and_keys_come_along(session, canvas, loupe):
     )  # fmt: skip
     QApplication.sendEvent(canvas, move)
     QTest.mouseRelease(canvas, Qt.MouseButton.LeftButton, pos=place.toPoint())
-    assert session.named("tapped") == [("tapped", 250.0, 222.0, True, False)]
+    assert session.first("gestures.tap") == [Tap(250.0, 222.0, session.view.camera, True, False)]
 
 
 def test_previews_come_at_most_thirty_times_a_second(session, canvas, pen, loupe, qtbot):
@@ -70,8 +72,8 @@ def test_previews_come_at_most_thirty_times_a_second(session, canvas, pen, loupe
     for k in range(200):
         pen.move(100 + k, 100)
     lasted = time.perf_counter() - begun
-    assert len(session.named("tap_moved")) <= 2 + 30 * lasted
-    qtbot.waitUntil(lambda: session.named("tap_moved")[-1][1] == 299.0, timeout=2000)
+    assert len(session.first("gestures.tap_moved")) <= 2 + 30 * lasted
+    qtbot.waitUntil(lambda: session.first("gestures.tap_moved")[-1].x == 299.0, timeout=2000)
     pen.release(299, 100)
 
 
@@ -80,27 +82,27 @@ def test_escape_drops_it(session, canvas, pen, loupe):
     pen.move(150, 150)
     QTest.keyClick(canvas, Qt.Key.Key_Escape)
     pen.release(150, 150)
-    assert not session.named("tapped")
-    assert session.named("pen_cancelled")
+    assert not session.first("gestures.tap")
+    assert session.calls.named("gestures.cancel")
     assert not loupe.isVisible()
 
 
 def test_tools_that_do_not_aim_tap_as_ever(session, canvas, pen, loupe):
-    session.tools, session.active_tool = (FakeTool("pick", "tap"),), "pick"
+    session.toolbox.tools, session.toolbox.tool = (FakeTool("pick", "tap"),), "pick"
     pen.press(100, 100)
     assert canvas.hand.machine.mode is Mode.TAPPING
     assert not loupe.isVisible()
     pen.move(160, 100)
     pen.release(160, 100)
-    assert not session.named("tapped")
+    assert not session.first("gestures.tap")
 
 
 def test_ink_and_the_eraser_are_never_aimed(session, canvas, pen, loupe):
-    session.tools, session.active_tool = (FakeTool("draw", "ink", True),), "draw"
+    session.toolbox.tools, session.toolbox.tool = (FakeTool("draw", "ink", True),), "draw"
     pen.press(100, 100)
     assert canvas.hand.machine.mode is Mode.INKING
     pen.release(100, 100)
-    session.tools, session.active_tool = AIMING, "mark"
+    session.toolbox.tools, session.toolbox.tool = AIMING, "mark"
     eraser = Pen(canvas, eraser=True)
     eraser.press(100, 100)
     assert canvas.hand.machine.mode is Mode.ERASING
@@ -118,9 +120,9 @@ def test_the_view_turns_with_such_a_tool_too(session, canvas, pen, loupe):
 
 @pytest.mark.parametrize(("tool", "shown"), [("edit", True), ("draw", False)])
 def test_handles_are_dragged_under_the_loupe(session, canvas, pen, loupe, qtbot, tool, shown):
-    session.active_tool = tool
+    session.toolbox.tool = tool
     handle = Handle("corner", (100.0, 0.0, 50.0))
-    session.set_scene(Scene((Layer("marks", (handle,)),)))
+    session.scene.show(Scene((Layer("marks", (handle,)),)))
     pen.press(500, 250)
     assert canvas.hand.machine.mode is Mode.DRAGGING
     pen.move(520, 260)
@@ -128,7 +130,8 @@ def test_handles_are_dragged_under_the_loupe(session, canvas, pen, loupe, qtbot,
     assert loupe.isVisible() is shown
     pen.release(530, 270)
     assert not loupe.isVisible()
-    ((_, name, path, *_),) = session.named("handle_released")
+    (drag,) = session.first("gestures.handle_released")
+    name, path = drag.handle, drag.path
     assert name == "corner"
     np.testing.assert_allclose(path.points[-1], (530, 270))
 

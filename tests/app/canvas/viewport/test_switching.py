@@ -395,6 +395,7 @@ def shown_software(qtbot):
     qtbot.addWidget(viewport)
     viewport.resize(*SIZE)
     viewport.show()
+    qtbot.waitUntil(lambda: not viewport.shown().isNull(), timeout=9000)
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=9000)
     return viewport
 

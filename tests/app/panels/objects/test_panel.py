@@ -14,6 +14,7 @@ from bozzetto.document.model import Document
 from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.widgets.swatch import chart
+from tests.app import fake_session as fakes
 
 
 @pytest.fixture
@@ -40,19 +41,19 @@ def test_models_and_underlays_are_listed_in_order(panel):
 
 def test_the_session_decides_what_is_selected(panel, fake_session):
     assert panel.list.currentRow() == 0
-    fake_session.selected = "m3"
-    fake_session.selection_changed.emit()
+    fake_session.selection.id = "m3"
+    fake_session.selection.changed.emit()
     assert panel.list.currentRow() == 2
-    fake_session.selected = None
-    fake_session.selection_changed.emit()
+    fake_session.selection.id = None
+    fake_session.selection.changed.emit()
     assert panel.list.currentItem() is None
-    assert fake_session.calls.named("select") == [], "showing is not asking"
+    assert fake_session.calls.named("selection.select") == [], "showing is not asking"
 
 
 def test_a_click_selects(panel, fake_session):
     place = panel.list.visualItemRect(panel.list.item(1)).center()
     QTest.mouseClick(panel.list.viewport(), Qt.MouseButton.LeftButton, pos=place)
-    assert fake_session.calls.named("select") == [(("m2",), {})]
+    assert fake_session.calls.named("selection.select") == [(("m2",), {})]
 
 
 def test_renaming_in_place(panel, fake_session):
@@ -62,7 +63,7 @@ def test_renaming_in_place(panel, fake_session):
     QTest.keyClicks(first.editor, "Pony")
     QTest.keyClick(first.editor, Qt.Key.Key_Return)
     first.editor.clearFocus()
-    assert fake_session.calls.named("rename") == [(("m1", "Pony"), {})]
+    assert fake_session.calls.named("objects.rename") == [(("m1", "Pony"), {})]
     assert first.name.isVisible()
 
 
@@ -72,7 +73,7 @@ def test_no_new_name_is_no_renaming(panel, fake_session, typed):
     first.edit_name()
     first.editor.setText(typed)
     QTest.keyClick(first.editor, Qt.Key.Key_Return)
-    assert fake_session.calls.named("rename") == []
+    assert fake_session.calls.named("objects.rename") == []
 
 
 def test_escape_gives_renaming_up(panel, fake_session):
@@ -81,7 +82,7 @@ def test_escape_gives_renaming_up(panel, fake_session):
     QTest.keyClicks(editor, "Pony")
     QTest.keyClick(editor, Qt.Key.Key_Escape)
     assert not editor.isVisible()
-    assert fake_session.calls.named("rename") == []
+    assert fake_session.calls.named("objects.rename") == []
 
 
 def test_hiding_and_locking(panel, fake_session):
@@ -90,8 +91,14 @@ def test_hiding_and_locking(panel, fake_session):
     rider.eye.click()
     horse.lock.click()
     plinth.lock.click()
-    assert fake_session.calls.named("set_visible") == [(("m1", False), {}), (("m3", True), {})]
-    assert fake_session.calls.named("set_locked") == [(("m1", True), {}), (("m4", False), {})]
+    assert fake_session.calls.named("objects.set_visible") == [
+        (("m1", False), {}),
+        (("m3", True), {}),
+    ]
+    assert fake_session.calls.named("objects.set_locked") == [
+        (("m1", True), {}),
+        (("m4", False), {}),
+    ]
 
 
 def test_a_lock_is_seen_without_hovering(panel):
@@ -112,7 +119,10 @@ def test_colours(panel, fake_session):
     discs["Slate"].click()
     saddle.swatch.open_chart()._take(None)
     wanted = dict(chart())["Slate"]
-    assert fake_session.calls.named("set_color") == [(("m2", wanted), {}), (("m2", None), {})]
+    assert fake_session.calls.named("objects.set_color") == [
+        (("m2", wanted), {}),
+        (("m2", None), {}),
+    ]
 
 
 def test_deleting_and_duplicating(panel, fake_session):
@@ -121,9 +131,9 @@ def test_deleting_and_duplicating(panel, fake_session):
     panel.list.setCurrentRow(5)
     assert not panel._duplicate.isEnabled()
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
-    assert fake_session.calls.named("duplicate") == [(("m1",), {})]
-    assert fake_session.calls.named("delete") == [(("m1",), {})]
-    assert fake_session.calls.named("delete_underlay") == [(("u1",), {})]
+    assert fake_session.calls.named("objects.duplicate") == [(("m1",), {})]
+    assert fake_session.calls.named("objects.delete") == [(("m1",), {})]
+    assert fake_session.calls.named("objects.delete_underlay") == [(("u1",), {})]
 
 
 def test_the_menu_offers_the_same(panel, fake_session):
@@ -131,22 +141,22 @@ def test_the_menu_offers_the_same(panel, fake_session):
     titles = [action.text() for action in menu.actions() if not action.isSeparator()]
     assert titles == ["Rename", "Duplicate", "Hide", "Lock", "Use as input for", "Delete"]
     menu.actions()[3].trigger()
-    assert fake_session.calls.named("set_visible") == [(("m1", False), {})]
+    assert fake_session.calls.named("objects.set_visible") == [(("m1", False), {})]
 
 
 @given(st.integers(0, 3), st.integers(0, 7))
-def test_a_dropped_row_lands_in_its_gap(qapp, fakes, source, gap):
+def test_a_dropped_row_lands_in_its_gap(qapp, source, gap):
     """Against the plain list: take it out, put it into the gap between the others."""
     from bozzetto_app.style.icons import FOLDER
 
     session = fakes.FakeSession(FOLDER)
     panel = ObjectsPanel(session)
-    order = [model.id for model in session.document]
+    order = [model.id for model in session.drawing.document]
     marked = [*order[:source], None, *order[source + 1 :]]
     marked.insert(min(gap, len(order)), order[source])
     wanted = [name for name in marked if name is not None]
     panel.drop(source, gap, on=False)
-    for (name, index), _ in session.calls.named("move_to"):
+    for (name, index), _ in session.calls.named("objects.move_to"):
         order.remove(name)
         order.insert(index, name)
     assert order == wanted
@@ -158,24 +168,24 @@ def test_an_underlays_opacity_is_dragged_as_one_step(panel, fake_session):
     QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=QPoint(20, 10))
     QTest.mouseMove(slider, QPoint(30, 10))
     QTest.mouseRelease(slider, Qt.MouseButton.LeftButton, pos=QPoint(30, 10))
-    made = fake_session.calls.named("set_underlay_opacity")
+    made = fake_session.calls.named("objects.set_underlay_opacity")
     assert len(made) == 2
     assert all(args[0] == "u1" and kwargs == {"dragging": True} for args, kwargs in made)
-    assert len(fake_session.calls.named("end_drag")) == 1
+    assert len(fake_session.calls.named("objects.end_drag")) == 1
 
 
 def test_rows_stay_while_only_their_content_changes(panel, fake_session):
     before = rows(panel, ModelRow)[0]
-    models = fake_session.document.models
+    models = fake_session.drawing.document.models
     renamed = (replace(models[0], name="Pony"), *models[1:])
-    fake_session.document = replace(fake_session.document, models=renamed)
-    fake_session.document_changed.emit()
+    fake_session.drawing.document = replace(fake_session.drawing.document, models=renamed)
+    fake_session.drawing.changed.emit()
     assert rows(panel, ModelRow)[0] is before
     assert before.name.text() == "Pony"
 
 
 def test_an_empty_sheet_says_so(panel, fake_session):
-    fake_session.document, fake_session.selected = Document(), None
-    fake_session.document_changed.emit()
+    fake_session.drawing.document, fake_session.selection.id = Document(), None
+    fake_session.drawing.changed.emit()
     assert panel._empty.isVisible()
     assert not panel._delete.isEnabled()

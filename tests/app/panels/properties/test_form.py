@@ -17,6 +17,7 @@ from bozzetto_app.widgets.section import Section
 from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import chart
 from bozzetto_app.widgets.toggle import Toggle
+from tests.app import fake_session as fakes
 
 
 @pytest.fixture
@@ -33,7 +34,9 @@ def row(panel, name, owner="") -> ParameterRow:
 
 
 def settings_made(session):
-    return [(*args, kwargs["dragging"]) for args, kwargs in session.calls.named("set_parameter")]
+    return [
+        (*args, kwargs["dragging"]) for args, kwargs in session.calls.named("objects.set_parameter")
+    ]
 
 
 def test_every_kind_has_its_control(panel, fake_session):
@@ -50,7 +53,7 @@ def test_every_kind_has_its_control(panel, fake_session):
         for control in controls:
             assert row(panel, name).findChild(control) is not None, (name, control)
     assert row(panel, "tolerance").findChild(Slider) is None, "it has no upper end"
-    assert len(panel.findChildren(ParameterRow)) == len(fake_session.parameters)
+    assert len(panel.findChildren(ParameterRow)) == len(fake_session.objects.parameters)
 
 
 def test_values_are_shown(panel):
@@ -70,8 +73,8 @@ def test_a_slider_drag_is_one_step(panel, fake_session):
     made = settings_made(fake_session)
     assert len(made) >= 2, "the first at once, the last at the end"
     assert all(going for *_, going in made)
-    assert len(fake_session.calls.named("end_drag")) == 1
-    assert fake_session.calls.made[-1][0] == "end_drag"
+    assert len(fake_session.calls.named("objects.end_drag")) == 1
+    assert fake_session.calls.made[-1][0] == "objects.end_drag"
     assert fake_session.state.length == made[-1][1]
     assert fake_session.state.length % 1 == 0, "it keeps to the steps"
 
@@ -86,7 +89,7 @@ def test_keys_on_a_slider_are_steps_of_their_own(panel, fake_session):
 
 
 def test_the_slider_catches_the_default(panel, fake_session):
-    fake_session.set_parameter("inflation", 0.3)
+    fake_session.objects.set_parameter("inflation", 0.3)
     slider = row(panel, "inflation").findChild(Slider)
     middle = slider.width() // 2
     QTest.mouseClick(slider, Qt.MouseButton.LeftButton, pos=QPoint(middle + 1, 8))
@@ -118,7 +121,7 @@ def test_text_is_taken_when_it_is_finished(panel, fake_session):
 
 
 def test_a_double_click_on_the_words_restores_the_default(panel, fake_session):
-    fake_session.set_parameter("length", 200.0)
+    fake_session.objects.set_parameter("length", 200.0)
     fake_session.calls.made.clear()
     words = row(panel, "length").words
     QTest.mouseDClick(words, Qt.MouseButton.LeftButton)
@@ -127,7 +130,7 @@ def test_a_double_click_on_the_words_restores_the_default(panel, fake_session):
 
 def test_a_changed_value_is_marked_and_can_be_put_back(panel, fake_session):
     assert row(panel, "length").reset.isHidden()
-    fake_session.set_parameter("length", 200.0)
+    fake_session.objects.set_parameter("length", 200.0)
     reset = row(panel, "length").reset
     assert not reset.isHidden()
     reset.click()
@@ -155,25 +158,25 @@ def test_advanced_is_folded_and_remembered(qtbot, panel, fake_session):
 
 def test_changing_values_keeps_the_controls(panel, fake_session):
     before = row(panel, "length")
-    fake_session.set_parameter("length", 33.0)
+    fake_session.objects.set_parameter("length", 33.0)
     assert row(panel, "length") is before
 
 
 def test_another_selection_makes_another_form(panel, fake_session):
-    fake_session.selected = None
-    fake_session.selection_changed.emit()
+    fake_session.selection.id = None
+    fake_session.selection.changed.emit()
     assert panel._rows == {}
     assert panel._empty.isVisible()
 
 
 def test_a_locked_object_cannot_be_changed(panel, fake_session):
-    fake_session.selected = "m4"
-    fake_session.selection_changed.emit()
+    fake_session.selection.id = "m4"
+    fake_session.selection.changed.emit()
     assert not row(panel, "length").isEnabled()
     assert panel._locked.isVisible()
-    models = tuple(replace(m, locked=False) for m in fake_session.document.models)
-    fake_session.document = replace(fake_session.document, models=models)
-    fake_session.document_changed.emit()
+    models = tuple(replace(m, locked=False) for m in fake_session.drawing.document.models)
+    fake_session.drawing.document = replace(fake_session.drawing.document, models=models)
+    fake_session.drawing.changed.emit()
     assert row(panel, "length").isEnabled()
 
 
@@ -194,9 +197,9 @@ def test_a_parameter_can_be_brought_under_the_keyboard(qtbot, panel):
 
 
 @pytest.fixture
-def with_parts(panel, fakes, fake_session):
+def with_parts(panel, fake_session):
     fake_session.trees["m1"] = fakes.horse_parts()
-    fake_session.document_changed.emit()
+    fake_session.drawing.changed.emit()
     return panel
 
 
@@ -215,17 +218,17 @@ def test_the_chosen_parts_form_stands_under_its_name(with_parts, fake_session):
     own = row(with_parts, "note")
     assert top > own.mapTo(with_parts, own.rect().topLeft()).y()
     fake_session.trees["m1"] = fake_session.trees["m1"].renamed("n2", "Skull")
-    fake_session.document_changed.emit()
+    fake_session.drawing.changed.emit()
     assert heading(with_parts) == "Skull"
     assert row(with_parts, "softness", "part") is softness, "a new name keeps the controls"
 
 
 def test_another_part_has_another_form_and_none_has_none(with_parts, fake_session):
     fake_session.trees["m1"] = fake_session.trees["m1"].chosen("n5")
-    fake_session.parameters_changed.emit()
+    fake_session.selection.changed.emit()
     assert heading(with_parts) == "Saddle pit"
     fake_session.trees["m1"] = fake_session.trees["m1"].chosen("")
-    fake_session.parameters_changed.emit()
+    fake_session.selection.changed.emit()
     assert with_parts._part_section is None
     assert row(with_parts, "inflation").isVisible()
 
@@ -237,10 +240,10 @@ def test_a_part_of_the_same_kind_keeps_the_form_unless_somebody_types_in_it(
 
     def choose(part):
         fake_session.trees["m1"] = fake_session.trees["m1"].chosen(part)
-        fake_session.parameters_changed.emit()
+        fake_session.selection.changed.emit()
 
-    first = fake_session.chosen_part
-    fields = [field for field, _ in fake_session.part_parameters]
+    first = fake_session.parts.chosen
+    fields = [field for field, _ in fake_session.parts.parameters]
     other = next(
         part
         for part in fake_session.trees["m1"].parts
@@ -250,7 +253,7 @@ def test_a_part_of_the_same_kind_keeps_the_form_unless_somebody_types_in_it(
     with_parts.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     with_parts.setFocus()
     choose(other.id)
-    assert [field for field, _ in fake_session.part_parameters] == fields
+    assert [field for field, _ in fake_session.parts.parameters] == fields
     assert with_parts._form is form
     assert heading(with_parts) == other.name
     with_parts.activateWindow()
@@ -266,12 +269,12 @@ def test_a_colour_is_chosen_from_the_chart_or_taken_back(with_parts, fake_sessio
     popup = swatch.open_chart()
     wanted = dict(chart())["Slate"]
     popup._take(wanted)
-    assert fake_session.calls.named("set_part_parameter") == [
+    assert fake_session.calls.named("parts.set_parameter") == [
         (("color", wanted), {"dragging": False})
     ]
     assert "Slate" in swatch.accessibleName()
     color.reset.click()
-    assert fake_session.chosen_part.color is None
+    assert fake_session.parts.chosen.color is None
 
 
 def test_a_parts_parameter_can_be_brought_under_the_keyboard(with_parts):
@@ -283,12 +286,14 @@ def test_a_parts_parameter_can_be_brought_under_the_keyboard(with_parts):
 def test_a_long_name_does_not_widen_the_panel(with_parts, fake_session):
     before = with_parts.widget().minimumSizeHint().width()
     fake_session.trees["m1"] = fake_session.trees["m1"].renamed("n2", "n" * 200)
-    fake_session.document_changed.emit()
+    fake_session.drawing.changed.emit()
     assert with_parts.widget().minimumSizeHint().width() <= max(before, with_parts.width())
 
 
 def test_a_part_with_a_long_name_in_the_report_does_not_widen_the_panel(panel, fake_session):
     long = " ".join(["a nose with a long name"] * 6)
-    fake_session.report = {"parts": [{"name": long, "genus": 0}, {"name": "<b>x</b>", "genus": 1}]}
-    fake_session.report_changed.emit()
+    fake_session.solver.report = {
+        "parts": [{"name": long, "genus": 0}, {"name": "<b>x</b>", "genus": 1}]
+    }
+    fake_session.solver.report_changed.emit()
     assert panel.widget().minimumSizeHint().width() <= panel.viewport().width()

@@ -1,0 +1,123 @@
+"""The scene on the sheet: the models, the underlays, and what is drawn over them for a moment."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Signal
+
+from bozzetto.scene.display_list import Layer, Scene
+from bozzetto.workbench.workbench import Workbench
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.selection import Selection
+from bozzetto_app.session.solver import Solver
+from bozzetto_app.session.toolbox import Toolbox
+from bozzetto_app.session.view_state import ViewState
+
+__all__ = ["SceneModel"]
+
+GHOST_LAYER = "ink"
+"""Name of the layers that hold the ink of models; they are hidden together."""
+
+
+class SceneModel(QObject):
+    """The scenes that the viewport draws, in world coordinates.
+
+    Attributes
+    ----------
+    preview : Scene
+        The effect of the gesture under way.
+
+    Signals
+    -------
+    changed
+        `visible` differs.
+    live_changed
+        `live` differs.
+    """
+
+    changed = Signal()
+    live_changed = Signal()
+
+    def __init__(
+        self,
+        workbench: Workbench,
+        drawing: DocumentModel,
+        selection: Selection,
+        view: ViewState,
+        toolbox: Toolbox,
+        solver: Solver,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self._workbench, self._drawing, self._selection = workbench, drawing, selection
+        self._view, self._toolbox, self._solver = view, toolbox, solver
+        self._visible: Scene | None = None
+        self._last = Scene()
+        self._has_ghosts = True
+        self.preview = Scene()
+        self._advice = Scene()
+        drawing.models_changed.connect(self._models_changed)
+        selection.changed.connect(self._refresh)
+        toolbox.tool_changed.connect(self._tool_changed)
+        solver.changed.connect(self._refresh)
+        view.style_changed.connect(self._style_changed)
+
+    @property
+    def visible(self) -> Scene:
+        """All that is visible; the very same object while nothing else is seen."""
+        if self._visible is None:
+            underlays = self._workbench.underlay_layers(self._drawing.document)
+            seen = tuple(filter(self.is_seen, [*underlays, *self._solver.layers()]))
+            if seen != self._last.layers:  # a layer is equal to itself alone
+                self._last = Scene(seen)
+            self._visible = self._last
+            self._has_ghosts = self._view.show_ghost_ink
+        return self._visible
+
+    @property
+    def live(self) -> Scene:
+        """The preview under the pen, and the layers that the modeler shows in this view only."""
+        return self.advice.under(self.preview)
+
+    @property
+    def advice(self) -> Scene:
+        """The layers that the modeler shows in this view only; see `ViewAdvice.scene`."""
+        return Scene(tuple(filter(self.is_seen, self._advice.layers)))
+
+    def is_seen(self, layer: Layer) -> bool:
+        """Return whether the active tool and the view style let a layer be seen."""
+        if layer.name == GHOST_LAYER and not self._view.show_ghost_ink:
+            return False
+        in_hand = layer.tool == self._toolbox.tool and layer.owner == self._selection.id
+        return in_hand or not layer.tool
+
+    def show_preview(self, scene: Scene) -> None:
+        """Show a preview until another replaces it; an empty scene removes it."""
+        if scene.layers or self.preview.layers:
+            self.preview = scene
+            self.live_changed.emit()
+
+    def show_advice(self, scene: Scene) -> None:
+        """Show the layers that belong to the view of this moment."""
+        shown = bool(self.advice.layers)
+        self._advice = scene
+        if shown or self.advice.layers:
+            self.live_changed.emit()
+
+    def _models_changed(self) -> None:
+        """Look for another scene; a value that is dragged changes it only once it is solved."""
+        before, self._visible = self._last, None
+        if not self._drawing.is_dragging or self.visible is not before:
+            self.changed.emit()
+
+    def _refresh(self) -> None:
+        self._visible = None
+        self.changed.emit()
+
+    def _tool_changed(self) -> None:
+        self._refresh()
+        if any(layer.tool for layer in self._advice.layers):
+            self.live_changed.emit()
+
+    def _style_changed(self) -> None:
+        if self._view.show_ghost_ink != self._has_ghosts:
+            self._refresh()

@@ -1,0 +1,90 @@
+"""The selected model."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Signal
+
+from bozzetto.document.model import Document, Model
+from bozzetto_app.session.document_model import DocumentModel
+
+__all__ = ["Selection", "target_of"]
+
+
+def target_of(model: Model | None, modeler_id: str) -> Model | None:
+    """Return the selected model if the next gesture of a modeler changes it, else None.
+
+    Parameters
+    ----------
+    model : Model, optional
+        The selected model.
+    modeler_id : str
+        The modeler that the gesture is for.
+    """
+    if model is None or model.modeler != modeler_id or model.locked or not model.visible:
+        return None
+    return model
+
+
+class Selection(QObject):
+    """The model that is selected in a document.
+
+    A model that leaves the document is no longer selected. A model that a gesture made is
+    selected, and so is the last model of a document that is opened.
+
+    Attributes
+    ----------
+    id : str, optional
+        Id of the selected model.
+
+    Signals
+    -------
+    changed
+        Another model is selected, or none.
+    """
+
+    changed = Signal()
+
+    def __init__(self, drawing: DocumentModel, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.id: str | None = None
+        self._drawing = drawing
+        drawing.models_changed.connect(self._drop_removed)
+        drawing.applied.connect(self.select)
+        drawing.jumped.connect(self._select_returned)
+        drawing.closing.connect(self._clear)
+        drawing.opened.connect(self._select_last)
+
+    @property
+    def model(self) -> Model | None:
+        """The selected model itself."""
+        for model in self._drawing.document:
+            if model.id == self.id:
+                return model
+        return None
+
+    def target(self, modeler_id: str) -> Model | None:
+        """Return the model that the next gesture of a modeler changes; None for a new one."""
+        return target_of(self.model, modeler_id)
+
+    def select(self, model_id: str | None) -> None:
+        """Select a model, or none."""
+        if model_id != self.id:
+            self.id = model_id
+            self.changed.emit()
+
+    def _drop_removed(self) -> None:
+        if self.model is None:
+            self.select(None)
+
+    def _select_returned(self, returned: list[str]) -> None:
+        """Select a model that undo brought back, where nothing is selected."""
+        if returned and self.id is None:
+            self.select(returned[-1])
+
+    def _clear(self, coming: Document) -> None:
+        self.id = None  # `changed` follows when the next document is there
+
+    def _select_last(self) -> None:
+        models = self._drawing.document.models
+        self.id = models[-1].id if models else None
+        self.changed.emit()
