@@ -16,9 +16,9 @@ def test_nothing_holds_a_model_of_a_closed_document(make_window, settle, qtbot, 
     session = window.session
     settle(session, window.keeper)
     info = session.registry.info(f"bozzetto.{modeler}")
-    session.import_file(sorted(info.samples)[0])
+    session.files.import_file(sorted(info.samples)[0])
     settle(session, window.keeper)
-    (state,) = (weakref.ref(model.state) for model in session.document)
+    (state,) = (weakref.ref(model.state) for model in session.drawing.document)
     window.canvas.fit()
     settle(session, window.keeper)
     for _ in range(2):  # the next document may still be compared with the last one

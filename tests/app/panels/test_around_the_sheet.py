@@ -90,6 +90,10 @@ def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
     assert not part(rail, "waiting").isVisible()
 
 
+def eleven_tools():
+    return tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
+
+
 def test_waiting_ink_does_not_make_a_low_window_higher(shown, fake_session):
     fake_session.toolbox.tools = tuple(
         fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11)

@@ -247,11 +247,11 @@ def test_a_cancelled_export_writes_nothing(session, boxes, settle, qtbot, tmp_pa
 def test_what_is_not_read_of_a_drawing_is_said(make_session, settle, tmp_path):
     session = make_session()
     (tmp_path / "named.svg").write_text(SVG.replace("</svg>", "<text>Front</text></svg>"))
-    session.import_file(tmp_path / "named.svg")
+    session.files.import_file(tmp_path / "named.svg")
     settle(session)
     (said,) = words(session, "error")
     assert "1 text of this drawing is left out" in said
-    assert len(session.document) == 1
+    assert len(session.drawing.document) == 1
 
 
 def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, settle, tmp_path):
@@ -663,7 +663,7 @@ def test_a_file_that_takes_long_is_told_as_slow_and_waited_for(
     qtbot.waitUntil(lambda: words(session, "slow") != [], timeout=10_000)
     waiting_reader.set()
     settle(session)
-    assert len(session.document) == 1
+    assert len(session.drawing.document) == 1
     assert words(session, "slow") == ["Still working. Esc stops it."]
     assert words(session, "fault") == words(session, "error") == []
 
@@ -677,6 +677,6 @@ def test_a_file_that_takes_long_can_be_stopped(
     qtbot.waitUntil(lambda: words(session, "slow") != [], timeout=10_000)
     session.cancel_work()
     settle(session)
-    assert len(session.document) == 0
+    assert len(session.drawing.document) == 0
     assert words(session, "info") == ["Stopped. Nothing was changed."]
     assert words(session, "fault") == words(session, "error") == []
