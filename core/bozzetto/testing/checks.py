@@ -430,7 +430,13 @@ class Check:
         return (self.run.__doc__ or "").strip()
 
 
-SLOW: Final = (check_ranges, check_forgetting, check_fresh_process)
+SLOW: Final = (
+    check_odd_previews,
+    check_odd_gestures,
+    check_ranges,
+    check_forgetting,
+    check_fresh_process,
+)
 """Articles that take many seconds where a solve takes one."""
 
 CHECKS: Final = tuple(

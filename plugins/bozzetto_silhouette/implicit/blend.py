@@ -45,9 +45,9 @@ def smooth_maximum(first: Sample, second: Sample, reach: Floats | float) -> Samp
     excess = np.maximum(k - np.abs(a - b), 0.0)
     k = np.maximum(k, 1e-300)
     value = np.maximum(a, b) + 0.25 * excess * (excess / k)
-    share = np.where(
-        excess > 0.0, 0.5 + 0.5 * np.clip((a - b) / k, -1.0, 1.0), (a >= b).astype(np.float64)
-    )
+    share = (a >= b).astype(np.float64)
+    near = excess > 0.0  # elsewhere the quotient may overflow
+    share[near] = 0.5 + 0.5 * ((a - b)[near] / k[near])
     return _mixed(value, share, first, 1.0 - share, second)
 
 

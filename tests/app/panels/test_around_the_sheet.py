@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QPushButton, QWidget
 
 from bozzetto.document.model import Document
 from bozzetto.scene.palette import DARK, LIGHT
@@ -59,6 +59,7 @@ def test_another_modeler_brings_other_tools(shown, fake_session):
     fake_session.toolbox.tools = (fakes.ToolInfo("spine", "Spine", None, "Draw."),)
     fake_session.toolbox.tool = "spine"
     fake_session.toolbox.modeler_changed.emit()
+    QApplication.processEvents()
     assert [b.accessibleName() for b in buttons(rail)] == ["Spine"]
     assert button(rail, "Spine").isChecked()
 
