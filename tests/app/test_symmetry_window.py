@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLabel
+from PySide6.QtWidgets import QApplication, QLabel
 
 from bozzetto.scene.display_list import Handle, Lines, Shaded
 from bozzetto.view.navigation import turn
@@ -279,12 +279,24 @@ def test_a_drawing_is_saved_comes_back_and_is_handed_over(pair, settle, tmp_path
 # -- in time -----------------------------------------------------------------------------------
 
 
+def usual_frame(window):
+    """Seconds that painting the sheet takes; without a GPU they are the machine's."""
+    found = []
+    for _ in range(10):
+        begun = time.perf_counter()
+        window.canvas.viewports.current.widget.update()
+        QApplication.processEvents()
+        found.append(time.perf_counter() - begun)
+    return float(np.median(found))
+
+
 @pytest.mark.slow
 def test_the_window_is_free_while_curves_are_drawn(window, draw, settle):
     """Pauses from the moment the pen is lifted until the curve is shown."""
     draw(window, RAIL)  # what is made once is made
     pulse = Pulse()
     found, machine = [], 0.0
+    frame = usual_frame(window)
     for curve in (RAIL * MIRROR, RAIL - (0.0, 0.0, 20.0), (RAIL - (0.0, 0.0, 20.0)) * MIRROR):
         stylus, pixels = draw(window, curve, lift=False)
         stylus.lift(pixels[-1])
@@ -292,8 +304,8 @@ def test_the_window_is_free_while_curves_are_drawn(window, draw, settle):
         machine = max(machine, pulse.machine.longest)
         settle(window.session)
     pauses = np.concatenate(found)
-    assert np.percentile(pauses, 95) < 0.050 + machine
-    assert pauses.max() < GENEROUS + machine
+    assert np.percentile(pauses, 95) < 0.050 + machine + frame
+    assert pauses.max() < GENEROUS + machine + frame
 
 
 @pytest.mark.slow

@@ -36,15 +36,12 @@ PICTURES = (".png", ".tif", ".webp", ".jpg")
 HEAVY = ("all overlap", "two random", "a comb", "a star", "nodes without", "symbol times", "used")
 """Words in the names of families whose small files already keep a machine busy for a second."""
 
-GROWING = [
-    pytest.param(
-        one,
-        id=one.name,
-        marks=[pytest.mark.slow] if any(word in one.name for word in HEAVY) else [],
-    )
-    for one in FAMILIES
-    if one.ending not in PICTURES
-]
+MEASURED = [one for one in FAMILIES if one.ending not in PICTURES]
+BOUNDED = [one for one in MEASURED if any(word in one.name for word in HEAVY)]
+"""Their cost is of their pairs, up to a limit of these: more are refused with a sentence."""
+
+GROWING = [one for one in MEASURED if one not in BOUNDED]
+LARGE = 16 * SIZES[-1]
 
 
 def seconds(family, size):
@@ -60,11 +57,17 @@ def seconds(family, size):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("family", GROWING)
+@pytest.mark.parametrize("family", GROWING, ids=lambda family: family.name)
 def test_the_cost_grows_no_faster_than_the_file(family):
     first, second, third = (min(seconds(family, size) for _ in range(3)) for size in SIZES)
     assert third < 5.0
     assert third < max(FREE, GROWTH * second, GROWTH**2 * first)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", BOUNDED, ids=lambda family: family.name)
+def test_the_cost_of_pairs_is_bounded(family):
+    assert all(seconds(family, size) < 5.0 for size in (*SIZES, LARGE))
 
 
 def test_a_reading_that_takes_too_long_is_ended(tmp_path):

@@ -10,6 +10,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
+from bozzetto.ink.checked_points import FARTHEST
 from bozzetto.plugin import Job
 from bozzetto.view import Camera
 from bozzetto_silhouette.model.state import Oversketch, Part, SilhouetteState, Smoothing
@@ -125,7 +126,8 @@ KINDS = (
 
 
 def part_from(random, kind, number: int, **more) -> Part:
-    strokes = [Stroke(*line.T, FRONT) for line in kind(random)]
+    lines = (np.clip(line, -FARTHEST, FARTHEST) for line in kind(random))
+    strokes = [Stroke(*line.T, FRONT) for line in lines]
     return Part(id=f"n{number}", name=f"Part {number}", strokes=Strokes(strokes), **more)
 
 
