@@ -75,6 +75,7 @@ def run(arguments: Sequence[str]) -> int:
 
 def test(arguments: Sequence[str]) -> int:
     """Run every check, all of them even when one fails, pytest last."""
+    keep_bytecode()
     require_qt({**os.environ, "QT_QPA_PLATFORM": "offscreen"}, sys.platform)
     checks = [] if arguments else ["ruff check", "ruff format --check", "mypy", "lint-imports"]
     steps = {check: [str(BIN / check.split()[0]), *check.split()[1:]] for check in checks}
@@ -84,6 +85,16 @@ def test(arguments: Sequence[str]) -> int:
     if failed:
         print("Failed: " + ", ".join(failed), file=sys.stderr, flush=True)
     return codes[failed[0]] if failed else 0
+
+
+def keep_bytecode() -> None:
+    """Let children keep what they compile, in ``.venv``, also where the machine says not to.
+
+    pytest's rewriting of the assertions, and every program that a test starts, would begin with
+    half a minute or half a second of compiling.
+    """
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    os.environ.setdefault("PYTHONPYCACHEPREFIX", str(VENV / "bytecode"))
 
 
 def require_python(version: tuple[int, int]) -> None:

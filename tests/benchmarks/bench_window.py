@@ -96,9 +96,11 @@ def opened(code: str, *options: str) -> dict[str, Any]:
             for name in ("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME")
         }
         ours = {"QT_QPA_PLATFORM": "offscreen", "BOZZETTO_VIEWPORT": "software"}
+        # An installed program is compiled once, not at every start.
+        usual = {name: v for name, v in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
         started = time.time()
         done = subprocess.run(
-            [sys.executable, *options, "-c", code], env={**os.environ, **places, **ours}, cwd=home,
+            [sys.executable, *options, "-c", code], env={**usual, **places, **ours}, cwd=home,
             capture_output=True, text=True, timeout=120, check=True,
         )  # fmt: skip
     said: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
