@@ -16,6 +16,7 @@ from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag
 from bozzetto_car.body.build import body_of
 from bozzetto_car.body.dimension_map import Reshaping, fit_reshaping
+from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.export import shapes_of
@@ -186,8 +187,8 @@ def working_rows(template: Template, sketch: Sketched) -> Iterator[Row]:
     edge = base.network.control_points[edge_called(template, "C1-C2")]
     places = camera.project(bernstein(np.linspace(0.02, 0.98, 60)) @ edge)[0]
     stroke = places + 6.0 * np.sin(np.linspace(0.0, np.pi, 60))[:, None] * (0.0, -1.0)
-    trace = processor_ms(lambda: trace(base.network, stroke, camera), repeats=15)
-    yield Row("car", "an edge traced by a stroke", trace)
+    traced = processor_ms(lambda: trace(base.network, stroke, camera), repeats=15)
+    yield Row("car", "an edge traced by a stroke", traced)
     low, high = (camera.project(base.network.positions[[template.node[name] for name in names]])[0]
                  for names in (("S2.R", "S4.R"), ("B2.R", "B4.R")))  # fmt: skip
     ends = 0.5 * (low + high)
