@@ -12,7 +12,6 @@ import pytest
 from hypothesis import settings
 
 from bozzetto_app.__main__ import ONE_THREAD
-from tests.sizes import sized
 
 # As the program itself has it, and before numpy is imported: on a busy machine the threads of
 # the linear algebra wait for each other by spinning, and a second becomes half a minute.
@@ -52,7 +51,7 @@ _first_home = tempfile.TemporaryDirectory(prefix="bozzetto-tests-")
 os.environ.update(move_home(Path(_first_home.name)))
 
 # Wall-clock limits say more about the machine than about the program.
-settings.register_profile("bozzetto", deadline=None, print_blob=True, max_examples=sized(40, 100))
+settings.register_profile("bozzetto", deadline=None, print_blob=True)
 settings.load_profile("bozzetto")
 
 

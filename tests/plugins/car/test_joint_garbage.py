@@ -99,5 +99,4 @@ def test_garbage_gives_a_sound_car_or_a_sentence(template: Template) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1, 1 + sized(1, 13)))
 def test_ten_thousand_sets_of_garbage(template: Template, seed: int) -> None:
-    count = sized(90, 257)
-    assert survive_garbage(template, seed, count) >= 0.75 * count
+    assert survive_garbage(template, seed, 257) >= 200

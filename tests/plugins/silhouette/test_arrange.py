@@ -131,10 +131,10 @@ def test_with_shift_it_moves_along_one_axis() -> None:
         assert np.delete(offset, axis) == pytest.approx([0.0, 0.0], abs=1e-9)
 
 
-def test_hundreds_of_drags_leave_a_rotation() -> None:
+def test_thousands_of_drags_leave_a_rotation() -> None:
     state = two()
     random = np.random.default_rng(2)
-    for step in range(300):
+    for step in range(600):
         kind = ("turn", "size", "move")[step % 3]
         camera = standard_view(FRONT, VIEWS[step % 4])
         with suppress(UserError):

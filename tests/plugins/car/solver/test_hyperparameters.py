@@ -92,7 +92,7 @@ def test_the_spread_is_that_of_the_cars(template: Template, views: tuple[View, .
     root = np.linalg.inv(np.linalg.cholesky(form)).T
     for share in (0.1, 0.3, 1.0):
         told = []
-        for seed in range(8):
+        for seed in range(12):
             draw = np.random.default_rng(seed).normal(size=len(root))
             car = template.whole(template.variables + share * root @ draw)
             told.append(

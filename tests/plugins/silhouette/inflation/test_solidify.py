@@ -189,7 +189,7 @@ def test_preview_shows_something_early_and_never_raises() -> None:
         assert shown.vertices[:, 2].max() > 0
         assert shown.faces.max() < len(shown.vertices)
     random = np.random.default_rng(4)
-    for _ in range(15):
+    for _ in range(40):
         inflate(random.normal(size=(int(random.integers(0, 70)), 2)).cumsum(axis=0))
     for nothing in (
         [],

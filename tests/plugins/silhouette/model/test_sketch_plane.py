@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
@@ -40,7 +40,6 @@ def cameras(draw: st.DrawFn) -> Camera:
     )
 
 
-@settings(max_examples=30)  # each reads an outline
 @given(cameras())
 def test_what_is_drawn_lies_under_the_pen(camera: Camera) -> None:
     width, height = camera.viewport
