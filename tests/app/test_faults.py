@@ -140,8 +140,9 @@ class Heart:
 
 
 def faults(session):
-    kinds = ("fault", "slow")
-    return [n for n in session.heard if n.kind in kinds and n.plugin != "bozzetto.silhouette"]
+    """What was said of plugins; the one that behaves and the program itself may only be slow."""
+    kinds, well = ("fault", "slow"), ("", "bozzetto.silhouette")
+    return [n for n in session.heard if n.kind in kinds and n.plugin not in well]
 
 
 def draw(session, settle, **more):

@@ -135,6 +135,8 @@ def test_saving_and_journalling_much_ink_leaves_the_window_free(
     boxes.misdeeds["solve"] = lambda state, job: []
     model = window.session.selection.model
     camera = window.session.view.camera
+    window.session.files.save(tmp_path / "few.bozz")  # so that everything is imported
+    settle(window.session, window.keeper)
     ink = Strokes(tuple(stroke_of(circle(radius=50 + 0.01 * k), camera) for k in range(3000)))
     many = replace(model, state=replace(model.state, strokes=ink))
     pulse = Pulse()

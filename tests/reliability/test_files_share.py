@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import concurrent.futures
+import multiprocessing
 import sys
 
 import pytest
@@ -31,7 +33,14 @@ def test_mutated_documents_that_load_can_be_used():
 
 
 def test_hostile_files_keep_to_the_budget():
+    # In a process begun anew: what this one holds would be counted in the peak of those it forks.
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(1, mp_context=context) as pool:
+        lost = pool.submit(_hostile_files_lost, HOSTILE_BYTES).result()
+    assert not lost
+
+
+def _hostile_files_lost(size):
     from tests.reliability.suite_files import _hostile_rows
 
-    lost = [row for row in _hostile_rows(HOSTILE_BYTES) if not row.kept]
-    assert not lost
+    return [row for row in _hostile_rows(size) if not row.kept]
