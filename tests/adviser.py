@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
-from bozzetto.plugin import Command, ViewAdvice
+from bozzetto.plugin import Command, Modeler, Tool, ViewAdvice
 from bozzetto.scene import Layer, Lines, Points, Scene
 from bozzetto.view.standard_views import look_along
 
@@ -20,7 +20,7 @@ MANIFEST = f"""
 id = "adviser.plugin"
 title = "Adviser"
 version = "1.0"
-api = ">=1.2,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "{MODELER}"
@@ -28,7 +28,7 @@ title = "Marks"
 icon = "icon.svg"
 hint = "Draw a mark."
 order = 95
-reads_shapes = true
+abilities = ["read_shapes"]
 """
 
 CODE = """
@@ -64,13 +64,10 @@ class MarksState:
     seen: int = 0
 
 
-class DrawMark:
+class DrawMark(Tool[MarksState]):
     id, title, icon, hint, gesture = "mark", "Mark", "", "Draw a mark.", "ink"
 
-    def preview(self, state, gesture, context):
-        return Scene()
-
-    def apply(self, state, gesture, context):
+    def draw(self, state, gesture, context):
         stroke = gesture.strokes[0]
         places = stroke.camera.on_plane(stroke.points[[0, -1]], (0, 0, 0), (0, 1, 0))
         if not np.isfinite(places).all():
@@ -91,8 +88,8 @@ def refuse(state: MarksState, context: Any) -> MarksState:
     raise UserError("This cannot be done. Do something else.")
 
 
-class Marks:
-    id, title, state_type, state_version = MODELER, "Marks", MarksState, 1
+class Marks(Modeler[MarksState, tuple]):
+    id, state_type = MODELER, MarksState
 
     def __init__(self) -> None:
         self.asked = 0
@@ -125,9 +122,6 @@ class Marks:
         ends = ((c.control_points[0], c.control_points[-1]) for c in shapes.curves)
         pairs = tuple((tuple(map(float, a)), tuple(map(float, b))) for a, b in ends)
         return MarksState(pairs)
-
-    def upgrade(self, state, version):
-        return state
 
     def commands(self):
         return [

@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Surface
-from bozzetto.plugin import Drag, Parameter, ViewAdvice
+from bozzetto.plugin import Modeler, Parameter, Tool, ViewAdvice
 from bozzetto.scene import Handle, Image, Layer, Lines, Picture, Points, Scene
 from bozzetto.view import Camera
 from tests.adviser import CODE, ICON
@@ -21,7 +21,7 @@ MANIFEST = f"""
 id = "tracer.plugin"
 title = "Tracer"
 version = "1.0"
-api = ">=1.3,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "{MODELER}"
@@ -29,6 +29,7 @@ title = "Sketches"
 icon = "icon.svg"
 hint = "Drop a sketch."
 facts = "template"
+abilities = ["add_picture"]
 order = 96
 """
 
@@ -77,33 +78,33 @@ def pixel_at(picture, camera, x, y):
     return own.project(place)[0][0]
 
 
-class Mark:
+class Mark(Tool[Tracing]):
     id, title, icon, gesture = "mark", "Mark", "", "drag"
     hint = "Touch a point of the sketch."
     aims = True
 
     def preview(self, state, gesture, context):
-        try:
-            return scene_of(self.apply(state, gesture, context))
-        except UserError:
-            return Scene()
+        return scene_of(self.apply(state, gesture, context))
 
-    def apply(self, state, gesture, context):
-        if not state.pictures:
-            raise UserError("There is no sketch. Drop one first.")
-        dragged = isinstance(gesture, Drag)
-        x, y = gesture.path.points[-1] if dragged else (gesture.x, gesture.y)
-        pixel = pixel_at(state.pictures[-1], gesture.camera, x, y)
-        if not np.isfinite(pixel).all() or np.abs(pixel).max() > 1e6:
-            raise UserError("This is not on the sketch. Touch it.")
-        mark = (float(pixel[0]), float(pixel[1]))
-        if not dragged:
-            return replace(state, marks=(*state.marks, mark))
-        if not (gesture.handle.isdigit() and int(gesture.handle) < len(state.marks)):
+    def tap(self, state, tap, context):
+        return replace(state, marks=(*state.marks, mark_at(state, tap.camera, tap.x, tap.y)))
+
+    def drag(self, state, drag, context):
+        mark = mark_at(state, drag.camera, *drag.path.points[-1])
+        if not (drag.handle.isdigit() and int(drag.handle) < len(state.marks)):
             raise UserError("There is no such mark. Take another.")
         marks = list(state.marks)
-        marks[int(gesture.handle)] = mark
+        marks[int(drag.handle)] = mark
         return replace(state, marks=tuple(marks))
+
+
+def mark_at(state, camera, x, y):
+    if not state.pictures:
+        raise UserError("There is no sketch. Drop one first.")
+    pixel = pixel_at(state.pictures[-1], camera, x, y)
+    if not np.isfinite(pixel).all() or np.abs(pixel).max() > 1e6:
+        raise UserError("This is not on the sketch. Touch it.")
+    return float(pixel[0]), float(pixel[1])
 
 
 def places_of(state):
@@ -122,8 +123,8 @@ def scene_of(state):
     return Scene((Layer("marks", (*lines, *handles) if len(places) > 1 else handles),))
 
 
-class Sketches:
-    id, title, state_type, state_version = MODELER, "Sketches", Tracing, 1
+class Sketches(Modeler[Tracing, Tracing]):
+    id, state_type = MODELER, Tracing
 
     def __init__(self) -> None:
         self.take = self._take
@@ -134,14 +135,14 @@ class Sketches:
         return Tracing(pictures, template=str(context.facts.get("template", "")))
 
     def read_drawing(self, drawing, context):
-        if not drawing.extra.get("template"):
+        if not drawing.facts.get("template"):
             raise UserError("The file names no template. Write one.")
         return self.create(context)
 
     def tools(self):
         return (Mark(),)
 
-    def with_picture(self, state, picture, context):
+    def add_picture(self, state, picture, context):
         return self.take(state, picture)
 
     def _take(self, state, picture):

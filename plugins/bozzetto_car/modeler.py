@@ -9,7 +9,17 @@ from typing import Any, Final
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
 from bozzetto.ink import Drawing
-from bozzetto.plugin import Caution, Command, Context, Job, Tool, ViewAdvice
+from bozzetto.plugin import (
+    Caution,
+    Command,
+    Context,
+    Group,
+    Job,
+    PartsModeler,
+    Tool,
+    ViewAdvice,
+    override,
+)
 from bozzetto.scene import Picture, Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of, preview_of
@@ -17,7 +27,7 @@ from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of
 from bozzetto_car.marks_file import car_from_facts, is_car_file
 from bozzetto_car.report import cautions_of, report_of
-from bozzetto_car.state import CarState, Group, Sketch, StylingCurve
+from bozzetto_car.state import CarState, Sketch, StylingCurve
 from bozzetto_car.styling.commands import styling_commands
 from bozzetto_car.tools import all_tools
 from bozzetto_car.view.scene import scene_of
@@ -28,29 +38,31 @@ NO_MARKS: Final = (
 )
 
 
-class Car:
+class Car(PartsModeler[CarState, Body]):
     """The modeler in which a template takes the shape of a marked sketch (Kara & Shimada 2008)."""
 
     id = "bozzetto.car"
-    title = "Car"
     state_type = CarState
-    state_version = 1
     part_types = (Sketch, StylingCurve, Group)
 
+    @override
     def create(self, context: Context) -> CarState:
         """Return the template as it stands, or the car of a file's marks."""
         if is_car_file(context.facts):
             return car_from_facts(context.facts, context.pictures)
         return CarState()
 
+    @override
     def tools(self) -> Sequence[Tool[CarState]]:
         """Return the tools of the pen, most used first."""
         return all_tools()
 
+    @override
     def commands(self) -> Sequence[Command]:
         """Return the commands for a car and its styling curves."""
         return (*all_commands(), *styling_commands())
 
+    @override
     def read_drawing(self, drawing: Drawing, context: Context) -> CarState:
         """Return the car of a file's marks.
 
@@ -63,7 +75,8 @@ class Car:
             raise UserError(NO_MARKS)
         return self.create(context)
 
-    def with_picture(self, state: CarState, picture: Picture, context: Context) -> CarState:
+    @override
+    def add_picture(self, state: CarState, picture: Picture, context: Context) -> CarState:
         """Add a sketch, which is chosen; or give the chosen sketch its missing picture."""
         chosen = next((s for s in state.sketches if s.id == state.selected), None)
         if chosen is not None and chosen.picture is None:
@@ -77,66 +90,51 @@ class Car:
         )
         return replace(state.with_node(sketch), asked="")
 
+    @override
     def solve(self, state: CarState, job: Job) -> Body:
         """Solve cameras, shape and surfaces; see `solver` and `body`."""
         job.checkpoint(0.0, "Cameras and shape")
         return preview_of(state) if job.quality == "preview" else body_of(state)
 
+    @override
     def scene(self, state: CarState, result: Body | None) -> Scene:
         """Return the sketch, the body over it, and the handles."""
         return scene_of(state, result)
 
+    @override
     def shapes(self, state: CarState, result: Body) -> Shapes:
         """Return the surfaces, exact bicubic patches, and the styling curves."""
         return shapes_of(state, result)
 
+    @override
     def curves(self, state: CarState, result: Body) -> tuple[Curve, ...]:
         """Return edges and styling curves for other models to snap to."""
         return curves_of(state, result)
 
+    @override
     def report(self, state: CarState, result: Body) -> Mapping[str, Any]:
         """Return nodes, cameras, residuals, constraints, creases and dimensions."""
         return report_of(result)
 
+    @override
     def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:
         """Return what was left out, and whether any sketch shapes the car."""
         return cautions_of(result)
 
+    @override
     def view_advice(self, state: CarState, camera: Camera) -> ViewAdvice:
         """Return whether the view is through the sketch, and the way back to it."""
         return advice_on(state, body_of(state), camera)
 
+    @override
     def view_after(self, seen: CarState, state: CarState, camera: Camera) -> Camera | None:
         """Return the view through the sketch's new camera, for a view through an earlier one."""
         return view_after(seen, state, camera)
 
-    # -- parts --
-
-    def parts(self, state: CarState) -> tuple[Sketch | StylingCurve | Group, ...]:
-        """Return the sketches, styling curves and groups."""
-        return state.nodes
-
-    def selected_part(self, state: CarState) -> str:
-        """Return the id of the chosen part."""
-        return state.selected
-
-    def is_group(self, part: Sketch | StylingCurve | Group) -> bool:
-        """Whether a part holds others."""
-        return isinstance(part, Group)
-
+    @override
     def with_parts(
-        self, state: CarState, parts: tuple[Sketch | StylingCurve | Group, ...], selected: str
+        self, state: CarState, nodes: tuple[Sketch | StylingCurve | Group, ...], selected: str
     ) -> CarState:
         """Return the state with other parts; where none is chosen, no tangents are revealed."""
         revealed = state.revealed if selected else ""
-        return replace(state, nodes=parts, selected=selected, revealed=revealed)
-
-    def new_group(self, state: CarState) -> Group:
-        """Return an empty group."""
-        return Group(id=state.unused_id(), name=state.unused_name("Group"))
-
-    # -- documents --
-
-    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """Return the stored state unchanged: this is the first version."""
-        return state
+        return replace(state, nodes=nodes, selected=selected, revealed=revealed)

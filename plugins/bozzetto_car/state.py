@@ -7,7 +7,7 @@ mark changes, they are applied again, each to the result of those before it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Annotated, Final, Literal
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import frozen
 from bozzetto.ink import Strokes
-from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
+from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto.scene import Picture
 from bozzetto_car.array_types import Array
 from bozzetto_car.dimensions import LONGEST, Dimensions
@@ -113,31 +113,6 @@ class Treatment(BodyEdit):
 
 
 @dataclass(frozen=True)
-class Node:
-    """The fields of everything in the list of parts.
-
-    Parameters
-    ----------
-    id : str
-        Unique within the state.
-    name : str
-    visible : bool
-    within : str
-        Id of the group that it is in; "" for none.
-    """
-
-    id: str = ""
-    name: str = ""
-    visible: bool = True
-    within: str = ""
-
-
-@dataclass(frozen=True)
-class Group(Node):
-    """Styling curves that belong together."""
-
-
-@dataclass(frozen=True)
 class Mark:
     """The place of a node in a sketch, in px from the top left corner of the picture, y down."""
 
@@ -147,7 +122,7 @@ class Mark:
 
 
 @dataclass(frozen=True)
-class Sketch(Node):
+class Sketch(Part):
     """A picture of the car, and the marks on it.
 
     Parameters
@@ -205,7 +180,7 @@ class Sketch(Node):
 
 
 @dataclass(frozen=True, eq=False)
-class StylingCurve(Node):
+class StylingCurve(Part):
     """A line on the body, stored by patch, u and v, so that it follows all later changes.
 
     Parameters
@@ -249,7 +224,7 @@ def _advanced(label: str, help_: str) -> Parameter:
 
 
 @dataclass(frozen=True)
-class CarState:
+class CarState(PartsState):
     """Sketches, styling curves, edits by hand, and how the car is solved and shown.
 
     Parameters
@@ -371,18 +346,6 @@ class CarState:
         sketches = self.sketches
         chosen = (sketch for sketch in sketches if sketch.id == self.selected)
         return next(chosen, sketches[0] if sketches else None)
-
-    def with_node(self, node: Sketch | StylingCurve | Group) -> CarState:
-        """Return the state with a part added, or replaced by its id; the part is chosen."""
-        return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
-
-    def unused_id(self) -> str:
-        """Return an id that no part has."""
-        return unused_id(self.nodes)
-
-    def unused_name(self, stem: str) -> str:
-        """Return a name that no part has."""
-        return unused_name(self.nodes, stem)
 
     @property
     def dimensions(self) -> Dimensions:

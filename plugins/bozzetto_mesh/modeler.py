@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from bozzetto.geometry import Mesh, Shapes, Solid, Surface
-from bozzetto.plugin import Context, Job, Tool
+from bozzetto.plugin import Job, Modeler, override
 from bozzetto.scene import Layer, Scene, Shaded
 
 
@@ -30,35 +28,29 @@ class MeshState:
             raise ValueError("every mesh is closed or is not")
 
 
-class ImportedMesh:
+class ImportedMesh(Modeler[MeshState, MeshState]):
     """A mesh from a file. There is nothing to draw and nothing to solve."""
 
     id = "bozzetto.mesh"
-    title = "Mesh"
     state_type = MeshState
-    state_version = 1
 
-    def create(self, context: Context) -> MeshState:
-        """No mesh."""
-        return MeshState()
-
-    def tools(self) -> Sequence[Tool[MeshState]]:
-        """None: a mesh is a given thing."""
-        return ()
-
+    @override
     def read_shapes(self, shapes: Shapes) -> MeshState:
         """Return a state with the meshes of a file."""
         meshes = tuple(part.mesh for part in shapes.meshes())
         return MeshState(meshes, (True,) * len(shapes.solids) + (False,) * len(shapes.surfaces))
 
+    @override
     def solve(self, state: MeshState, job: Job) -> MeshState:
         """Return the meshes: the state holds them already."""
         return state
 
+    @override
     def scene(self, state: MeshState, result: MeshState | None) -> Scene:
         """Return the meshes, shaded in clay."""
         return Scene((Layer("mesh", tuple(Shaded(mesh) for mesh in state.meshes)),))
 
+    @override
     def shapes(self, state: MeshState, result: MeshState) -> Shapes:
         """Return the meshes as they were read."""
         pairs = list(zip(state.meshes, state.closed, strict=True))
@@ -66,7 +58,3 @@ class ImportedMesh:
             solids=tuple(Solid(mesh) for mesh, closed in pairs if closed),
             surfaces=tuple(Surface(mesh) for mesh, closed in pairs if not closed),
         )
-
-    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """There is no older form yet."""
-        return state

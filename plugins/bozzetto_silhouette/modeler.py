@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
 from bozzetto.ink import Drawing
-from bozzetto.plugin import Caution, Context, Job, Tool
+from bozzetto.plugin import Caution, Context, Job, PartsModeler, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
 from bozzetto_silhouette.appearance.surface_look import Painted, painted, texture_of
@@ -57,23 +57,20 @@ class SilhouetteResult:
     solids: Mapping[str, SilhouetteSolid]
 
 
-class Silhouette:
+class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     """Closed outlines become convolution solids (Kukelova & Durikovic 2007)."""
 
     id = "bozzetto.silhouette"
-    title = "Silhouette"
     state_type = SilhouetteState
     state_version = 3
     part_types = (Part, Cut, Group)
 
-    def create(self, context: Context) -> SilhouetteState:
-        """Return a state without parts."""
-        return SilhouetteState()
-
+    @override
     def tools(self) -> Sequence[Tool[SilhouetteState]]:
         """Return the tools, most used first."""
         return all_tools()
 
+    @override
     def read_drawing(self, drawing: Drawing, context: Context) -> SilhouetteState:
         """Read all strokes of a drawing as one part; nested outlines are holes.
 
@@ -93,6 +90,7 @@ class Silhouette:
         outline_of(part)
         return SilhouetteState().with_node(part)
 
+    @override
     def solve(self, state: SilhouetteState, job: Job) -> SilhouetteResult:
         """Make one watertight solid; what did not change is remembered."""
         resolution = state.resolution
@@ -109,6 +107,7 @@ class Silhouette:
             moved = Posed(*look, None)
         return SilhouetteResult(body, *moved, final, solids)
 
+    @override
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
         """Return the shape in clay and, faintly, the ink that made it.
 
@@ -126,6 +125,7 @@ class Silhouette:
             layers.append(None if state.posing else handles_layer(state))
         return Scene(tuple(layer for layer in layers if layer is not None))
 
+    @override
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
         """Return one solid and the skeleton of each part."""
         if result.mesh is None or result.shown is None or result.body is None:
@@ -148,46 +148,28 @@ class Silhouette:
             skeletons=tuple(skeletons),
         )
 
+    @override
     def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:
         """Report how close every part is to its outline, and whether the whole can be printed."""
         figures = report_of(state, result.body, result.solids)
         rig = None if result.body is None else rig_of(state)
         return figures if rig is None else {**figures, "rig": rig_facts(rig)}
 
+    @override
     def cautions(self, state: SilhouetteState, result: SilhouetteResult) -> tuple[Caution, ...]:
         """Return cautions about strokes that are not in the shape."""
         return cautions_of(state)
 
     # -- parts --
 
-    def parts(self, state: SilhouetteState) -> tuple[Part | Group, ...]:
-        """Return the nodes of the tree."""
-        return state.nodes
-
-    def selected_part(self, state: SilhouetteState) -> str:
-        """Return the id of the node that is chosen."""
-        return state.selected
-
-    def is_group(self, part: Part | Group) -> bool:
-        """Whether a node holds others."""
-        return isinstance(part, Group)
-
-    def with_parts(
-        self, state: SilhouetteState, parts: tuple[Part | Group, ...], selected: str
-    ) -> SilhouetteState:
-        """Return the same state with other nodes."""
-        return replace(state, nodes=parts, selected=selected)
-
-    def new_group(self, state: SilhouetteState) -> Group:
-        """Return an empty group."""
-        return Group(id=state.unused_id(), name=state.unused_name("Group"))
-
+    @override
     def released(self, part: Part | Group, group: Group) -> Part | Group:
         """Return a node that stays where its group had moved it."""
         return replace(part, pose=group.pose.after(part.pose))
 
     # -- documents --
 
+    @override
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
         """Bring an older state up to date.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Final
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh, Shapes, Solid, frozen
 from bozzetto.geometry.wrap.shrink_wrap import LEVELS, curve_distances, shrink_wrap
-from bozzetto.plugin import Context, Job, Parameter, Tool
+from bozzetto.plugin import Job, Modeler, Parameter, override
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_skin.reading import polylines
 
@@ -96,28 +96,20 @@ class Skin:
     distances: Array
 
 
-class RoughSkin:
+class RoughSkin(Modeler[SkinState, Skin]):
     """A sphere shrunk onto curves. There is nothing to draw: the curves come from elsewhere."""
 
     id = "bozzetto.skin"
-    title = "Rough skin"
     state_type = SkinState
-    state_version = 1
 
-    def create(self, context: Context) -> SkinState:
-        """Return a state without curves."""
-        return SkinState()
-
-    def tools(self) -> Sequence[Tool[SkinState]]:
-        """Return no tools: curves are drawn with other modelers."""
-        return ()
-
+    @override
     def read_shapes(self, shapes: Shapes) -> SkinState:
         """Return a state with the curves and patches of another model, or of a file."""
         lines = polylines(shapes)
         lengths = [0, *(len(line) for line in lines[:-1])]
         return SkinState(np.vstack(lines), np.cumsum(lengths).astype(np.int32))
 
+    @override
     def solve(self, state: SkinState, job: Job) -> Skin:
         """Shrink the sphere."""
         if not len(state.starts):
@@ -134,6 +126,7 @@ class RoughSkin:
             return Skin(mesh, np.zeros(0))
         return Skin(mesh, curve_distances(state.curves, mesh))
 
+    @override
     def scene(self, state: SkinState, result: Skin | None) -> Scene:
         """Return the skin, shaded in clay, and the curves on it."""
         curves = Lines(state.points.astype(np.float32), state.starts, color="ghost", width=1.0)
@@ -142,12 +135,14 @@ class RoughSkin:
             layers.insert(0, Layer("skin", (Shaded(result.mesh),)))
         return Scene(tuple(layers))
 
+    @override
     def shapes(self, state: SkinState, result: Skin) -> Shapes:
         """Return the skin as a solid."""
         if result.mesh is None:
             return Shapes()
         return Shapes(solids=(Solid(result.mesh, name="skin"),))
 
+    @override
     def report(self, state: SkinState, result: Skin) -> Mapping[str, Any]:
         """Report how far the curves are from the skin."""
         if result.mesh is None:
@@ -167,7 +162,3 @@ class RoughSkin:
             }
             told["greatest_distance_percent_of_size"] = 100.0 * float(greatest) / size
         return told
-
-    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """Return the state: there is no older form yet."""
-        return state

@@ -11,14 +11,24 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.geometry import Shapes
 from bozzetto.ink import Drawing
-from bozzetto.plugin import Caution, Command, Context, Job, Tool, ViewAdvice
+from bozzetto.plugin import (
+    Caution,
+    Command,
+    Context,
+    Group,
+    Job,
+    PartsModeler,
+    Tool,
+    ViewAdvice,
+    override,
+)
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.export import shapes_of
 from bozzetto_symmetry.ink.same_view import is_one_view
 from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
-from bozzetto_symmetry.model.state import Curve, Group, Line, SymmetryState
+from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view
 from bozzetto_symmetry.report import cautions_of, report_of
 from bozzetto_symmetry.solve.curve_solver import Trace, directions, trace_of
@@ -57,24 +67,25 @@ class SymmetryResult:
     problems: Mapping[str, str]
 
 
-class Symmetry:
+class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
     """Both sides of a symmetric curve, drawn in perspective (Bae, Kijima & Kim 2004)."""
 
     id = "bozzetto.symmetry"
-    title = "Symmetry"
     state_type = SymmetryState
-    state_version = 1
     part_types = (Curve, Line, Group)
 
+    @override
     def create(self, context: Context) -> SymmetryState:
         """Return an empty box: the one that a file gives, or 200 × 100 × 100 mm on the ground."""
         given = box_facts(context.facts)
         return replace(SymmetryState(), **({} if given else ON_GROUND), **given)
 
+    @override
     def tools(self) -> Sequence[Tool[SymmetryState]]:
         """Return the tools of the pen, most used first."""
         return all_tools()
 
+    @override
     def read_drawing(self, drawing: Drawing, context: Context) -> SymmetryState:
         """Return the curves of a drawing.
 
@@ -93,6 +104,7 @@ class Symmetry:
             state = replace(state, **box_around(strokes, state.plane))
         return add_drawing(state, strokes, readings_of(context.facts))
 
+    @override
     def solve(self, state: SymmetryState, job: Job) -> SymmetryResult:
         """Solve every curve by itself; what did not change is remembered."""
         traces: dict[str, Trace] = {}
@@ -105,30 +117,37 @@ class Symmetry:
                 problems[curve.id] = problem.message
         return SymmetryResult(traces, problems)
 
+    @override
     def scene(self, state: SymmetryState, result: SymmetryResult | None) -> Scene:
         """Return the see-through box, the curves, and how sure each of them is."""
         return scene_of(state, {} if result is None else result.traces)
 
+    @override
     def shapes(self, state: SymmetryState, result: SymmetryResult) -> Shapes:
         """Return the curves, exact; of a pair both."""
         return shapes_of(state, result.traces)
 
+    @override
     def curves(self, state: SymmetryState, result: SymmetryResult) -> tuple[ShapeCurve, ...]:
         """Return the same curves, for the tools of other models to snap to."""
         return shapes_of(state, result.traces).curves
 
+    @override
     def report(self, state: SymmetryState, result: SymmetryResult) -> Mapping[str, Any]:
         """Return readings, control points and uncertainties of all curves."""
         return report_of(state, result.traces, result.problems)
 
+    @override
     def cautions(self, state: SymmetryState, result: SymmetryResult) -> tuple[Caution, ...]:
         """Return curves that are missing or not sure, and why."""
         return cautions_of(state, result.traces, result.problems)
 
+    @override
     def commands(self) -> Sequence[Command]:
         """Return the commands on the chosen curve."""
         return all_commands()
 
+    @override
     def view_advice(self, state: SymmetryState, camera: Camera) -> ViewAdvice:
         """Return how exact a curve becomes in a view, and what of the box depends on the view.
 
@@ -147,33 +166,3 @@ class Symmetry:
         lines = directions(state)
         judged = advice(camera, state.plane, state.centre, state.diagonal, lines)
         return ViewAdvice(judged.level, judged.message, judged.better, scene)
-
-    # -- parts --
-
-    def parts(self, state: SymmetryState) -> tuple[Curve | Line | Group, ...]:
-        """Return the curves, lines and groups."""
-        return state.nodes
-
-    def selected_part(self, state: SymmetryState) -> str:
-        """Return the id of the chosen one."""
-        return state.selected
-
-    def is_group(self, part: Curve | Line | Group) -> bool:
-        """Return whether a part holds others."""
-        return isinstance(part, Group)
-
-    def with_parts(
-        self, state: SymmetryState, parts: tuple[Curve | Line | Group, ...], selected: str
-    ) -> SymmetryState:
-        """Return the same state with other nodes."""
-        return replace(state, nodes=parts, selected=selected)
-
-    def new_group(self, state: SymmetryState) -> Group:
-        """Return an empty group."""
-        return Group(id=state.unused_id(), name=state.unused_name("Group"))
-
-    # -- documents --
-
-    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
-        """Return the state as it is: this is the first version."""
-        return state

@@ -15,7 +15,7 @@ import numpy as np
 from bozzetto.errors import Unfinished
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Strokes
-from bozzetto.plugin import Parameter
+from bozzetto.plugin import Modeler, Parameter, Tool
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 
 MODELER = "trouble.boxes"
@@ -31,14 +31,14 @@ MANIFEST = f"""
 id = "{PLUGIN}"
 title = "Troublemaker"
 version = "1.0"
-api = ">=1,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "{MODELER}"
 title = "Boxes"
 icon = "icon.svg"
 hint = "Draw around a box."
-panel = true
+abilities = ["panel", "read_shapes"]
 order = 90
 """
 
@@ -92,7 +92,7 @@ def box(size: float, at: float) -> Mesh:
     return Mesh(np.float32(size) * corners + offset, np.array(faces, np.int32))
 
 
-class DrawBox:
+class DrawBox(Tool[BoxesState]):
     """A closed stroke is a box."""
 
     id, title, icon, hint, gesture = "draw", "Draw", "", "Draw around a box.", "ink"
@@ -106,7 +106,7 @@ class DrawBox:
 
         return self.owner.do("preview", well, state, gesture, context)
 
-    def apply(self, state, gesture, context):
+    def draw(self, state, gesture, context):
         def well():
             first, last = gesture.strokes[0].points[0], gesture.strokes[-1].points[-1]
             if not gesture.committed and np.hypot(*(last - first)) > OPEN_GAP:
@@ -116,10 +116,10 @@ class DrawBox:
         return self.owner.do("apply", well, state, gesture, context)
 
 
-class Boxes:
+class Boxes(Modeler[BoxesState, list[Mesh]]):
     """The modeler. `misdeeds` maps the name of a function to what it does instead."""
 
-    id, title, state_type, state_version = MODELER, "Boxes", BoxesState, 2
+    id, state_type, state_version = MODELER, BoxesState, 2
 
     def __init__(self) -> None:
         self.misdeeds: dict[str, Callable[..., Any]] = {}

@@ -43,8 +43,7 @@ class _Host:
                 raise UserError(tr("PluginPanel", "Choose an object to change it."))
             if model.locked:
                 raise UserError(tr("PluginPanel", "This object is locked. Unlock it to change it."))
-            state_type = session.registry.modeler(self._modeler).state_type
-            session.registry.guard.check_state(self._modeler, state_type, state)
+            session.registry.guarded(self._modeler).check_state(state, "its panel")
         except (UserError, PluginFault) as problem:
             session.notices.complain(problem)
             return

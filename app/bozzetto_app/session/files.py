@@ -491,7 +491,7 @@ class Files(QObject):
                 return bench.sources.from_shapes(MESH_MODELER, shapes, path.stem), False, ()
             ink = read_drawing(path, checkpoint=reading)
             facts_only = not len(ink.strokes)
-            modeler = (facts_only and bench.registry.told_by(ink.extra)) or active
+            modeler = (facts_only and bench.registry.told_by(ink.facts)) or active
             if not modeler:
                 raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
             here = context if facts_only else replace(context, camera=ink.camera)

@@ -44,7 +44,9 @@ class ShapeInput:
     @property
     def takers(self) -> tuple[ModelerInfo, ...]:
         """The modelers that can start from shapes; also those that nobody draws with."""
-        return tuple(info for info in self._workbench.registry.modelers() if info.reads_shapes)
+        return tuple(
+            info for info in self._workbench.registry.modelers() if "read_shapes" in info.abilities
+        )
 
     def use_chosen(self, modeler_id: str) -> None:
         """Start from the chosen part, or from the selected object if no part is chosen."""

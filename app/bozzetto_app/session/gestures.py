@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from PySide6.QtCore import QObject
 
+from bozzetto.document.model import Model
 from bozzetto.document.waiting_ink import (
     WaitingStatus,
     WaitingStroke,
@@ -23,9 +24,11 @@ from bozzetto.document.waiting_ink import (
 )
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink.stroke import Stroke
+from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
+from bozzetto.workbench.previews import ModelPreview
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_model import DocumentModel
@@ -89,6 +92,7 @@ class Gestures(QObject):
         self._context, self._notices = context, notices
         self._pen_is_down = False
         self._awaited = ""
+        self._live: _LivePreview | None = None
         self._unpreviewable: set[tuple[str, str]] = set()
         self.edits.slow.connect(notices.tell_slow)
         toolbox.modeler_changed.connect(self._tool_changed)
@@ -260,10 +264,13 @@ class Gestures(QObject):
 
     def _clear_preview(self) -> None:
         self._awaited = ""
+        self._live = None
         self.previews.cancel()
         self._scene.show_preview(Scene())
 
     def _preview(self, gesture: Gesture) -> None:
+        if not self._pen_is_down:
+            self._live = None
         self._awaited = ""
         self._pen_is_down = True
         bench, modeler = self._workbench, self._toolbox.modeler
@@ -274,10 +281,12 @@ class Gestures(QObject):
         if not modeler or not tool or (modeler, tool) in self._unpreviewable:
             return
         context, target = self._context.now(), self._selection.target(modeler)
+        known = self._live
+        if known is None or not known.is_for(modeler, tool, target, context.scene):
+            known = self._live = _LivePreview(bench, modeler, tool, target, context)
 
         def work(job: Job) -> Scene:
-            model = target or bench.create(modeler, context)
-            return bench.preview(model, bench.tool(modeler, tool), gesture, context)
+            return known.update(gesture)
 
         def failed(problem: BaseException) -> None:
             """Report one fault and preview no more; the stroke itself may still succeed."""
@@ -416,9 +425,29 @@ class Gestures(QObject):
                 only_chosen=answer.only_chosen,
                 used=tuple(stroke for stroke in used if id(stroke) in waits),
             )
-            # The active tool names the next gesture, whichever tool took the drag of a handle.
-            tool = self._toolbox.active
-            if tool is None or not tool.tells_next:
-                self._notices.say_hint(self._toolbox.hint_and_more(self._toolbox.tool))
 
         self.edits.submit(Request(work, answered, failed, inputs=attempt))
+
+
+class _LivePreview:
+    """The preview of one gesture; it is begun and updated in the worker of the previews."""
+
+    def __init__(
+        self, bench: Workbench, modeler: str, tool: str, target: Model | None, context: Context
+    ) -> None:
+        self._bench, self._modeler, self._tool = bench, modeler, tool
+        self._target, self._context = target, context
+        self._preview: ModelPreview | None = None
+
+    def is_for(self, modeler: str, tool: str, target: Model | None, scene: Scene) -> bool:
+        """Whether the gesture goes on in the same world."""
+        same_tool = (modeler, tool) == (self._modeler, self._tool)
+        return same_tool and target is self._target and scene is self._context.scene
+
+    def update(self, gesture: Gesture) -> Scene:
+        """Return what to show of the gesture so far."""
+        bench, context = self._bench, self._context
+        if self._preview is None:
+            model = self._target or bench.create(self._modeler, context)
+            self._preview = bench.begin(model, bench.tool(self._modeler, self._tool), context)
+        return self._preview.update(gesture)

@@ -57,7 +57,7 @@ class Replay(QObject):
         self._drawing, self._gestures = session.drawing, session.gestures
         self._context = session.context
         self._strokes = list(drawing.strokes)
-        self._facts, self._pictures = drawing.extra, drawing.pictures
+        self._facts, self._pictures = drawing.facts, drawing.pictures
         self._speed = speed
         self._pen_down = 0.0
         self._timer = QTimer(self)

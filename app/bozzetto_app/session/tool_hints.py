@@ -1,6 +1,6 @@
 """The gesture that the active tool expects next, for the selected model as it is now.
 
-Only tools that name the next gesture themselves are asked; the hint of the others stays.
+One answer, `NextStep`, for every place that shows it.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from PySide6.QtCore import QObject
 
 from bozzetto.document.model import Model
 from bozzetto.plugin.job import Job
+from bozzetto.plugin.next_step import NextStep
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.session.document_model import DocumentModel
 from bozzetto_app.session.notices import Notices
@@ -66,14 +67,14 @@ class ToolHints(QObject):
             return
         model, tool = question
 
-        def work(job: Job) -> str:
-            return bench.next_hint(model, bench.tool(model.modeler, tool))
+        def work(job: Job) -> NextStep:
+            return bench.next_step(model, bench.tool(model.modeler, tool))
 
-        def done(hint: str) -> None:
+        def done(step: NextStep) -> None:
             if _same(question, self._asked):
                 # A tool with nothing special to say leaves room for what else can be done.
-                usual = hint == toolbox.hint_of(tool)
-                self._notices.say_hint(toolbox.hint_and_more(tool) if usual else hint)
+                usual = step.sentence == toolbox.hint_of(tool)
+                self._notices.say_hint(toolbox.hint_and_more(tool) if usual else step.sentence)
 
         def failed(problem: BaseException) -> None:
             """Report one fault and ask no more: it would return with every stroke."""
@@ -84,7 +85,7 @@ class ToolHints(QObject):
 
     def _question(self) -> Question:
         model, tool = self._selection.target(self._toolbox.modeler), self._toolbox.active
-        if model is None or tool is None or not tool.tells_next or model.modeler in self._failed:
+        if model is None or tool is None or model.modeler in self._failed:
             return None
         return model, tool.id
 

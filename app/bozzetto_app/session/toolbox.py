@@ -10,7 +10,6 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.plugin.host.registry import ModelerInfo
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import Aims, TellsNext
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.notices import Notices
@@ -35,10 +34,8 @@ class ToolInfo:
     icon: Path | None
     hint: str
     gesture: Literal["ink", "tap", "drag"]
-    tells_next: bool = False
-    """Whether it names the next gesture itself; see `TellsNext`."""
     aims: bool = False
-    """Whether its positions must be met exactly; see `Aims`."""
+    """Whether its positions must be met exactly; see `Tool.aims`."""
 
 
 class Toolbox(QObject):
@@ -126,8 +123,7 @@ class Toolbox(QObject):
                     info.folder / tool.icon if tool.icon else None,
                     tool.hint,
                     tool.gesture,
-                    isinstance(tool, TellsNext),
-                    isinstance(tool, Aims) and tool.aims,
+                    tool.aims,
                 )
                 for tool in bench.tools(modeler_id)
             )

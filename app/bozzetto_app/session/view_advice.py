@@ -16,7 +16,7 @@ from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
 from bozzetto.workbench.workbench import Workbench
@@ -223,8 +223,6 @@ class ViewAdviser(QObject):
         The empty models belong to the one worker of this channel.
         """
         bench = self._workbench
-        if not isinstance(bench.registry.modeler(modeler), AdvisesView):
-            return None
         if model is None:
             if modeler not in self._empty:
                 self._empty[modeler] = bench.create(modeler, Context(camera=camera))

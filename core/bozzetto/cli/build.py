@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bozzetto.cli.output import (
     EXIT_ERROR,
@@ -22,6 +22,9 @@ from bozzetto.cli.output import (
 )
 from bozzetto.errors import UserError
 
+if TYPE_CHECKING:
+    from bozzetto.workbench.workbench import Workbench
+
 MAX_PLACES = 3
 """Places of a mistake that an error line names."""
 
@@ -33,7 +36,7 @@ def build(options: argparse.Namespace) -> int:
 
     bench = workbench()
     modeler_id = bench.registry.resolve(options.modeler)
-    values = _settings(bench.registry.modeler(modeler_id), options.set)
+    values = _settings(bench, modeler_id, options.set)
     inputs = [Path(name) for name in options.inputs]
     targets = _targets(inputs, options.output, options.format)
     for target in targets:
@@ -116,12 +119,13 @@ def _places(problem: UserError, drawing: Any) -> str:
     return f" It is at {said}{' …' if len(problem.places) > MAX_PLACES else ''}."
 
 
-def _settings(modeler: Any, assignments: Sequence[str]) -> dict[str, object]:
+def _settings(bench: Workbench, modeler_id: str, assignments: Sequence[str]) -> dict[str, object]:
     """Return the values of ``--set``: of the modeler, of all its parts, or of a named part."""
     from bozzetto.parameters import parameter_fields, parse_parameter
-    from bozzetto.plugin.parts import HasParts
+    from bozzetto.plugin.parts import PartsModeler
 
-    parts = modeler.part_types if isinstance(modeler, HasParts) else ()
+    modeler, title = bench.registry.modeler(modeler_id), bench.registry.info(modeler_id).title
+    parts = modeler.part_types if isinstance(modeler, PartsModeler) else ()
     of_parts = {field.name: field for kind in parts for field in parameter_fields(kind)}
     fields = of_parts | {field.name: field for field in parameter_fields(modeler.state_type)}
     values: dict[str, object] = {}
@@ -132,7 +136,7 @@ def _settings(modeler: Any, assignments: Sequence[str]) -> dict[str, object]:
         part, _, plain = name.rpartition(".")
         known = of_parts if part else fields
         if plain not in known:
-            owner = f"a part of {modeler.title}" if part else modeler.title
+            owner = f"a part of {title}" if part else title
             words = ", ".join(known) or "none"
             raise UserError(f"There is no parameter {plain!r}; {owner} has: {words}.")
         values[name] = parse_parameter(known[plain], text)

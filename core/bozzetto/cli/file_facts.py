@@ -46,7 +46,7 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
             "strokes": len(drawing.strokes),
             "samples": sum(len(stroke) for stroke in drawing.strokes),
             "pressure": any(stroke.has_pressure for stroke in drawing.strokes),
-            "facts": sorted(drawing.extra),
+            "facts": sorted(drawing.facts),
             "pictures": [
                 f"{name}, {picture.width} × {picture.height} px"
                 for name, picture in drawing.pictures.items()

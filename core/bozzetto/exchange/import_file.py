@@ -96,7 +96,7 @@ def read_drawing(
         return read_picture(place, trusted=trusted, checkpoint=checkpoint)
 
     try:
-        pictures = pictures_named_in(drawing.extra, Path(path).parent, picture)
+        pictures = pictures_named_in(drawing.facts, Path(path).parent, picture)
     except UserError as error:
         raise FormatError(f"{PurePath(path).name}: {error.message}") from error
     return replace(drawing, pictures=pictures) if pictures else drawing

@@ -26,13 +26,13 @@ class Drawing:
         The camera of the sheet; its viewport is the canvas in pixels.
     name : str
         Where it came from, without folder or ending; becomes the model's name.
-    extra : dict
+    facts : dict
         What the file said beyond the strokes (``"box"``, ``"plane"``, ``"marks"`` …),
         for the modelers that know it; already checked to be plain JSON values.
     steps : tuple of Step
         How the strokes were used, where the file says so; they name strokes that there are.
     pictures : mapping of str to Picture
-        The pictures that `extra` names, by the names of their files as they stand there.
+        The pictures that `facts` names, by the names of their files as they stand there.
     left_out : tuple of str
         What the file holds besides and was not read, a sentence each that says what to do.
     """
@@ -40,7 +40,7 @@ class Drawing:
     strokes: Strokes
     camera: Camera
     name: str = "drawing"
-    extra: dict[str, Any] = field(default_factory=dict)
+    facts: dict[str, Any] = field(default_factory=dict)
     steps: tuple[Step, ...] = ()
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
 
 
 @dataclass(frozen=True)
@@ -24,15 +22,3 @@ class Caution:
 
     message: str
     baseless: bool = False
-
-
-@runtime_checkable
-class Warns(Protocol):
-    """A modeler that may leave some of its input unused."""
-
-    def cautions(self, state: Any, result: Any) -> Sequence[Caution]:
-        """Return what a person must know of a result; empty where all is well.
-
-        Asked after a final solve, before shapes are handed over: quick.
-        """
-        ...

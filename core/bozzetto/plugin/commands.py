@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 from bozzetto.plugin.context import Context
 
@@ -41,12 +41,3 @@ class Command:
     run: Callable[[Any, Context], Any]
     key: str = ""
     enabled: Callable[[Any], bool] = _always
-
-
-@runtime_checkable
-class HasCommands(Protocol):
-    """A modeler with commands."""
-
-    def commands(self) -> Sequence[Command]:
-        """Return all commands, in the order in which they are listed."""
-        ...

@@ -44,7 +44,7 @@ class Context:
     underlay : Image, optional
         The picture under the sheet, if any.
     facts : mapping
-        What an ink file says beyond its strokes (`Drawing.extra`), plain JSON values; empty
+        What an ink file says beyond its strokes (`Drawing.facts`), plain JSON values; empty
         where nothing is read from a file. For `Modeler.create`.
     curves : tuple of Curve
         Those of all visible models that are solved, in world coordinates: to snap to, and to

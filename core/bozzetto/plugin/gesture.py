@@ -30,6 +30,11 @@ class Ink:
         """The camera of the first stroke."""
         return self.strokes[0].camera
 
+    @property
+    def erases(self) -> bool:
+        """Whether the last stroke was made with the eraser end of the pen."""
+        return self.strokes[-1].tool == "eraser"
+
     def moved(self, placement: Placement) -> Ink:
         """Return the same ink in a world that was moved; see `Stroke.moved`."""
         return replace(self, strokes=tuple(stroke.moved(placement) for stroke in self.strokes))

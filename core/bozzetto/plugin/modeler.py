@@ -4,103 +4,75 @@ A modeler is a set of pure functions over its state. The state is a frozen datac
 of numbers, texts, tuples, `Strokes`, `Camera`, read-only arrays and further frozen
 dataclasses: the *recipe* of a shape. The host keeps it, saves it, undoes it, and calls the
 functions in a worker; the modeler owns nothing.
+
+What makes something is named by a verb (`create`, `read_shapes`, `solve`); what answers a question
+is named by the answer (`scene`, `report`, `next_step`).
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, Protocol, TypeVar, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, TypeVar
 
-from bozzetto.geometry.shapes import Curve, Shapes
-from bozzetto.images.stored_picture import Picture
-from bozzetto.ink.drawing import Drawing
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.gesture import Gesture
-from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Scene
+from bozzetto.errors import UserError
+from bozzetto.plugin.gesture import Ink
+from bozzetto.plugin.next_step import NextStep
+from bozzetto.plugin.tool import Tool
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.shapes import Curve, Shapes
+    from bozzetto.images.stored_picture import Picture
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto.plugin.cautions import Caution
+    from bozzetto.plugin.commands import Command
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.figures import Figure
+    from bozzetto.plugin.job import Job
+    from bozzetto.plugin.view_advice import ViewAdvice
+    from bozzetto.scene.display_list import Scene
+    from bozzetto.view.camera import Camera
 
 State = TypeVar("State")
 Result = TypeVar("Result")
 
-
-class Tool(Protocol[State]):
-    """Tool of the pen: one gesture makes one new state.
-
-    Attributes
-    ----------
-    id : str
-        Unique within the modeler; part of shortcuts and scripts.
-    title : str
-        Name on hover.
-    icon : str
-        File name of an SVG in the plugin's package (20 px grid, 1.5 px strokes,
-        ``currentColor``), or "" for a letter.
-    hint : str
-        The next expected gesture, in plain words, for the status line.
-    gesture : {"ink", "tap", "drag"}
-        The kind of gesture it takes. Drags of handles always reach a tool whose `gesture`
-        is "drag": the active one, or else the first. Such a tool gets a `Tap` where a
-        person touches the sheet beside all handles.
-    """
-
-    id: str
-    title: str
-    icon: str
-    hint: str
-    gesture: Literal["ink", "tap", "drag"]
-
-    def preview(self, state: State, gesture: Gesture, context: Context) -> Scene:
-        """Return what to show while the pen is down: cheap, and never fails on odd ink.
-
-        A layer stands in for the layer of that name in the modeler's own scene, until the
-        new state is solved; layers of other names are shown besides.
-        """
-        ...
-
-    def apply(self, state: State, gesture: Gesture, context: Context) -> State:
-        """Return the new state, on release.
-
-        Raises
-        ------
-        Unfinished
-            If an `Ink` gesture that is not yet committed needs further strokes.
-        UserError
-            If the gesture cannot be understood; the message says what to do instead.
-        """
-        ...
+TAKES_NO_INK: Final = "This modeler takes no ink. Choose another modeler."
+NO_STROKES: Final = "The drawing has no strokes. Draw something first."
+READS_NO_SHAPES: Final = "This modeler cannot start from what is there. Choose another modeler."
+TAKES_NO_PICTURES: Final = "This modeler takes no pictures. Choose another modeler."
 
 
-class Modeler(Protocol[State, Result]):
+class Modeler(ABC, Generic[State, Result]):
     """A way to turn ink into shape.
+
+    `solve`, `scene` and `shapes` must be written; every other method has a meaning of its own
+    that suits a modeler without that ability. Write `bozzetto.plugin.override` over what you
+    write, and a checker of types finds misspelt names. The title, the icon and the samples stand
+    in the manifest, as do the abilities that a menu must know before the plugin is imported.
 
     Attributes
     ----------
     id : str
         Unique; "author.name".
-    title : str
     state_type : type
         The frozen dataclass of its states; documents are read through it.
     state_version : int
         Raised when stored states change shape; see `upgrade`.
+    first_parameters : tuple of str
+        Parameters that people reach for first, three at most: forms show them first.
+    figures : mapping of str to Figure
+        Words, units and bounds of what `report` tells, by its keys without their units.
     """
 
     id: str
-    title: str
     state_type: type[State]
-    state_version: int
+    state_version: int = 1
+    first_parameters: ClassVar[tuple[str, ...]] = ()
+    figures: ClassVar[Mapping[str, Figure]] = {}
 
-    def create(self, context: Context) -> State:
-        """Return a new, empty model."""
-        ...
+    # -- from state to shape --
 
-    def tools(self) -> Sequence[Tool[State]]:
-        """Return the tools, most used first.
-
-        The first one is active at the start, and is taken when a picture comes to a model:
-        see `TakesPictures`.
-        """
-        ...
-
+    @abstractmethod
     def solve(self, state: State, job: Job) -> Result:
         """Solve the model; may be slow.
 
@@ -111,107 +83,138 @@ class Modeler(Protocol[State, Result]):
         UserError
             If this recipe has no solution; the message says what to change.
         """
-        ...
 
+    @abstractmethod
     def scene(self, state: State, result: Result | None) -> Scene:
         """Return what to show; `result` is None while the first solve is still running."""
-        ...
 
+    @abstractmethod
     def shapes(self, state: State, result: Result) -> Shapes:
         """Return what to hand over to other programs, mm, in the model's own frame."""
-        ...
+
+    def curves(self, state: State, result: Result) -> Sequence[Curve]:
+        """Return the curves that others may snap to or start from; see `Context.curves`.
+
+        In mm, in the model's own frame. Asked after every final solve: quick.
+        """
+        return ()
+
+    def report(self, state: State, result: Result) -> Mapping[str, Any]:
+        """Return how good the result is, as JSON values by readable keys.
+
+        Shown in a panel in the words of `figures`, and written by ``--report``.
+        """
+        return {}
+
+    def cautions(self, state: State, result: Result) -> Sequence[Caution]:
+        """Return what a person must know of a result; empty where all is well.
+
+        Asked after a final solve, before shapes are handed over: quick.
+        """
+        return ()
+
+    # -- states --
+
+    def create(self, context: Context) -> State:
+        """Return a new, empty model; by default the state of which nothing is said."""
+        return self.state_type()
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
         """Turn the stored form of an older version's state into today's."""
-        ...
+        return state
 
+    def read_drawing(self, drawing: Drawing, context: Context) -> State:
+        """Return a state from a whole drawing, for the command line and for drag and drop.
 
-@runtime_checkable
-class TellsNext(Protocol):
-    """A tool for which the next gesture depends on what is there already."""
+        By default the first tool that draws gets all the ink.
 
-    def next_hint(self, state: Any) -> str:
-        """Say in plain words what to do next and what to look at; replaces `Tool.hint`.
-
-        Asked in a worker after every change and whenever the tool is taken.
+        Raises
+        ------
+        UserError
+            If it makes no model; the message says what to do instead.
         """
-        ...
+        first = next((tool for tool in self.tools() if tool.gesture == "ink"), None)
+        if first is None:
+            raise UserError(TAKES_NO_INK)
+        if not len(drawing.strokes):
+            raise UserError(NO_STROKES)
+        ink = Ink(tuple(drawing.strokes), committed=True)
+        return first.apply(self.create(context), ink, context)
 
+    def read_shapes(self, shapes: Shapes) -> State:
+        """Return a state from meshes and curves of another program or another modeler.
 
-@runtime_checkable
-class Aims(Protocol):
-    """A tool with which places have to be met exactly.
+        The manifest names it among the abilities, so that it is offered where a person looks for
+        a use of a shape.
 
-    Beside all handles, the pen may go down anywhere and take its time: the place is where it
-    lifts, and a loupe shows what is under it until then. `Tool.preview` is asked with the
-    `Tap` as it would be now. The loupe is there, too, while a handle is dragged.
+        Raises
+        ------
+        UserError
+            If they are of no use.
+        """
+        raise UserError(READS_NO_SHAPES)
 
-    Attributes
-    ----------
-    aims : bool
-        False is as good as not having it.
-    """
+    def add_picture(self, state: State, picture: Picture, context: Context) -> State:
+        """Return the state with one more picture, such as a sketch or a photograph to work on.
 
-    aims: bool
-
-
-@runtime_checkable
-class ReadsDrawings(Protocol):
-    """A modeler that knows better than "apply my first tool to all the ink"."""
-
-    def read_drawing(self, drawing: Drawing, context: Context) -> Any:
-        """Return a state from a whole drawing; used by the command line and by drag and drop."""
-        ...
-
-
-@runtime_checkable
-class ReadsShapes(Protocol):
-    """A modeler that can start from what another program or another modeler made.
-
-    Its manifest says ``reads_shapes = true``, so that it is offered where a person looks for a
-    use of a shape.
-    """
-
-    def read_shapes(self, shapes: Shapes) -> Any:
-        """Return a state from meshes and curves; raise `UserError` where they are of no use."""
-        ...
-
-
-@runtime_checkable
-class TakesPictures(Protocol):
-    """A modeler that works on pictures, such as sketches and photographs.
-
-    While a model of it is selected, pictures that are dropped, pasted or opened come to it,
-    and not under the sheet.
-    """
-
-    def with_picture(self, state: Any, picture: Picture, context: Context) -> Any:
-        """Return the state with one more picture; keep it in the state, which documents can store.
+        The manifest names it among the abilities. While a model of such a modeler is selected,
+        pictures that are dropped, pasted or opened come to it, and not under the sheet. Keep the
+        picture in the state: documents can store it.
 
         Raises
         ------
         UserError
             If it is of no use, with what to do instead.
         """
-        ...
+        raise UserError(TAKES_NO_PICTURES)
 
+    # -- what a person can do --
 
-@runtime_checkable
-class OffersCurves(Protocol):
-    """A modeler whose curves others may want to snap to, or to start from."""
+    def tools(self) -> Sequence[Tool[State]]:
+        """Return the tools, most used first.
 
-    def curves(self, state: Any, result: Any) -> Sequence[Curve]:
-        """Return the curves of a result, mm, in the model's own frame: see `Context.curves`.
-
-        Asked after every solve, in both qualities: quick.
+        The first one is active at the start, and is taken when a picture comes to a model.
         """
-        ...
+        return ()
 
+    def commands(self) -> Sequence[Command]:
+        """Return all commands, in the order in which they are listed."""
+        return ()
 
-@runtime_checkable
-class Reports(Protocol):
-    """A modeler that can say how good its result is."""
+    def next_step(self, state: State, tool: Tool[State]) -> NextStep:
+        """Return what to do next, as the model is now, with a tool in the hand.
 
-    def report(self, state: Any, result: Any) -> Mapping[str, Any]:
-        """Return JSON values with readable keys; shown in a panel and written by ``--report``."""
-        ...
+        Asked in a worker after every change and whenever a tool is taken; by default the tool
+        says it.
+        """
+        return tool.next_step(state)
+
+    # -- the view --
+
+    def view_advice(self, state: State, camera: Camera) -> ViewAdvice | None:
+        """Return advice on a view; None where it does not matter from where one draws.
+
+        Asked up to ten times a second while the view turns.
+        """
+        return None
+
+    def view_after(self, seen: State, state: State, camera: Camera) -> Camera | None:
+        """Return the view that shows of a state what another view showed of an earlier one.
+
+        Asked while a view is pinned (`ViewAdvice.pinned`) and the model has changed since.
+
+        Parameters
+        ----------
+        seen : State
+            As the model was when the view was pinned to it.
+        state : State
+            As it is now.
+        camera : Camera
+            The view now.
+
+        Returns
+        -------
+        Camera or None
+            Where the view goes at once; None where it may stay.
+        """
+        return None

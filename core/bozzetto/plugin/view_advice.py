@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Literal
 
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
@@ -39,38 +39,3 @@ class ViewAdvice:
     scene: Scene = field(default_factory=Scene)
     pinned: bool = False
     follow: bool = False
-
-
-@runtime_checkable
-class AdvisesView(Protocol):
-    """A modeler for which it matters from where one draws."""
-
-    def view_advice(self, state: Any, camera: Camera) -> ViewAdvice:
-        """Return advice on a view; asked up to ten times a second while the view turns."""
-        ...
-
-
-@runtime_checkable
-class MovesView(Protocol):
-    """A modeler of which pictures get another camera when the model changes."""
-
-    def view_after(self, seen: Any, state: Any, camera: Camera) -> Camera | None:
-        """Return the view that shows of a state what another view showed of an earlier one.
-
-        Asked while a view is pinned (`ViewAdvice.pinned`) and the model has changed since.
-
-        Parameters
-        ----------
-        seen : state
-            As the model was when the view was pinned to it.
-        state : state
-            As it is now.
-        camera : Camera
-            The view now.
-
-        Returns
-        -------
-        Camera or None
-            Where the view goes at once; None where it may stay.
-        """
-        ...

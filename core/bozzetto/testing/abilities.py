@@ -19,8 +19,7 @@ from bozzetto.images.stored_picture import Picture
 from bozzetto.plugin.gesture import Tap
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import Aims, OffersCurves, ReadsShapes, TellsNext
-from bozzetto.plugin.view_advice import AdvisesView, ViewAdvice
+from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.testing.deep_equal import same
 from bozzetto.testing.headless_shell import Shell
 from bozzetto.testing.subject import Broken, Subject, ensure, odd_cameras
@@ -59,7 +58,7 @@ def check_view_advice(subject: Subject) -> None:
     """Check advice on every view: better is not worse, and pinned views stay pinned."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
-            if not isinstance(shell.registry.modeler(subject.modeler), AdvisesView):
+            if shell.advice() is None:
                 return
             for camera in odd_cameras():
                 advice = _advice(shell, camera)
@@ -95,21 +94,20 @@ def _advice(shell: Shell, camera: Camera) -> ViewAdvice:
     return advice
 
 
-def check_next_hint(subject: Subject) -> None:
-    """Check that tools that say what to do next have words for an empty and a drawn state."""
+def check_next_step(subject: Subject) -> None:
+    """Check that every tool says what to do next, with an empty and a drawn state."""
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             for tool in shell.tools():
-                if isinstance(tool, TellsNext):
-                    said = shell.workbench.next_hint(shell.model, tool)
-                    ensure(bool(said.strip()), f"next_hint of {tool.id} needs words")
+                step = shell.workbench.next_step(shell.model, tool)
+                ensure(bool(step.sentence.strip()), f"the next step with {tool.id} needs words")
+                known = {"", *(other.id for other in shell.tools())}
+                ensure(step.tool in known, f"the next step names {step.tool!r}, which is no tool")
 
 
 def check_curves(subject: Subject) -> None:
     """Check that curves offered are sound, in both qualities; an empty state offers none."""
     with subject.shell() as shell:
-        if not isinstance(shell.registry.modeler(subject.modeler), OffersCurves):
-            return
         shell.workbench.curves.learn(shell.model, shell.solve())
         ensure(not shell.context().curves, "an empty state must offer no curves")
     with subject.drawn() as shell:
@@ -120,9 +118,7 @@ def check_curves(subject: Subject) -> None:
 def check_read_shapes(subject: Subject) -> None:
     """Check that shapes of any kind are taken, or refused in plain words."""
     with subject.shell() as shell:
-        able = isinstance(shell.registry.modeler(subject.modeler), ReadsShapes)
-        told = shell.registry.info(subject.modeler).reads_shapes
-        ensure(able or not told, "the manifest says reads_shapes, and there is no read_shapes")
+        able = "read_shapes" in shell.registry.info(subject.modeler).abilities
         for shapes in _given() if able else ():
             try:
                 model = shell.workbench.sources.from_shapes(subject.modeler, shapes, "Given")
@@ -145,7 +141,7 @@ def check_pictures(subject: Subject) -> None:
                     shell.workbench.model_scene(shell.model, shell.solve(PREVIEW))
                 except UserError as problem:
                     ensure(bool(problem.message.strip()), "a UserError needs words")
-                ensure(state_digest(before) == digest, "with_picture changed its argument")
+                ensure(state_digest(before) == digest, "add_picture changed its argument")
             digest = state_digest(shell.state)
             shell.reopen()
             ensure(state_digest(shell.state) == digest, "a state with pictures comes back another")
@@ -169,7 +165,7 @@ def check_aims(subject: Subject) -> None:
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             for tool in shell.tools():
-                if not (isinstance(tool, Aims) and tool.aims):
+                if not (tool.aims):
                     continue
                 ensure(tool.gesture != "ink", f"the tool {tool.id} aims, so it cannot take ink")
                 for camera in odd_cameras():
@@ -207,7 +203,7 @@ def _given() -> tuple[Shapes, ...]:
 ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
     check_commands,
     check_view_advice,
-    check_next_hint,
+    check_next_step,
     check_curves,
     check_read_shapes,
     check_pictures,

@@ -24,7 +24,7 @@ from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.guard.watchdog import Watchdog
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.part_tree import PartTree
-from bozzetto.plugin.parts import HasParts
+from bozzetto.plugin.parts import PartsModeler
 from bozzetto.testing.abilities import ABILITIES
 from bozzetto.testing.deep_equal import difference, fingerprint, same
 from bozzetto.testing.headless_shell import Shell
@@ -44,11 +44,6 @@ def check_announced(subject: Subject) -> None:
     """Check that the modeler is as its manifest announces, and that its files exist."""
     with subject.shell() as shell:
         info = shell.registry.info(subject.modeler)
-        modeler = shell.registry.modeler(subject.modeler)
-        ensure(
-            modeler.title == info.title,
-            f"its title is {modeler.title!r}, and {info.title!r} in the manifest",
-        )
         icons = [info.icon] + [info.folder / tool.icon for tool in shell.tools() if tool.icon]
         for path in icons:
             ensure(path.is_file(), f"the file {path.relative_to(info.folder)} is missing")
@@ -317,7 +312,7 @@ def check_parts(subject: Subject) -> None:
     with subject.drawn() as shell:
         modeler = shell.registry.modeler(subject.modeler)
         edits, model = shell.workbench.parts, shell.model
-        if not isinstance(modeler, HasParts):
+        if not isinstance(modeler, PartsModeler):
             return
         tree = edits.of(model)
         if tree is None or not tree.parts:

@@ -18,7 +18,7 @@ from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import Tool
+from bozzetto.plugin.tool import Tool
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Handle, Scene
 from bozzetto.view.camera import Camera
@@ -116,9 +116,6 @@ class Shell:
         """Begin a new, empty model; `modeler` is an id or the last part of one."""
         modeler_id = self.registry.resolve(modeler)
         model = self.workbench.create(modeler_id, self.context())
-        self.registry.guard.check_state(
-            modeler_id, self.registry.modeler(modeler_id).state_type, model.state
-        )
         self._model_id = model.id
         self._keep("new", model)
         return model

@@ -132,17 +132,14 @@ def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
     info = registry.info(modeler_id)
     folder = info.folder
     try:
-        modeler = registry.modeler(modeler_id)
-        tools = registry.guard.check_tools(
-            modeler_id, registry.guard.call(modeler_id, "tools", modeler.tools)
-        )
+        tools = registry.guarded(modeler_id).tools()
     except (UserError, PluginFault) as problem:
         return [Finding(True, modeler_id, _with_place(problem, folder))]
     looked_at = info.icon.relative_to(folder).as_posix()
     icons = {tool.icon for tool in tools if tool.icon} - {looked_at}
     findings = _check_icons(folder, icons)
-    if info.panel and not hasattr(sys.modules[package], "bozzetto_panel"):
-        told = "the manifest says panel = true, and the package has no hook bozzetto_panel"
+    if "panel" in info.abilities and not hasattr(sys.modules[package], "bozzetto_panel"):
+        told = "the manifest names the ability panel, and the package has no hook bozzetto_panel"
         findings.append(Finding(True, modeler_id, told))
     subject = Subject(modeler_id, (package,))
     told_by: dict[tuple[bool, str], list[str]] = {}

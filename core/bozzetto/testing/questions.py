@@ -15,7 +15,8 @@ from bozzetto.plugin.commands import Command
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import OffersCurves, Tool
+from bozzetto.plugin.next_step import NextStep
+from bozzetto.plugin.tool import Tool
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Handle, Scene
 from bozzetto.testing.deep_equal import fingerprint
@@ -79,15 +80,14 @@ def _with_refusals(ask: Ask) -> Ask:
 
 
 def _all(bench: Workbench, model: Model) -> Iterator[tuple[str, Ask]]:
-    modeler, final = bench.registry.modeler(model.modeler), Job()
+    final = Job()
     yield "the scene of what is not solved", partial(_unsolved, model)
     yield "the scene as a preview", partial(_scene, model, Job(quality="preview"))
     yield "the scene", partial(_scene, model, final)
     yield "shapes", lambda bench: bench.shapes([model], final)
     yield "the report", lambda bench: bench.report(model, final)
     yield "the cautions", lambda bench: bench.cautions(model, final)
-    if isinstance(modeler, OffersCurves):
-        yield "the curves", partial(_curves, model, modeler)
+    yield "the curves", partial(_curves, model)
     yield "the parts", lambda bench: bench.parts.of(model)
     for number, camera in enumerate(_cameras(bench, model)):
         yield f"the advice on view {number}", partial(_advice, model, camera)
@@ -97,7 +97,7 @@ def _all(bench: Workbench, model: Model) -> Iterator[tuple[str, Ask]]:
         yield f"whether {name} can run", partial(_can_run, model, command)
         yield name, partial(_run, model, command, context)
     for tool in bench.tools(model.modeler):
-        yield f"the hint of the tool {tool.id}", partial(_hint, model, tool)
+        yield f"the next step with the tool {tool.id}", partial(_next_step, model, tool)
         for number, gesture in enumerate(_gestures(bench, model, tool)):
             told = f"the tool {tool.id}, gesture {number}"
             yield f"the preview of {told}", partial(_preview, model, tool, gesture, context)
@@ -112,8 +112,8 @@ def _scene(model: Model, job: Job, bench: Workbench) -> Scene:
     return bench.model_scene(model, bench.solve(model, job)).owned("")
 
 
-def _curves(model: Model, modeler: OffersCurves, bench: Workbench) -> tuple[Curve, ...]:
-    return tuple(modeler.curves(model.state, bench.solve(model, Job())))
+def _curves(model: Model, bench: Workbench) -> tuple[Curve, ...]:
+    return bench.guarded(model).curves(model.state, bench.solve(model, Job()))
 
 
 def _advice(model: Model, camera: Camera, bench: Workbench) -> ViewAdvice | None:
@@ -129,8 +129,8 @@ def _run(model: Model, command: Command, context: Context, bench: Workbench) -> 
     return bench.commands.run(model, command, context).state
 
 
-def _hint(model: Model, tool: Tool[Any], bench: Workbench) -> str:
-    return bench.next_hint(model, tool)
+def _next_step(model: Model, tool: Tool[Any], bench: Workbench) -> NextStep:
+    return bench.next_step(model, tool)
 
 
 def _preview(

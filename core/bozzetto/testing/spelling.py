@@ -3,23 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
-from bozzetto.plugin.cautions import Warns
-from bozzetto.plugin.commands import HasCommands
-from bozzetto.plugin.modeler import (
-    Aims,
-    Modeler,
-    OffersCurves,
-    ReadsDrawings,
-    ReadsShapes,
-    Reports,
-    TakesPictures,
-    TellsNext,
-    Tool,
-)
-from bozzetto.plugin.parts import HasParts, ReleasesParts
-from bozzetto.plugin.view_advice import AdvisesView, MovesView
+from bozzetto.plugin.modeler import Modeler
+from bozzetto.plugin.parts import PartsModeler
+from bozzetto.plugin.tool import Tool
 from bozzetto.testing.subject import Subject, ensure
 
 MOST_EDITS: Final = 2
@@ -29,22 +17,19 @@ SHORTEST: Final = 4
 """Letters of a name below which two edits make another word of it."""
 
 
-def _names(*protocols: Any) -> frozenset[str]:
+def _names(*classes: type) -> frozenset[str]:
     return frozenset(
         name
-        for protocol in protocols
-        for name in (*vars(protocol), *getattr(protocol, "__annotations__", ()))
+        for kind in classes
+        for name in (*vars(kind), *getattr(kind, "__annotations__", ()))
         if not name.startswith("_")
     )
 
 
-MODELER_NAMES: Final = _names(
-    Modeler, ReadsDrawings, ReadsShapes, TakesPictures, OffersCurves, Reports, Warns,
-    HasParts, ReleasesParts, HasCommands, AdvisesView, MovesView,
-)  # fmt: skip
+MODELER_NAMES: Final = _names(Modeler, PartsModeler)
 """Public names of the contract of a modeler."""
 
-TOOL_NAMES: Final = _names(Tool, TellsNext, Aims)
+TOOL_NAMES: Final = _names(Tool)
 """Public names of the contract of a tool."""
 
 
@@ -64,9 +49,15 @@ def check_spelling(subject: Subject) -> None:
 def _misspelt(owner: object, known: frozenset[str]) -> Iterator[str]:
     for name in dir(owner):
         meant = "" if name.startswith("_") or name in known else meant_by(name, known)
-        # Who has the ability besides has not misspelt it.
-        if meant and not hasattr(owner, meant):
+        # Who writes what is meant besides has not misspelt it.
+        if meant and not _overrides(owner, meant):
             yield f"{name!r} looks like {meant!r}"
+
+
+def _overrides(owner: object, name: str) -> bool:
+    """Whether a plugin writes something of the contract itself."""
+    kinds = [kind for kind in type(owner).__mro__ if name in vars(kind)]
+    return name in vars(owner) or (bool(kinds) and not kinds[0].__module__.startswith("bozzetto."))
 
 
 def meant_by(name: str, known: frozenset[str]) -> str:

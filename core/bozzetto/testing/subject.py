@@ -12,7 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.host.registry import Registry
-from bozzetto.plugin.modeler import Tool
+from bozzetto.plugin.tool import Tool
 from bozzetto.testing.headless_shell import Shell
 from bozzetto.testing.synthetic_pen import Pen
 from bozzetto.view.camera import Camera

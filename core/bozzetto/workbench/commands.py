@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from bozzetto.document.model import Model, OpaqueState
 from bozzetto.errors import UserError
-from bozzetto.plugin.commands import Command, HasCommands
+from bozzetto.plugin.commands import Command
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.host.registry import Registry
 
@@ -29,11 +29,7 @@ class ModelCommands:
 
     def of(self, modeler_id: str) -> tuple[Command, ...]:
         """Return all commands of a modeler; empty where it has none."""
-        modeler = self._registry.modeler(modeler_id)
-        if not isinstance(modeler, HasCommands):
-            return ()
-        made = self._registry.guard.call(modeler_id, "commands", modeler.commands)
-        return self._registry.guard.check_commands(modeler_id, made)
+        return self._registry.guarded(modeler_id).commands()
 
     def find(self, modeler_id: str, command_id: str) -> Command:
         """Return a command by its id.
@@ -47,7 +43,7 @@ class ModelCommands:
         for command in known:
             if command.id == command_id:
                 return command
-        title = self._registry.modeler(modeler_id).title
+        title = self._registry.info(modeler_id).title
         there = ", ".join(command.id for command in known) or "none"
         raise UserError(f"{title} has no command {command_id!r}; there are: {there}.")
 
@@ -55,12 +51,7 @@ class ModelCommands:
         """Whether a command means something to a model as it is."""
         if model.locked or isinstance(model.state, OpaqueState):
             return False
-        return self._registry.guard.call(
-            model.modeler,
-            f"{command.id}.enabled",
-            lambda state: bool(command.enabled(state)),
-            model.state,
-        )
+        return self._registry.guarded(model.modeler).can_run(command, model.state)
 
     def run(self, model: Model, command: Command, context: Context) -> Model:
         """Return the model after a command.
@@ -84,8 +75,7 @@ class ModelCommands:
             raise UserError(f"“{model.name}” is locked. Unlock it in the object list first.")
         if not self.can_run(model, command):
             raise UserError(f"“{command.title}” cannot be done here now. {command.help}".rstrip())
-        guard, modeler = self._registry.guard, self._registry.modeler(model.modeler)
-        seen = context.moved(model.placement.inverse())
-        state = guard.call(model.modeler, f"{command.id}.run", command.run, model.state, seen)
-        guard.check_state(model.modeler, modeler.state_type, state)
-        return replace(model, state=state)
+        own = context.moved(model.placement.inverse())
+        return replace(
+            model, state=self._registry.guarded(model.modeler).run(command, model.state, own)
+        )

@@ -16,7 +16,6 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.registry import Registry
-from bozzetto.plugin.modeler import OffersCurves
 from bozzetto.workbench.placed import shapes_in_world
 
 KEPT = 64
@@ -54,21 +53,11 @@ class KnownCurves:
         PluginFault
             If the modeler fails over it; then nothing is remembered.
         """
-        modeler = self._registry.modeler(model.modeler)
-        if not isinstance(modeler, OffersCurves):
-            return
-        guard = self._registry.guard
         try:
-            told = guard.call(
-                model.modeler,
-                "curves",
-                lambda state, result: tuple(modeler.curves(state, result)),
-                model.state,
-                result,
-            )
+            told = self._registry.guarded(model.modeler).curves(model.state, result)
         except UserError:
             told = ()
-        own = guard.check_shapes(model.modeler, Shapes(curves=told))
+        own = Shapes(curves=told)
         with self._lock:
             self._kept[id(model.state)] = _Known(model, own, shapes_in_world(own, model).curves)
             self._kept.move_to_end(id(model.state))

@@ -13,13 +13,13 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from bozzetto.document.model import Model, OpaqueState
+from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.parameters import parameter_fields, set_parameters
+from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.host.registry import Registry
-from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.part_tree import PartTree
-from bozzetto.plugin.parts import HasParts, ReleasesParts
+from bozzetto.plugin.parts import PartsState
 
 
 class PartEdit(NamedTuple):
@@ -57,29 +57,25 @@ class PartEdits:
         PluginFault
             If they are none that can be listed.
         """
-        if not self.may_have(model):
-            return None
-        modeler = self._registry.modeler(model.modeler)
-        return self._read(model, modeler) if isinstance(modeler, HasParts) else None
+        return self._read(model) if self.may_have(model) else None
 
-    def may_have(self, model: Model) -> bool:
+    @staticmethod
+    def may_have(model: Model) -> bool:
         """Whether a model is made of parts; asks no plugin."""
-        if isinstance(model.state, OpaqueState):
-            return False
-        return isinstance(self._registry.modeler(model.modeler), HasParts)
+        return isinstance(model.state, PartsState)
 
     def remembered(self, model: Model) -> PartTree | None:
         """Return the parts of a model where they have been asked for; asks no plugin."""
         known = self._known.get(id(model.state))
         return known[1] if known is not None and known[0]() is model.state else None
 
-    def _read(self, model: Model, modeler: HasParts) -> PartTree:
+    def _read(self, model: Model) -> PartTree:
         known = self.remembered(model)
         if known is not None:
             return known
-        guard, key = self._registry.guard, id(model.state)
-        told = guard.call(model.modeler, "parts", _tree_of, modeler, model.state)
-        tree = guard.check_parts(model.modeler, told)
+        key, tree = id(model.state), self._registry.guarded(model.modeler).parts(model.state)
+        if tree is None:
+            raise UserError(f"“{model.name}” is not made of parts.")
         with suppress(TypeError):  # a state with slots cannot be watched
             # Kept for as long as the state is: a long list asks for all of them.
             watched = weakref.ref(model.state, lambda _: self._known.pop(key, None))
@@ -120,28 +116,13 @@ class PartEdits:
     def group(self, model: Model, part_ids: Iterable[str]) -> PartEdit:
         """Put parts into a new group, which is then chosen."""
         ids = tuple(part_ids)
-        modeler = self._modeler_of(model)
-
-        def change(tree: PartTree) -> PartTree:
-            group = modeler.new_group(model.state)
-            if group is None:
-                raise UserError(f"{model.name} has no groups.")
-            return tree.grouped(ids, group)
-
-        changed = self._edited(model, change)
-        return PartEdit(changed, f"Group {self._names_of(model, ids)}")
+        state = self._unlocked(model).grouped(model.state, ids)
+        return PartEdit(self._with(model, state), f"Group {self._names_of(model, ids)}")
 
     def ungroup(self, model: Model, group_id: str) -> PartEdit:
         """Dissolve a group: what is in it stands where it stood."""
-        modeler = self._modeler_of(model)
-
-        def change(tree: PartTree) -> PartTree:
-            if isinstance(modeler, ReleasesParts):
-                return tree.ungrouped(group_id, modeler.released)
-            return tree.ungrouped(group_id)
-
-        changed = self._edited(model, change)
-        return PartEdit(changed, f"Ungroup “{self._name(model, group_id)}”")
+        state = self._unlocked(model).ungrouped(model.state, group_id)
+        return PartEdit(self._with(model, state), f"Ungroup “{self._name(model, group_id)}”")
 
     def only(self, model: Model, part_ids: Iterable[str]) -> Model:
         """Return the model with nothing but some of its parts and the groups around them."""
@@ -159,54 +140,46 @@ class PartEdits:
         “Part 2.blend” names a part's; a name that the state does not know means the chosen
         part, or all parts that have it where the chosen one has not.
         """
-        modeler = self._registry.modeler(model.modeler)
-        guard = self._registry.guard
-        tree = self.of(model)
-        changed = guard.call(
-            model.modeler, "its state", _with_values, modeler, model.state, tree, dict(values)
-        )
-        guard.check_state(model.modeler, modeler.state_type, changed)
-        return replace(model, state=changed)
+        modeler, tree = self._registry.guarded(model.modeler), self.of(model)
+        own = {field.name for field in parameter_fields(type(model.state))}
+        inner = {name: value for name, value in values.items() if name not in own}
+        state = model.state
+        if tree is None:
+            own = set(values)
+        elif inner:
+            state = modeler.with_parts(state, lambda tree: _with_values(tree, inner, own))
+        outer = {name: value for name, value in values.items() if name in own}
+        state = modeler.change(state, lambda now: set_parameters(now, outer))
+        return replace(model, state=state)
 
     def only_choice_differs(self, before: Model, after: Model) -> bool:
         """Whether two models are the same once nothing is chosen in either."""
         if self.of(before) is None or self.of(after) is None:
             return False
         one, other = (self.select(model, "").state for model in (before, after))
-        return self._registry.guard.call(
-            before.modeler, "its state", lambda one, two: bool(one == two), one, other
-        )
+        return self._registry.guarded(before.modeler).is_same(one, other)
 
-    # -- through the lens --
+    # -- inside --
 
     def _edited(self, model: Model, change: Callable[[PartTree], PartTree]) -> Model:
+        return self._with(model, self._unlocked(model).with_parts(model.state, change))
+
+    def _changed(self, model: Model, change: Callable[[PartTree], PartTree]) -> Model:
+        return self._with(
+            model, self._registry.guarded(model.modeler).with_parts(model.state, change)
+        )
+
+    def _unlocked(self, model: Model) -> GuardedModeler:
         if model.locked:
             raise UserError(
                 f"“{model.name}” is locked. Unlock it in the object list to change its parts."
             )
-        return self._changed(model, change)
+        return self._registry.guarded(model.modeler)
 
-    def _changed(self, model: Model, change: Callable[[PartTree], PartTree]) -> Model:
-        modeler = self._modeler_of(model)
-        guard = self._registry.guard
-        tree = self._read(model, modeler)
-
-        def work(state: Any) -> Any:
-            new = change(tree)
-            return modeler.with_parts(state, new.parts, new.selected)
-
-        state = guard.call(model.modeler, "with_parts", work, model.state)
-        state_type = self._registry.modeler(model.modeler).state_type
-        guard.check_state(model.modeler, state_type, state)
+    def _with(self, model: Model, state: Any) -> Model:
         changed = replace(model, state=state)
-        self._read(changed, modeler)
+        self._read(changed)
         return changed
-
-    def _modeler_of(self, model: Model) -> HasParts:
-        modeler = self._registry.modeler(model.modeler)
-        if not isinstance(modeler, HasParts):
-            raise UserError(f"“{model.name}” is not made of parts.")
-        return modeler
 
     def _names_of(self, model: Model, part_ids: tuple[str, ...]) -> str:
         """Return words for a label: the one part's name, or how many there are."""
@@ -215,37 +188,23 @@ class PartEdits:
         return f"{len(part_ids)} parts"
 
     def _name(self, model: Model, part_id: str) -> str:
-        return str(self._read(model, self._modeler_of(model)).part(part_id).name)
+        return str(self._read(model).part(part_id).name)
 
 
-def _tree_of(modeler: HasParts, state: Any) -> PartTree:
-    parts = modeler.parts(state)
-    groups = frozenset(part.id for part in parts if modeler.is_group(part))
-    return PartTree(parts, groups, modeler.selected_part(state))
-
-
-def _with_values(
-    modeler: Modeler[Any, Any], state: Any, tree: PartTree | None, values: dict[str, object]
-) -> Any:
-    """Return a state with parameters of its own, or else of its parts, changed."""
-    own = {field.name for field in parameter_fields(type(state))}
-    inner = {name: value for name, value in values.items() if name not in own}
-    if tree is None or not inner or not isinstance(modeler, HasParts):
-        return set_parameters(state, values)
-    new = tree
-    for name, value in inner.items():
+def _with_values(tree: PartTree, values: Mapping[str, object], own: set[str]) -> PartTree:
+    """Return the parts with parameters changed; `own` are those of the state, for messages."""
+    for name, value in values.items():
         owner, _, plain = name.rpartition(".")
         if owner:
-            new = new.valued(new.find(owner), {plain: value})
+            tree = tree.valued(tree.find(owner), {plain: value})
             continue
-        having = [part.id for part in new.parts if plain in _names(part)]
+        having = [part.id for part in tree.parts if plain in _names(part)]
         if not having:
-            known = ", ".join(sorted(own.union(*map(_names, new.parts)))) or "none"
+            known = ", ".join(sorted(own.union(*map(_names, tree.parts)))) or "none"
             raise UserError(f"There is no parameter {name!r}; this object has: {known}.")
-        for part_id in [new.selected] if new.selected in having else having:
-            new = new.valued(part_id, {plain: value})
-    state = modeler.with_parts(state, new.parts, new.selected)
-    return set_parameters(state, {name: values[name] for name in values if name in own})
+        for part_id in [tree.selected] if tree.selected in having else having:
+            tree = tree.valued(part_id, {plain: value})
+    return tree
 
 
 def _names(part: Any) -> set[str]:

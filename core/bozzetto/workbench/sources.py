@@ -6,15 +6,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from bozzetto.document.model import Model, new_id
+from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 from bozzetto.plugin.context import Context
-from bozzetto.plugin.gesture import Ink
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import ReadsDrawings, ReadsShapes, TakesPictures
 
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
@@ -47,29 +45,19 @@ class ModelSources:
         """
         context = replace(
             context or Context(camera=drawing.camera),
-            facts=drawing.extra,
+            facts=drawing.facts,
             pictures=drawing.pictures,
         )
-        model = self._bench.create(modeler_id, context, name=drawing.name)
-        modeler = self._bench.registry.modeler(modeler_id)
         if drawing.steps:
             from bozzetto.workbench.play_steps import run_steps
 
+            model = self._bench.create(modeler_id, context, name=drawing.name)
             model = run_steps(self._bench, model, drawing, context)
-        elif isinstance(modeler, ReadsDrawings):
-            state = self._bench.registry.guard.call(
-                modeler_id, "read_drawing", modeler.read_drawing, drawing, context
-            )
-            self._bench.registry.guard.check_state(modeler_id, modeler.state_type, state)
-            model = replace(model, state=state)
         else:
-            first = next((t for t in self._bench.tools(modeler_id) if t.gesture == "ink"), None)
-            if first is None:
-                raise UserError(f"{modeler.title} takes no ink. Choose another modeler.")
-            if not len(drawing.strokes):
-                raise UserError("The drawing has no strokes. Draw something first.")
-            gesture = Ink(tuple(drawing.strokes), committed=True)
-            model = self._bench.apply(model, first, gesture, context)
+            registry = self._bench.registry
+            state = registry.guarded(modeler_id).read_drawing(drawing, context)
+            name = drawing.name or registry.info(modeler_id).title
+            model = self._bench.new_model(modeler_id, state, name)
         return self._bench.set_parameters(model, values) if values else model
 
     def from_shapes(self, modeler_id: str, shapes: Shapes, name: str) -> Model:
@@ -80,16 +68,13 @@ class ModelSources:
         UserError
             If the modeler cannot start from shapes.
         """
-        modeler = self._bench.registry.modeler(modeler_id)
-        if not isinstance(modeler, ReadsShapes):
+        info = self._bench.registry.info(modeler_id)
+        if "read_shapes" not in info.abilities:
             raise UserError(
-                f"{modeler.title} cannot start from what is there. Choose another modeler."
+                f"{info.title} cannot start from what is there. Choose another modeler."
             )
-        state = self._bench.registry.guard.call(
-            modeler_id, "read_shapes", modeler.read_shapes, shapes
-        )
-        self._bench.registry.guard.check_state(modeler_id, modeler.state_type, state)
-        return Model(new_id(), name, modeler_id, state, state_version=modeler.state_version)
+        state = self._bench.registry.guarded(modeler_id).read_shapes(shapes)
+        return self._bench.new_model(modeler_id, state, name)
 
     def from_models(
         self, modeler_id: str, models: Iterable[Model], job: Job, name: str = ""
@@ -117,7 +102,7 @@ class ModelSources:
 
     def takes_pictures(self, modeler_id: str) -> bool:
         """Whether a modeler works on pictures."""
-        return isinstance(self._bench.registry.modeler(modeler_id), TakesPictures)
+        return "add_picture" in self._bench.registry.info(modeler_id).abilities
 
     def with_picture(self, model: Model, picture: Picture, context: Context) -> Model:
         """Return the model with one more picture to work on.
@@ -127,18 +112,14 @@ class ModelSources:
         UserError
             If its modeler takes no pictures, or has no use for this one.
         """
-        self._bench._refuse_closed(model)
-        modeler = self._bench.registry.modeler(model.modeler)
-        if not isinstance(modeler, TakesPictures):
-            raise UserError(f"{modeler.title} takes no pictures. Choose another modeler.")
+        modeler = self._bench.guarded(model)
+        if not self.takes_pictures(model.modeler):
+            title = self._bench.registry.info(model.modeler).title
+            raise UserError(f"{title} takes no pictures. Choose another modeler.")
         if not picture.pixels.size:  # unpacked here, for damaged bytes are not the plugin's fault
             raise UserError(f"The picture “{picture.name}” is empty. Choose another one.")
-        context = context.moved(model.placement.inverse())
-        state = self._bench.registry.guard.call(
-            model.modeler, "with_picture", modeler.with_picture, model.state, picture, context
-        )
-        self._bench.registry.guard.check_state(model.modeler, modeler.state_type, state)
-        return replace(model, state=state)
+        own = context.moved(model.placement.inverse())
+        return replace(model, state=modeler.add_picture(model.state, picture, own))
 
     def from_picture(
         self,

@@ -18,24 +18,22 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cache import forget_all
-from bozzetto.plugin.cautions import Caution, Warns
+from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture
+from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import (
-    Modeler,
-    Reports,
-    TellsNext,
-    Tool,
-)
-from bozzetto.plugin.view_advice import AdvisesView, MovesView, ViewAdvice
+from bozzetto.plugin.next_step import NextStep
+from bozzetto.plugin.tool import Tool
+from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.view.camera import Camera
 from bozzetto.workbench.commands import ModelCommands
 from bozzetto.workbench.curve_cache import KnownCurves
 from bozzetto.workbench.part_edits import PartEdits
 from bozzetto.workbench.placed import plain, scene_in_world, shapes_in_world
+from bozzetto.workbench.previews import ModelPreview
 from bozzetto.workbench.sources import ModelSources
 
 KEPT_RESULTS = 64
@@ -81,16 +79,13 @@ class Workbench:
 
     def create(self, modeler_id: str, context: Context, *, name: str | None = None) -> Model:
         """Make an empty model of a modeler."""
-        modeler = self.registry.modeler(modeler_id)
-        state = self.registry.guard.call(modeler_id, "create", modeler.create, context)
-        self.registry.guard.check_state(modeler_id, modeler.state_type, state)
-        return Model(
-            new_id(),
-            name or modeler.title,
-            modeler_id,
-            state,
-            state_version=modeler.state_version,
-        )
+        state = self.registry.guarded(modeler_id).create(context)
+        return self.new_model(modeler_id, state, name or self.registry.info(modeler_id).title)
+
+    def new_model(self, modeler_id: str, state: Any, name: str) -> Model:
+        """Return a new model of a state that its modeler made."""
+        version = self.registry.modeler(modeler_id).state_version
+        return Model(new_id(), name, modeler_id, state, state_version=version)
 
     def tool(self, modeler_id: str, tool_id: str) -> Tool[Any]:
         """Return a tool of a modeler by its id.
@@ -107,9 +102,7 @@ class Workbench:
 
     def tools(self, modeler_id: str) -> tuple[Tool[Any], ...]:
         """Return all tools of a modeler."""
-        modeler = self.registry.modeler(modeler_id)
-        made = self.registry.guard.call(modeler_id, "tools", modeler.tools)
-        return self.registry.guard.check_tools(modeler_id, made)
+        return self.registry.guarded(modeler_id).tools()
 
     def apply(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Model:
         """Return the model after a gesture with one of its tools.
@@ -123,14 +116,8 @@ class Workbench:
         PluginFault
             If the tool fails otherwise.
         """
-        self._refuse_closed(model)
-        gesture, context = self._in_frame_of(model, gesture, context)
-        state = self.registry.guard.call(
-            model.modeler, f"{tool.id}.apply", tool.apply, model.state, gesture, context
-        )
-        modeler = self.registry.modeler(model.modeler)
-        self.registry.guard.check_state(model.modeler, modeler.state_type, state)
-        return replace(model, state=state)
+        modeler, (to_own, own) = self.guarded(model), self._frame_of(model, context)
+        return replace(model, state=modeler.apply(tool, model.state, gesture.moved(to_own), own))
 
     def differs(self, before: Model, after: Model, *, only_chosen: bool = False) -> bool:
         """Whether anything at all is different in two states of a model.
@@ -146,49 +133,39 @@ class Workbench:
             return False
         if not only_chosen:
             return True
-        same = self.registry.guard.call(
-            before.modeler,
-            "its state",
-            lambda one, two: bool(one == two),
-            before.state,
-            after.state,
-        )
-        return not same
+        return not self.guarded(before).is_same(before.state, after.state)
+
+    def begin(self, model: Model, tool: Tool[Any], context: Context) -> ModelPreview:
+        """Return the preview of a gesture that begins; gestures and scenes are in the world."""
+        to_own, own = self._frame_of(model, context)
+        modeler = self.guarded(model)
+        return ModelPreview(modeler, modeler.begin(tool, model.state, own), model, to_own)
 
     def preview(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Scene:
-        """Return what to show while the pen is down, in the world, marked as the model's own.
+        """Return what a gesture shows while the pen is down, in the world; see `begin`."""
+        return self.begin(model, tool, context).update(gesture)
 
-        A layer stands in for the model's layer of the same name; see `Scene.under`.
-        """
-        gesture, context = self._in_frame_of(model, gesture, context)
-        scene = self.registry.guard.call(
-            model.modeler, f"{tool.id}.preview", tool.preview, model.state, gesture, context
-        )
-        return scene_in_world(self.registry.guard.check_scene(model.modeler, scene), model)
+    def next_step(self, model: Model, tool: Tool[Any]) -> NextStep:
+        """Return what to do next with a tool, as the model is now; its place is in the world."""
+        step = self.guarded(model).next_step(model.state, tool)
+        if step.place is None:
+            return step
+        x, y, z = model.placement.points([step.place])[0].tolist()
+        return replace(step, place=(x, y, z))
 
-    def next_hint(self, model: Model, tool: Tool[Any]) -> str:
-        """Say what to do next with a tool, as the model is now."""
-        if not isinstance(tool, TellsNext):
-            return tool.hint
-        guard = self.registry.guard
-        said = guard.call(model.modeler, f"{tool.id}.next_hint", tool.next_hint, model.state)
-        return guard.check_hint(model.modeler, said)
-
-    def _in_frame_of(
-        self, model: Model, gesture: Gesture, context: Context
-    ) -> tuple[Gesture, Context]:
-        """Return a gesture and its world as they are in a model's own frame.
+    def _frame_of(self, model: Model, context: Context) -> tuple[Placement, Context]:
+        """Return the way into a model's own frame, and the world as it is seen from there.
 
         The newest moved scene is kept: moving one takes longer than a preview may.
         """
-        if model.placement.is_identity:
-            return gesture, context
         inverse = model.placement.inverse()
+        if inverse.is_identity:
+            return inverse, context
         known = self._moved
         if known is None or known[0] is not context.scene or known[1] != inverse:
             known = self._moved = (context.scene, inverse, context.scene.placed(inverse))
         rest = replace(context, scene=Scene()).moved(inverse)
-        return gesture.moved(inverse), replace(rest, scene=known[2])
+        return inverse, replace(rest, scene=known[2])
 
     def set_parameters(self, model: Model, values: Mapping[str, object]) -> Model:
         """Return the model with parameters changed.
@@ -203,7 +180,7 @@ class Workbench:
         PluginFault
             If the state's own check of itself fails.
         """
-        self._refuse_closed(model)
+        self.guarded(model)  # refuses what is closed
         return self.parts.set_parameters(model, values)
 
     # -- looking --
@@ -223,17 +200,14 @@ class Workbench:
             The view.
         seen : iterable of Model
             The model as it was a moment ago, newest first, while the view was pinned to it. Where
-            it has changed, the view may have to go along; see `MovesView`.
+            it has changed, the view may have to go along; see `Modeler.view_after`.
         """
-        modeler = self._modeler_of(model)
-        if not isinstance(modeler, AdvisesView):
-            return None
+        modeler = self.guarded(model)
         own = camera.moved(model.placement.inverse())
-        along = self._view_after(model, modeler, own, seen)
-        advice = self.registry.guard.call(
-            model.modeler, "view_advice", modeler.view_advice, model.state, along or own
-        )
-        advice = self.registry.guard.check_advice(model.modeler, advice)
+        along = self._view_after(modeler, model, own, seen)
+        advice = modeler.view_advice(model.state, along or own)
+        if advice is None:
+            return None
         if along is not None:
             advice = replace(advice, better=along, pinned=True, follow=True)
         better = advice.better
@@ -243,21 +217,17 @@ class Workbench:
             scene=scene_in_world(advice.scene, model),
         )
 
+    @staticmethod
     def _view_after(
-        self, model: Model, modeler: object, camera: Camera, seen: Iterable[Model]
+        modeler: GuardedModeler, model: Model, camera: Camera, seen: Iterable[Model]
     ) -> Camera | None:
         """Return the view that a pinned view becomes, in the model's own frame."""
-        if not isinstance(modeler, MovesView):
-            return None
         for before in seen:
             if before.state is model.state or before.placement != model.placement:
                 continue
-            found = self.registry.guard.call(
-                model.modeler, "view_after", modeler.view_after, before.state, model.state, camera
-            )
+            found = modeler.view_after(before.state, model.state, camera)
             if found is not None:
-                view: Camera = self.registry.guard.check_view(model.modeler, found)
-                return view
+                return found
         return None
 
     def advice_scene(self, document: Document, camera: Camera) -> Scene:
@@ -276,8 +246,7 @@ class Workbench:
         known = self.result(model, job.quality)
         if known is not None:
             return known
-        modeler = self._modeler_of(model)
-        result = self.registry.guard.call(model.modeler, "solve", modeler.solve, model.state, job)
+        result = self.guarded(model).solve(model.state, job)
         if job.quality == "final":
             # A preview has some milliseconds, and its curves would be exchanged in a moment.
             self.curves.try_to_learn(model, result)
@@ -312,10 +281,7 @@ class Workbench:
 
     def model_scene(self, model: Model, result: Any | None) -> Scene:
         """Return one model's scene in the world, marked as its own."""
-        modeler = self._modeler_of(model)
-        scene = self.registry.guard.call(model.modeler, "scene", modeler.scene, model.state, result)
-        scene = self.registry.guard.check_scene(model.modeler, scene)
-        return scene_in_world(scene, model)
+        return scene_in_world(self.guarded(model).scene(model.state, result), model)
 
     def scene(self, document: Document, job: Job | None = None) -> Scene:
         """Return all visible models and underlays of a document.
@@ -359,45 +325,30 @@ class Workbench:
         for model in models:
             if self.is_foreign(model):
                 continue
-            modeler = self._modeler_of(model)
-            result = self.solve(model, job)
-            shapes = self.registry.guard.call(
-                model.modeler, "shapes", modeler.shapes, model.state, result
-            )
-            self.registry.guard.check_shapes(model.modeler, shapes)
+            shapes = self.guarded(model).shapes(model.state, self.solve(model, job))
             total += shapes_in_world(shapes, model)
         return total
 
     def report(self, model: Model, job: Job) -> dict[str, Any]:
         """Return figures on a model's quality, as JSON values; empty if its modeler has none."""
-        modeler = self._modeler_of(model)
-        result = self.solve(model, job)
-        if not isinstance(modeler, Reports):
-            return {}
-        said = self.registry.guard.call(
-            model.modeler, "report", modeler.report, model.state, result
-        )
-        said = self.registry.guard.check_report(model.modeler, said)
+        said = self.guarded(model).report(model.state, self.solve(model, job))
         return {str(key): plain(value) for key, value in said.items()}
 
     def cautions(self, model: Model, job: Job) -> tuple[Caution, ...]:
         """Return what a person must know of a model's result; empty where all is well."""
-        modeler = self._modeler_of(model)
-        if not isinstance(modeler, Warns):
-            return ()
-        result = self.solve(model, job)
-        said = self.registry.guard.call(
-            model.modeler, "cautions", modeler.cautions, model.state, result
-        )
-        return self.registry.guard.check_cautions(model.modeler, said)
+        return self.guarded(model).cautions(model.state, self.solve(model, job))
 
-    def _modeler_of(self, model: Model) -> Modeler[Any, Any]:
-        self._refuse_closed(model)
-        return self.registry.modeler(model.modeler)
+    def guarded(self, model: Model) -> GuardedModeler:
+        """Return the modeler of a model.
 
-    def _refuse_closed(self, model: Model) -> None:
+        Raises
+        ------
+        UserError
+            If its plugin is not here.
+        """
         if self.is_foreign(model):
             raise UserError(
                 f"“{model.name}” was made with the plugin {model.modeler!r}, which is not "
                 "installed or switched off. Install it to change this object."
             )
+        return self.registry.guarded(model.modeler)

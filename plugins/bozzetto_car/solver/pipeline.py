@@ -18,7 +18,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.patch import extent
-from bozzetto.plugin import Memory, switched_on
+from bozzetto.plugin import Memory
 from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.camera.sketch_camera import SketchCamera
@@ -129,7 +129,7 @@ def _question(state: CarState) -> tuple[object, ...]:
 
 
 def _taking_part(state: CarState) -> tuple[Sketch, ...]:
-    return tuple(node for node in switched_on(state.nodes) if isinstance(node, Sketch))
+    return state.shown(Sketch)
 
 
 def _solved(state: CarState, before: Solved | None) -> Solved:

@@ -14,7 +14,7 @@ from bozzetto.geometry.patches.patch import Places
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
-from bozzetto.plugin import unused_id, unused_name
+from bozzetto.plugin import PartsState
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
@@ -118,8 +118,9 @@ def erase(state: CarState, body: Body, eraser: Stroke) -> CarState:
         at = next(k for k, node in enumerate(nodes) if node.id == curve.id)
         nodes[at : at + 1] = parts[:1]
         for k, part in enumerate(parts[1:], start=at + 1):
-            name = unused_name(nodes, stem_of(curve.name))
-            nodes.insert(k, replace(part, id=unused_id(nodes), name=name))
+            row = PartsState(tuple(nodes))
+            name = row.unused_name(stem_of(curve.name))
+            nodes.insert(k, replace(part, id=row.unused_id(), name=name))
     if len(nodes) == len(state.nodes) and all(map(is_, nodes, state.nodes)):
         raise UserError("There is no styling curve under the eraser. Rub along the curve to erase.")
     kept = state.selected if any(node.id == state.selected for node in nodes) else ""

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.geometry.patches.patch import points_at
-from bozzetto.plugin import Memory, switched_on
+from bozzetto.plugin import Memory
 from bozzetto.scene import Item, Lines, Paint
 from bozzetto_car.array_types import Array, Index
 from bozzetto_car.body.build import Body
@@ -33,7 +33,7 @@ _lines: Memory[tuple[tuple[Array, ...], ...]] = Memory(REMEMBERED)
 
 def shown_styling(state: CarState) -> tuple[StylingCurve, ...]:
     """Return the styling curves that are visible, in the order of the list."""
-    return tuple(node for node in switched_on(state.nodes) if isinstance(node, StylingCurve))
+    return state.shown(StylingCurve)
 
 
 def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:

@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture, Ink, Memory
+from bozzetto.plugin import Context, Gesture, Ink, Memory, Tool
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_car.body.build import body_of
 from bozzetto_car.state import CarState, StylingCurve
@@ -26,7 +26,7 @@ NAME: Final = "Styling"
 _growing: Memory[Growing] = Memory(limit=4)
 
 
-class Style:
+class Style(Tool[CarState]):
     """The tool for styling curves: a stroke along a curve bends it, any other is a new curve."""
 
     id = "style"

@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Drag, Gesture, Ink, Tap
+from bozzetto.plugin import Context, Drag, Gesture, Ink, NextStep, Tap, Tool, override
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
@@ -37,7 +37,7 @@ NOT_THROUGH: Final = (
 )
 
 
-class MarkPoints:
+class MarkPoints(Tool[CarState]):
     """The tool for marks: a tap marks the node that is asked for, drags move, erasers remove."""
 
     id = MARK_TOOL
@@ -47,9 +47,10 @@ class MarkPoints:
     gesture: Literal["ink", "tap", "drag"] = "drag"
     aims = True
 
-    def next_hint(self, state: CarState) -> str:
+    @override
+    def next_step(self, state: CarState) -> NextStep:
         """Return which point to touch, in the template's words."""
-        return hint_of(state, solve_car(state))
+        return NextStep(hint_of(state, solve_car(state)))
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
         """Show the car with the mark, on the picture."""

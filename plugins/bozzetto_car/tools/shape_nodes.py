@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Drag, Gesture, Tap
+from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, Tool, override
 from bozzetto.scene import Scene
 from bozzetto.view.rotations import triple
 from bozzetto_car.array_types import Array
@@ -25,7 +25,7 @@ STILL: Final = 3.0
 """Movement of the pen, px, below which a handle is touched and not dragged."""
 
 
-class ShapeNodes:
+class ShapeNodes(Tool[CarState]):
     """The tool for nodes and tangents: nodes move parallel to the picture, handles bend edges.
 
     Smooth neighbours follow. A touch on a node or an edge reveals its tangents. Successive drags
@@ -38,11 +38,12 @@ class ShapeNodes:
     hint = "Drag a node. Touch a node or an edge for its tangents, and drag their ends."
     gesture: Literal["ink", "tap", "drag"] = "drag"
 
-    def next_hint(self, state: CarState) -> str:
+    @override
+    def next_step(self, state: CarState) -> NextStep:
         """Return what the visible handles do."""
         if not state.revealed:
-            return self.hint
-        return f"Drag the tangents of {state.revealed}, or touch another node or edge."
+            return NextStep(self.hint)
+        return NextStep(f"Drag the tangents of {state.revealed}, or touch another node or edge.")
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
         """Show the body after the drag."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink, Tool
 from bozzetto.scene import Layer, Scene
 from bozzetto_car.body.build import Body, body_of, drawn_through, in_world_of, unstretched_body_of
 from bozzetto_car.body.edge_runs import find_run
@@ -23,7 +23,7 @@ from bozzetto_car.view.scene import body_in_work
 NOTHING: Final = "No edge that was traced is under the eraser. Rub along one."
 
 
-class TraceEdges:
+class TraceEdges(Tool[CarState]):
     """The tool that bends edges to strokes; the other side of the car follows.
 
     A stroke on the sketch is kept in the pixels of its picture: it stays on the line that it

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import Placement, frozen
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.plugin import Parameter, unused_id, unused_name, with_part
+from bozzetto.plugin import Group as PlainGroup
+from bozzetto.plugin import Parameter, PartsState
+from bozzetto.plugin import Part as PlainPart
 from bozzetto_silhouette.model.sketch_plane import Point, Sheet
 
 Color = tuple[int, int, int]
@@ -62,26 +64,15 @@ Edit = Oversketch | Smoothing | Removal
 
 
 @dataclass(frozen=True)
-class Node:
+class Node(PlainPart):
     """Properties that parts and groups share.
 
     Parameters
     ----------
-    id : str
-        Unique within the state.
-    name : str
-    visible : bool
-        Switched off, it takes no part in the shape.
-    within : str
-        Id of the group that it is in; "" for none.
     pose : Placement
         Where it was moved since it was drawn, in the model's frame.
     """
 
-    id: str = ""
-    name: str = ""
-    visible: bool = True
-    within: str = ""
     pose: Placement = Placement()
     operation: Annotated[
         Operation,
@@ -109,7 +100,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Group(Node):
+class Group(Node, PlainGroup):
     """Several nodes that act as one."""
 
 
@@ -286,7 +277,7 @@ class Turn:
 
 
 @dataclass(frozen=True)
-class SilhouetteState:
+class SilhouetteState(PartsState):
     """The tree, what is chosen in it, and what holds for all of it.
 
     Parameters
@@ -333,23 +324,4 @@ class SilhouetteState:
     @property
     def parts(self) -> tuple[Part, ...]:
         """The nodes that are outlines."""
-        return tuple(node for node in self.nodes if isinstance(node, Part))
-
-    def node(self, node_id: str) -> Part | Group:
-        """Return the node with an id; raise `KeyError` where there is none."""
-        for node in self.nodes:
-            if node.id == node_id:
-                return node
-        raise KeyError(node_id)
-
-    def with_node(self, node: Part | Group) -> SilhouetteState:
-        """Replace the node with the same id, or append it; it becomes the chosen one."""
-        return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
-
-    def unused_id(self) -> str:
-        """Return an id that no node has."""
-        return unused_id(self.nodes)
-
-    def unused_name(self, stem: str = "Part") -> str:
-        """Return a name that no node has."""
-        return unused_name(self.nodes, stem)
+        return self.of_kind(Part)

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Memory, switched_on
+from bozzetto.plugin import Memory
+from bozzetto.plugin import Part as AnyPart
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Camera, Rays
@@ -58,12 +59,12 @@ def placement_of(state: SilhouetteState, part: Part) -> Placement:
 
 def is_shown(state: SilhouetteState, node: Part | Group) -> bool:
     """Whether a node and all groups around it are switched on."""
-    return node.id in {other.id for other in switched_on(state.nodes)}
+    return any(other.id == node.id for other in state.shown(AnyPart))
 
 
 def shown_parts(state: SilhouetteState) -> tuple[Part, ...]:
     """Return the parts that can be seen and touched, in the order of the tree."""
-    return tuple(node for node in switched_on(state.nodes) if isinstance(node, Part))
+    return state.shown(Part)
 
 
 def outlined_parts(state: SilhouetteState) -> tuple[Part, ...]:

@@ -59,7 +59,7 @@ class DrawOutline(PoseAwareTool):
             raise Unfinished("Go on with the outline, or press Enter to close it.")
         part = Part(
             id=state.unused_id(),
-            name=state.unused_name(),
+            name=state.unused_name("Part"),
             strokes=Strokes(gesture.strokes),
             sheet=sheet_under(gesture.strokes[0], context),
         )

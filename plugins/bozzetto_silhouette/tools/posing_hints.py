@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal
+from typing import Final
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture
-from bozzetto.scene import Scene
+from bozzetto.plugin import NextStep, Tool, override
 from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.rigging.posing import joints_layer
 
@@ -19,26 +18,18 @@ NO_JOINTS: Final = (
 )
 
 
-class PoseAwareTool:
-    """A tool whose hint gives way to the joints while the shape is posed.
+class PoseAwareTool(Tool[SilhouetteState]):
+    """A tool whose hint gives way to the joints while the shape is posed."""
 
-    Without a preview of its own: there the ink, or the result, shows everything.
-    """
-
-    hint: str
-    gesture: Literal["ink", "tap", "drag"] = "ink"
-
-    def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """Return an empty scene."""
-        return Scene()
-
-    def next_hint(self, state: SilhouetteState) -> str:
+    @override
+    def next_step(self, state: SilhouetteState) -> NextStep:
         """Return how to drag the joints while they are shown, else the tool's own hint."""
         if not state.posing or not state.nodes:
-            return self.hint
+            return NextStep(self.hint)
         try:
             layer = joints_layer(state)
         except UserError:
-            return self.hint  # the ink is no outline, which the solve has reported
+            return NextStep(self.hint)  # the ink is no outline, which the solve has reported
         # Besides the handles there may be roots, which stay where they are.
-        return DRAG_A_JOINT if layer is not None and len(layer.items) > 1 else NO_JOINTS
+        has_joints = layer is not None and len(layer.items) > 1
+        return NextStep(DRAG_A_JOINT if has_joints else NO_JOINTS)

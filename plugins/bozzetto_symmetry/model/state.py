@@ -6,16 +6,16 @@ better code can solve it again.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink import Strokes
-from bozzetto.plugin import Parameter, switched_on, unused_id, unused_name, with_part
+from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 
 Color = tuple[int, int, int]
@@ -96,32 +96,7 @@ Edit = Modification | Trim | Snap | Joint
 
 
 @dataclass(frozen=True)
-class Node:
-    """The attributes that everything in the list of parts has.
-
-    Parameters
-    ----------
-    id : str
-        Unique within the state.
-    name : str
-    visible : bool
-    within : str
-        Id of the group that it is in; "" for none.
-    """
-
-    id: str = ""
-    name: str = ""
-    visible: bool = True
-    within: str = ""
-
-
-@dataclass(frozen=True)
-class Group(Node):
-    """Curves that belong together."""
-
-
-@dataclass(frozen=True)
-class Curve(Node):
+class Curve(Part):
     """A curve, drawn in one or several views.
 
     Parameters
@@ -168,7 +143,7 @@ class Curve(Node):
 
 
 @dataclass(frozen=True)
-class Line(Node):
+class Line(Part):
     """A construction line: straight, to draw by, and in no exported file.
 
     Parameters
@@ -182,7 +157,7 @@ class Line(Node):
 
 
 @dataclass(frozen=True)
-class SymmetryState:
+class SymmetryState(PartsState):
     """The box, the plane, the curves, and what is chosen.
 
     Parameters
@@ -281,42 +256,14 @@ class SymmetryState:
     @property
     def shown_curves(self) -> tuple[Curve, ...]:
         """The curves that are switched on together with all groups that they are in."""
-        return tuple(node for node in switched_on(self.nodes) if isinstance(node, Curve))
+        return self.shown(Curve)
 
     @property
     def shown_lines(self) -> tuple[Line, ...]:
         """The construction lines that are switched on together with all their groups."""
-        return tuple(node for node in switched_on(self.nodes) if isinstance(node, Line))
+        return self.shown(Line)
 
     @property
     def chosen(self) -> Curve | None:
         """The curve that is chosen, if one is."""
-        return next((curve for curve in self.curves if curve.id == self.selected), None)
-
-    def node(self, node_id: str) -> Curve | Line | Group:
-        """Return a node by its id; raise `KeyError` where there is none."""
-        for node in self.nodes:
-            if node.id == node_id:
-                return node
-        raise KeyError(node_id)
-
-    def with_node(self, node: Kind) -> SymmetryState:
-        """Return a state with a node, chosen, in the place of the one of its id or at the end."""
-        return replace(self, nodes=with_part(self.nodes, node), selected=node.id)
-
-    def without(self, *node_ids: str) -> SymmetryState:
-        """Return a state without some nodes."""
-        nodes = tuple(node for node in self.nodes if node.id not in node_ids)
-        selected = "" if self.selected in node_ids else self.selected
-        return replace(self, nodes=nodes, selected=selected)
-
-    def unused_id(self) -> str:
-        """Return an id that no node has."""
-        return unused_id(self.nodes)
-
-    def unused_name(self, stem: str = "Curve") -> str:
-        """Return a name that no node has."""
-        return unused_name(self.nodes, stem)
-
-
-Kind = TypeVar("Kind", Curve, Line, Group)
+        return self.chosen_of(Curve)

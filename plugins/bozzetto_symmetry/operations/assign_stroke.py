@@ -95,7 +95,7 @@ def add_strokes(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetrySt
     if owner is None:
         owner = Curve(
             id=state.unused_id(),
-            name=state.unused_name(),
+            name=state.unused_name("Curve"),
             strokes=Strokes(strokes),
             color=strokes[0].color,
         )

@@ -60,7 +60,7 @@ def replace_by_pieces(
     it and are called "… b", "… c" and so on. Without any piece the curve is gone.
     """
     if not stretches:
-        return state.without(node.id)
+        return state.without_nodes(node.id)
     pieces = [replace(node, edits=(*node.edits, Trim(*stretch))) for stretch in stretches]
     place = state.nodes.index(node)
     state = replace(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.resample import arc_length
-from bozzetto.plugin import Context, Gesture, Ink, Memory
+from bozzetto.plugin import Context, Gesture, Ink, Memory, NextStep, Tool, override
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import Curve, SymmetryState
@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 _growing: Memory[GrowingCurve] = Memory(limit=4)
 
 
-class DrawCurve:
+class DrawCurve(Tool[SymmetryState]):
     """Draws left and right in any order, over and over, or across in one stroke."""
 
     id = "draw"
@@ -48,9 +48,10 @@ class DrawCurve:
     hint = FIRST
     gesture: Literal["ink", "tap", "drag"] = "ink"
 
-    def next_hint(self, state: SymmetryState) -> str:
+    @override
+    def next_step(self, state: SymmetryState) -> NextStep:
         """Return what the chosen curve was read as, what is wrong with it, and what comes next."""
-        return next_step(state)
+        return NextStep(next_step(state))
 
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
         """Return the curve in space that grows while its second side is drawn.

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink, Tool
 from bozzetto.scene import Layer, Lines, Paint, Scene
 from bozzetto_symmetry.model.axes import AXIS_PAINTS
 from bozzetto_symmetry.model.state import Line, SymmetryState
@@ -17,7 +17,7 @@ from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.tools.erase import erase
 
 
-class DrawLine:
+class DrawLine(Tool[SymmetryState]):
     """Draws straight lines in space, one a stroke."""
 
     id = "line"

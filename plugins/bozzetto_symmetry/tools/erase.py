@@ -55,7 +55,7 @@ def erase(state: SymmetryState, eraser: Stroke) -> SymmetryState:
             state = _without_strokes(state, node, eraser)
     for line in before.shown_lines:
         if _is_over(line, eraser):
-            state = state.without(line.id)
+            state = state.without_nodes(line.id)
     if state == before:
         raise UserError("There is no curve under the eraser. Rub along what is to go.")
     return state
@@ -88,7 +88,7 @@ def _without_part(state: SymmetryState, side: Seen, flags: NDArray[np.bool_]) ->
     steps = np.linalg.norm(np.diff(side.place(side.parameters), axis=0), axis=1)
     share = float(steps[flags[:-1] & flags[1:]].sum() / steps.sum())
     if share >= MOST:
-        return state.without(side.node.id)
+        return state.without_nodes(side.node.id)
     if not flags.any():
         return state
     left = without_stretch(side.curve, _stretch(side, flags))
@@ -120,7 +120,11 @@ def _without_strokes(state: SymmetryState, node: Curve, eraser: Stroke) -> Symme
     ]
     if len(kept) == len(node.strokes):
         return state
-    return state.with_node(replace(node, strokes=Strokes(kept))) if kept else state.without(node.id)
+    return (
+        state.with_node(replace(node, strokes=Strokes(kept)))
+        if kept
+        else state.without_nodes(node.id)
+    )
 
 
 def _is_over(line: Line, eraser: Stroke) -> bool:

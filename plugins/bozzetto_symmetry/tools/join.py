@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink, Tool
 from bozzetto.scene import Layer, Scene
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.curve_ends import End, ends_of, with_joint
@@ -30,7 +30,7 @@ WIDTH: Final = 2.5
 _NO_END: Final = "There is no end of a curve where the stroke {where}. Draw from end to end."
 
 
-class JoinCurves:
+class JoinCurves(Tool[SymmetryState]):
     """Makes two ends one smooth curve; both ends of one curve close it.
 
     From an end across the centre plane to its mirror image, the curve becomes one across

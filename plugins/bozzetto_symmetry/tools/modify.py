@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink, Tool
 from bozzetto.scene import Layer, Scene
 from bozzetto_symmetry.editing.replay import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
@@ -32,7 +32,7 @@ settles between them. One drawn farther away overrules them."""
 _NOTHING: Final = "There is no curve near the stroke. Draw over the curve that is to change."
 
 
-class Modify:
+class Modify(Tool[SymmetryState]):
     """Bends the nearest curve towards what is drawn over it, or over its mirror image.
 
     Each stroke acts at once on the curve as it stands. Strokes close to the ones before act

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Drag, Gesture
+from bozzetto.plugin import Context, Drag, Gesture, Tool
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, along
@@ -29,7 +29,7 @@ ROUNDING: Final = 3
 """Decimals of a millimetre that are kept of what is dragged freely."""
 
 
-class ResizeBox:
+class ResizeBox(Tool[SymmetryState]):
     """Makes the box longer, wider or higher by a dragged face, and moves it by its middle.
 
     The face opposite stays where it is. A face that is parallel to the centre plane takes

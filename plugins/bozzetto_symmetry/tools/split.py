@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.intersections import crossings
-from bozzetto.plugin import Context, Gesture, Ink, Tap
+from bozzetto.plugin import Context, Gesture, Ink, Tap, Tool
 from bozzetto.scene import Layer, Points, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.editing.trim import share_of
@@ -40,7 +40,7 @@ _PLANE: Final = (
 )
 
 
-class Split:
+class Split(Tool[SymmetryState]):
     """Cuts curves in two; a closed one is opened first.
 
     A curve across the plane is cut on both sides at once: its middle stays one curve across

@@ -17,14 +17,14 @@ MANIFEST = """
 id = "paneled.plugin"
 title = "Paneled"
 version = "1.0"
-api = ">=1,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "paneled.modeler"
 title = "Paneled"
 icon = "icon.svg"
 hint = "Draw."
-panel = true
+abilities = ["panel"]
 """
 
 CODE = """

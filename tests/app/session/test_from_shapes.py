@@ -98,7 +98,7 @@ def test_facts_of_a_watched_drawing_reach_the_new_model(session, settle, qtbot):
 
     session.selection.select(None)
     stroke = stroke_of([(300.0, 300.0), (350.0, 350.0), (400.0, 400.0)], session.view.camera)
-    drawing = Drawing(Strokes((stroke,)), session.view.camera, extra={"box": 42.0})
+    drawing = Drawing(Strokes((stroke,)), session.view.camera, facts={"box": 42.0})
     replay = Replay(session, drawing, speed=1000.0)
     with qtbot.waitSignal(replay.finished, timeout=20_000):
         replay.start()

@@ -100,7 +100,7 @@ def test_the_smallest_file_by_hand():
     assert not drawing.strokes[0].has_pressure
     assert not drawing.strokes[0].has_time
     assert drawing.strokes[1].group == "roof"
-    assert drawing.extra == {"box": {"size": [1, 2, 3]}}
+    assert drawing.facts == {"box": {"size": [1, 2, 3]}}
     assert drawing.name == "name"
 
 

@@ -47,7 +47,7 @@ def read(folder, said, name="marks.json"):
 def test_marks_are_a_drawing_without_strokes(folder):
     drawing = read(folder, MARKS)
     assert len(drawing.strokes) == 0
-    assert drawing.extra == MARKS
+    assert drawing.facts == MARKS
     assert drawing.camera == Camera()
     assert drawing.name == "marks"
     assert list(drawing.pictures) == ["front.png", "more/rear.png"]

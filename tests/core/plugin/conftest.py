@@ -16,7 +16,7 @@ import pytest
 
 from bozzetto.geometry import Mesh, Shapes, Surface
 from bozzetto.ink import Strokes
-from bozzetto.plugin import Ink, Parameter
+from bozzetto.plugin import Ink, Modeler, Parameter, Tool
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.testing import Shell
@@ -27,7 +27,7 @@ GOOD_MANIFEST = """
 id = "{author}.plugin"
 title = "Plugin"
 version = "1.0"
-api = ">=1,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "{author}.modeler"
@@ -71,7 +71,7 @@ class FaultyState:
     table: tuple[float, ...] = (1.0, 2.0)
 
 
-class FaultyTool:
+class FaultyTool(Tool[FaultyState]):
     id, title, icon, hint, gesture = "draw", "Draw", "", "Draw.", "ink"
 
     def __init__(self, owner: Faulty) -> None:
@@ -80,7 +80,7 @@ class FaultyTool:
     def preview(self, state, gesture, context):
         return self.owner.do("preview", Scene, state, gesture, context)
 
-    def apply(self, state, gesture, context):
+    def draw(self, state, gesture, context):
         def well():
             assert isinstance(gesture, Ink)
             return FaultyState(state.strokes.extended(gesture.strokes), state.size)
@@ -88,10 +88,10 @@ class FaultyTool:
         return self.owner.do("apply", well, state, gesture, context)
 
 
-class Faulty:
+class Faulty(Modeler[FaultyState, float]):
     """A modeler that does well, except where `misdeeds` has something else for it to do."""
 
-    id, title, state_type, state_version = "faulty.modeler", "Faulty", FaultyState, 2
+    id, state_type, state_version = "faulty.modeler", FaultyState, 2
 
     def __init__(self) -> None:
         self.misdeeds: dict[str, Callable[..., Any]] = {}
@@ -142,14 +142,14 @@ FAULTY_MANIFEST = """
 id = "faulty.plugin"
 title = "Faulty"
 version = "1.0"
-api = ">=1,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "faulty.modeler"
 title = "Faulty"
 icon = "icon.svg"
 hint = "Draw."
-panel = true
+abilities = ["panel", "read_shapes"]
 """
 
 FAULTY_CODE = """

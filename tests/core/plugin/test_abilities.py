@@ -108,7 +108,7 @@ def test_a_command_sees_the_world_from_the_models_frame(shell, monkeypatch):
 )
 def test_commands_that_are_none_are_a_fault(shell, marks, monkeypatch, wrong):
     monkeypatch.setattr(marks, "commands", lambda: wrong)
-    with pytest.raises(PluginFault, match="made commands that cannot be used"):
+    with pytest.raises(PluginFault, match="commands gave what cannot be used"):
         shell.commands()
 
 
@@ -138,7 +138,7 @@ def test_a_step_runs_a_command_and_facts_reach_create(shell, tmp_path):
     drawing = Drawing(
         Strokes([LINE, LINE]),
         Camera(),
-        extra={"box": 12.5},
+        facts={"box": 12.5},
         steps=(DrawStep("mark", (0,)), CommandStep("flip"), DrawStep("mark", (1,))),
     )
     (tmp_path / "made.json").write_bytes(write_drawing(drawing))
@@ -194,7 +194,7 @@ object.__setattr__(NAN, "points", np.full((1, 3), np.nan, np.float32))
 )
 def test_advice_that_is_none_is_a_fault(shell, marks, wrong):
     marks.advise = lambda state, camera: wrong
-    with pytest.raises(PluginFault, match="made view advice that cannot be used"):
+    with pytest.raises(PluginFault, match="view_advice gave what cannot be used"):
         shell.advice()
 
 
@@ -284,6 +284,6 @@ def test_what_is_wrong_is_found(marks, monkeypatch):
 
 def test_facts_are_only_lent(shell):
     facts = {"box": 3.0}
-    drawing = Drawing(Strokes([LINE]), Camera(), extra=facts, steps=(DrawStep("mark", (0,)),))
+    drawing = Drawing(Strokes([LINE]), Camera(), facts=facts, steps=(DrawStep("mark", (0,)),))
     shell.workbench.sources.from_drawing(MODELER, drawing, {})
     assert facts == {"box": 3.0}

@@ -8,7 +8,7 @@ GOOD_MANIFEST = """
 id = "{author}.plugin"
 title = "Plugin"
 version = "1.0"
-api = ">=1,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "{author}.modeler"
@@ -141,7 +141,7 @@ def test_a_panel_that_is_announced_and_missing_is_found(make_package, faulty, mo
     from bozzetto.testing import checks
 
     monkeypatch.setattr(checks, "CHECKS", ())
-    package = make_package(FAILING, GOOD_MANIFEST + "panel = true\n")
+    package = make_package(FAILING, GOOD_MANIFEST + 'abilities = ["panel"]\n')
     assert "no hook bozzetto_panel" in messages(package)
     assert check_package(faulty.package) == []
 

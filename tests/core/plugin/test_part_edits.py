@@ -11,7 +11,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Shapes
-from bozzetto.plugin import Parameter
+from bozzetto.plugin import Group, Parameter, Part, PartsModeler, PartsState
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Scene
@@ -30,7 +30,7 @@ MANIFEST = """
 id = "pieces.plugin"
 title = "Pieces"
 version = "1.0"
-api = ">=1,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "pieces.modeler"
@@ -41,38 +41,30 @@ hint = "Draw."
 
 
 @dataclass(frozen=True)
-class Piece:
-    id: str = ""
-    name: str = ""
-    visible: bool = True
-    within: str = ""
+class Piece(Part):
     size: Annotated[float, Parameter("Size", 0.0, 9.0)] = 1.0
 
 
 @dataclass(frozen=True)
-class Frame(Piece):
+class Frame(Piece, Group):
     """A group; it has a size of its own and a rim besides."""
 
     rim: Annotated[float, Parameter("Rim", 0.0, 1.0)] = 0.5
 
 
 @dataclass(frozen=True)
-class PiecesState:
-    pieces: tuple[Piece | Frame, ...] = ()
-    chosen: str = ""
+class PiecesState(PartsState):
+    nodes: tuple[Piece | Frame, ...] = ()
     detail: Annotated[int, Parameter("Detail", 1, 5)] = 2
 
 
-class Pieces:
-    id, title, state_type, state_version = "pieces.modeler", "Pieces", PiecesState, 1
+class Pieces(PartsModeler[PiecesState, None]):
+    id, state_type = "pieces.modeler", PiecesState
     part_types = (Piece, Frame)
 
     def create(self, context):
-        pieces = (Piece("a", "A"), Frame("b", "B"), Piece("c", "C", within="b"), Piece("d", "D"))
-        return PiecesState(pieces, "a")
-
-    def tools(self):
-        return ()
+        nodes = (Piece("a", "A"), Frame("b", "B"), Piece("c", "C", within="b"), Piece("d", "D"))
+        return PiecesState(nodes, "a")
 
     def solve(self, state, job):
         return None
@@ -82,24 +74,6 @@ class Pieces:
 
     def shapes(self, state, result):
         return Shapes()
-
-    def upgrade(self, state, version):
-        return state
-
-    def parts(self, state):
-        return state.pieces
-
-    def selected_part(self, state):
-        return state.chosen
-
-    def is_group(self, part):
-        return isinstance(part, Frame)
-
-    def with_parts(self, state, parts, selected):
-        return replace(state, pieces=parts, chosen=selected)
-
-    def new_group(self, state):
-        return Frame("g", "Group 1")
 
 
 @pytest.fixture

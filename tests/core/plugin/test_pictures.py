@@ -94,14 +94,14 @@ def test_damaged_bytes_are_the_files_fault_and_not_the_plugins(shell):
 @pytest.mark.parametrize("wrong", [None, 3, PICTURE, Tracing(pictures=[PICTURE])])
 def test_a_wrong_answer_is_a_fault(shell, sketches, wrong):
     sketches.take = lambda state, picture: wrong
-    with pytest.raises(PluginFault, match="made a state that cannot be used"):
+    with pytest.raises(PluginFault, match="add_picture gave what cannot be used"):
         shell.place(PICTURE)
 
 
 def test_the_context_comes_in_the_models_frame(shell, sketches):
     seen = []
     turned = Placement(offset=(100.0, 0.0, 0.0))
-    sketches.with_picture = lambda state, picture, context: seen.append(context) or state
+    sketches.add_picture = lambda state, picture, context: seen.append(context) or state
     model = replace(shell.model, placement=turned)
     shell.workbench.sources.with_picture(model, PICTURE, Context(camera=STAND))
     assert seen[0].camera.eye == pytest.approx((STAND.eye[0] - 100.0, *STAND.eye[1:]))

@@ -25,7 +25,7 @@ class TestCar(ModelerContract):
         width, height = (int(side) for side in PICTURE)
         paper = np.full((height, width, 4), 240, np.uint8)
         picture = Picture.of(paper, "Sedan")
-        shell.put(Car().with_picture(shell.state, picture, shell.context()))
+        shell.put(Car().add_picture(shell.state, picture, shell.context()))
         for _ in range(10):
             body = body_of(shell.state)
             asked = asked_of(shell.state, body.solved)

@@ -98,7 +98,7 @@ def test_every_curve_is_read_as_it_was_meant(built) -> None:
 @pytest.mark.slow
 def test_every_curve_is_known_well(built) -> None:
     path, _, curves = built
-    box = read_drawing(path).extra["box"]["size"]
+    box = read_drawing(path).facts["box"]["size"]
     for told in curves.values():
         assert np.median(told["sigma"]) < 0.01 * np.linalg.norm(box)
         assert told["rms"] < 1.0
@@ -107,7 +107,7 @@ def test_every_curve_is_known_well(built) -> None:
 @pytest.mark.slow
 def test_what_is_round_is_round_and_stands_upright(built) -> None:
     path, _, curves = built
-    diagonal = np.linalg.norm(read_drawing(path).extra["box"]["size"])
+    diagonal = np.linalg.norm(read_drawing(path).facts["box"]["size"])
     for name, (x, y, z, radius) in WHEELS[path.stem].items():
         points = np.array(curves[name]["points"]) - (x, y, z)
         off = np.hypot(np.hypot(points[:, 0], points[:, 2]) - radius, points[:, 1])

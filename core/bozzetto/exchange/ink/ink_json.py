@@ -81,7 +81,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     Returns
     -------
     Drawing
-        What the file says beyond canvas, camera and strokes is in `Drawing.extra`. One that
+        What the file says beyond canvas, camera and strokes is in `Drawing.facts`. One that
         says nothing of these has no strokes, and the camera of an empty sheet.
 
     Raises
@@ -92,7 +92,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     at_most(json_values(data), MAX_NUMBERS, "values")
     top = decode_json(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
     if top and not any(key in top for key in KNOWN):
-        return Drawing(Strokes(), Camera(), name, _extra(top))
+        return Drawing(Strokes(), Camera(), name, _facts(top))
     if NEEDED[0] not in top or decode_json(top["format"], str, "format") != FORMAT:
         raise FormatError(f"This is not ink JSON: “format” must be “{FORMAT}”.")
     for key in NEEDED[1:]:
@@ -109,10 +109,10 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         samples += len(strokes[-1])
         at_most(samples, MAX_SAMPLES, "samples")
     steps = read_steps(top["steps"], canvas, len(strokes)) if "steps" in top else ()
-    return Drawing(Strokes(strokes), camera, name, _extra(top), steps)
+    return Drawing(Strokes(strokes), camera, name, _facts(top), steps)
 
 
-def _extra(top: dict[str, msgspec.Raw]) -> dict[str, Any]:
+def _facts(top: dict[str, msgspec.Raw]) -> dict[str, Any]:
     rest = [key for key in top if key not in KNOWN]
     at_most(len(rest), MAX_KEYS, "keys")
     at_most(sum(json_values(bytes(top[key])) for key in rest), MAX_VALUES, "values")
@@ -144,7 +144,7 @@ def write_drawing(drawing: Drawing) -> bytes:
         "format": FORMAT,
         "canvas": canvas_record(drawing.camera),
         "camera": camera_record(drawing.camera),
-        **{key: value for key, value in drawing.extra.items() if key not in KNOWN},
+        **{key: value for key, value in drawing.facts.items() if key not in KNOWN},
         "strokes": [_record(stroke, drawing.camera) for stroke in drawing.strokes],
     }
     if drawing.steps:

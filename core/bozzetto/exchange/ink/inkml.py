@@ -134,8 +134,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         _stroke(trace, camera, shift, pressure_top=most if most > 1 else 1.0, number=number)
         for number, trace in enumerate(ink.traces, 1)
     ]
-    extra = decode_json(ink.notes.get("bozzetto-extra", "{}"), dict[str, Any], "an annotation")
-    return Drawing(Strokes(strokes), camera, name, extra)
+    facts = decode_json(ink.notes.get("bozzetto-extra", "{}"), dict[str, Any], "an annotation")
+    return Drawing(Strokes(strokes), camera, name, facts)
 
 
 class _View(msgspec.Struct):
@@ -314,8 +314,8 @@ def write_drawing(drawing: Drawing) -> bytes:
         for columns, key in layouts.items()
     ]
     notes = [_note("bozzetto-camera", _view_text(drawing.camera))]
-    if drawing.extra:
-        notes.append(_note("bozzetto-extra", msgspec.json.encode(drawing.extra).decode()))
+    if drawing.facts:
+        notes.append(_note("bozzetto-extra", msgspec.json.encode(drawing.facts).decode()))
     return "\n".join(
         (
             '<?xml version="1.0" encoding="UTF-8"?>',

@@ -46,7 +46,7 @@ class _Drawing(msgspec.Struct, tag=True):
     camera: Camera
     strokes: bytes
     columns: list[str]
-    extra: bytes
+    facts: bytes
     steps: list[tuple[str, bytes]]
     left_out: tuple[str, ...]
 
@@ -117,7 +117,7 @@ def _drawing_record(drawing: Drawing) -> tuple[_Record, Arrays]:
         drawing.camera,
         msgspec.json.encode(meta),
         list(columns),
-        msgspec.json.encode(drawing.extra),
+        msgspec.json.encode(drawing.facts),
         steps,
         drawing.left_out,
     )
@@ -164,7 +164,7 @@ def _drawing_of(told: _Drawing, arrays: Sequence[NDArray[Any]]) -> Drawing:
     steps: list[Step] = [
         msgspec.msgpack.decode(text, type=VERBS[verb]) for verb, text in told.steps
     ]
-    extra: dict[str, Any] = msgspec.json.decode(told.extra)
+    facts: dict[str, Any] = msgspec.json.decode(told.facts)
     return Drawing(
-        Strokes(strokes), told.camera, told.name, extra, tuple(steps), left_out=told.left_out
+        Strokes(strokes), told.camera, told.name, facts, tuple(steps), left_out=told.left_out
     )

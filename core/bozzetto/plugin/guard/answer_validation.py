@@ -15,7 +15,10 @@ from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
+from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.part_tree import PartTree
+from bozzetto.plugin.parts import Part
+from bozzetto.plugin.tool import Preview, Tool
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import (
     Handle,
@@ -111,8 +114,8 @@ def sound_shapes(shapes: Any) -> Shapes:
     return shapes
 
 
-def sound_tools(tools: Any) -> tuple[Any, ...]:
-    """Return the tools as a tuple if each has what `Tool` asks for.
+def sound_tools(tools: Any) -> tuple[Tool[Any], ...]:
+    """Return the tools as a tuple if each can be shown and asked.
 
     Raises
     ------
@@ -122,31 +125,53 @@ def sound_tools(tools: Any) -> tuple[Any, ...]:
         raise Unsound(f"{type(tools).__name__} where a list of tools belongs")
     ids = set()
     for tool in tools:
+        if not isinstance(tool, Tool):
+            raise Unsound(f"{_name_of(tool)} is not derived from bozzetto.plugin.Tool")
         for name in ("id", "title", "icon", "hint"):
             if not isinstance(getattr(tool, name, None), str):
                 raise Unsound(f"{type(tool).__name__}.{name} must be a text")
         if not tool.id or tool.id in ids:
             raise Unsound(f"two tools with the id {tool.id!r}" if tool.id else "a tool without id")
         ids.add(tool.id)
-        if getattr(tool, "gesture", None) not in ("ink", "tap", "drag"):
+        if tool.gesture not in ("ink", "tap", "drag"):
             raise Unsound(f'{type(tool).__name__}.gesture must be "ink", "tap" or "drag"')
-        if not isinstance(getattr(tool, "aims", False), bool):
+        if not isinstance(tool.aims, bool):
             raise Unsound(f"{type(tool).__name__}.aims must be True or False")
-        if not all(callable(getattr(tool, name, None)) for name in ("preview", "apply")):
-            raise Unsound(f"{type(tool).__name__} needs the methods preview and apply")
     return tuple(tools)
 
 
-def sound_hint(hint: Any) -> str:
-    """Return a hint if it is a text.
+def _name_of(thing: Any) -> str:
+    return thing.__name__ if isinstance(thing, type) else type(thing).__name__
+
+
+def sound_preview(preview: Any) -> Preview[Any]:
+    """Return the preview of a gesture if it is one.
 
     Raises
     ------
     Unsound
     """
-    if not isinstance(hint, str):
-        raise Unsound(f"{type(hint).__name__} where a text belongs")
-    return hint
+    if not isinstance(preview, Preview):
+        raise Unsound(f"{type(preview).__name__} where a Preview belongs")
+    return preview
+
+
+def sound_next_step(step: Any) -> NextStep:
+    """Return a next step if it can be said and shown.
+
+    Raises
+    ------
+    Unsound
+    """
+    if type(step) is not NextStep:
+        raise Unsound(f"{type(step).__name__} where a NextStep belongs")
+    for name in ("sentence", "tool"):
+        _expect(isinstance(getattr(step, name), str), f"NextStep.{name}")
+    if step.place is not None:
+        place = np.asarray(step.place, np.float64)
+        _expect(place.shape == (3,) and bool(np.isfinite(place).all()), "NextStep.place")
+    _expect(isinstance(step.panel, bool), "NextStep.panel")
+    return step
 
 
 def sound_commands(commands: Any) -> tuple[Command, ...]:
@@ -172,13 +197,15 @@ def sound_commands(commands: Any) -> tuple[Command, ...]:
     return tuple(commands)
 
 
-def sound_advice(advice: Any) -> ViewAdvice:
-    """Return what was said of a view if it can be shown.
+def sound_advice(advice: Any) -> ViewAdvice | None:
+    """Return what was said of a view if it can be shown; None where nothing is said.
 
     Raises
     ------
     Unsound
     """
+    if advice is None:
+        return None
     if type(advice) is not ViewAdvice:
         raise Unsound(f"{type(advice).__name__} where a ViewAdvice belongs")
     _expect(advice.level in LEVELS, "ViewAdvice.level")
@@ -190,14 +217,14 @@ def sound_advice(advice: Any) -> ViewAdvice:
     return advice
 
 
-def sound_view(view: Any) -> Camera:
-    """Return a view if it is one; a `Camera` checks its own numbers.
+def sound_view(view: Any) -> Camera | None:
+    """Return a view if it is one, or None; a `Camera` checks its own numbers.
 
     Raises
     ------
     Unsound
     """
-    if type(view) is not Camera:
+    if view is not None and type(view) is not Camera:
         raise Unsound(f"{type(view).__name__} where a Camera belongs")
     return view
 
@@ -238,14 +265,16 @@ def sound_parts(tree: PartTree) -> PartTree:
     Raises
     ------
     Unsound
-        If a part lacks something that `Part` asks for, two have the same id, or one lies
+        If one is no `Part`, two have the same id, or one lies
         within what is no group, or within itself.
     """
     _expect_tuple(tree.parts, "the parts")
     for part in tree.parts:
+        if not isinstance(part, Part):
+            raise Unsound(f"{type(part).__name__} is not derived from bozzetto.plugin.Part")
         for name in ("id", "name", "within"):
-            _text(getattr(part, name, None), f"{type(part).__name__}.{name}")
-        _expect(isinstance(getattr(part, "visible", None), bool), "the visibility of a part")
+            _text(getattr(part, name), f"{type(part).__name__}.{name}")
+        _expect(isinstance(part.visible, bool), "the visibility of a part")
     ids = [part.id for part in tree.parts]
     _expect(all(ids) and len(set(ids)) == len(ids), "an id of a part (empty, or given twice)")
     _expect(tree.selected in {"", *ids}, f"the chosen part {tree.selected!r}")

@@ -17,14 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from bozzetto.errors import Cancelled, Unfinished, UserError, message_of
 
 if TYPE_CHECKING:
-    from bozzetto.geometry.shapes import Shapes
-    from bozzetto.plugin.cautions import Caution
-    from bozzetto.plugin.commands import Command
     from bozzetto.plugin.guard.argument_snapshot import ArgumentSnapshot
-    from bozzetto.plugin.part_tree import PartTree
-    from bozzetto.plugin.view_advice import ViewAdvice
-    from bozzetto.scene.display_list import Scene
-    from bozzetto.view.camera import Camera
 
 log = logging.getLogger("bozzetto.plugin")
 
@@ -148,154 +141,30 @@ class Guard:
                 plugin, f"{what} changed its argument ({', '.join(changed[:5])})"
             ) from None
 
-    # -- checking what came back ---------------------------------------------------------------
+    def check(self, modeler_id: str, what: str, check: Callable[[], Answer]) -> Answer:
+        """Return what came back from a plugin, checked.
 
-    def check_state(self, modeler_id: str, state_type: type[Any], state: Any) -> None:
-        """Refuse a state of another type, or one that a document could not store.
-
-        Raises
-        ------
-        PluginFault
-        """
-
-        def check() -> None:
-            from bozzetto.document.storage.state_codec import check_encodable
-
-            check_encodable(state_type, state)
-
-        self._check(modeler_id, "a state", check)
-
-    def check_scene(self, modeler_id: str, scene: Any) -> Scene:
-        """Return what a modeler wants to show.
+        Parameters
+        ----------
+        modeler_id : str
+            Who made it.
+        what : str
+            The function that made it, for messages.
+        check : callable
+            Returns it, or raises where it cannot be used.
 
         Raises
         ------
         PluginFault
-            If it is no `Scene`, holds other things than display items, numbers that are
-            not finite, or more than can be shown.
+            If it cannot be used. A broken object may fail in any way when it is read.
         """
-        from bozzetto.plugin.guard.answer_validation import sound_scene
-
-        return self._check(modeler_id, "a scene", lambda: sound_scene(scene))
-
-    def check_shapes(self, modeler_id: str, shapes: Any) -> Shapes:
-        """Return what a modeler hands over.
-
-        Raises
-        ------
-        PluginFault
-            If it is not `Shapes`, or holds wrong parts or numbers that are not finite.
-        """
-        from bozzetto.plugin.guard.answer_validation import sound_shapes
-
-        return self._check(modeler_id, "shapes", lambda: sound_shapes(shapes))
-
-    def check_tools(self, modeler_id: str, tools: Any) -> tuple[Any, ...]:
-        """Return the tools of a modeler.
-
-        Raises
-        ------
-        PluginFault
-            If one lacks something that `Tool` asks for, or two have the same id.
-        """
-        from bozzetto.plugin.guard.answer_validation import sound_tools
-
-        return self._check(modeler_id, "tools", lambda: sound_tools(tools))
-
-    def check_commands(self, modeler_id: str, commands: Any) -> tuple[Command, ...]:
-        """Return the commands of a modeler.
-
-        Raises
-        ------
-        PluginFault
-            If one is no `Command` or lacks something, or two have the same id.
-        """
-        from bozzetto.plugin.guard.answer_validation import sound_commands
-
-        return self._check(modeler_id, "commands", lambda: sound_commands(commands))
-
-    def check_advice(self, modeler_id: str, advice: Any) -> ViewAdvice:
-        """Return what a modeler says of a view.
-
-        Raises
-        ------
-        PluginFault
-            If it is no `ViewAdvice`, or holds something that cannot be shown.
-        """
-        from bozzetto.plugin.guard.answer_validation import sound_advice
-
-        return self._check(modeler_id, "view advice", lambda: sound_advice(advice))
-
-    def check_view(self, modeler_id: str, view: Any) -> Camera:
-        """Return a view that a modeler made.
-
-        Raises
-        ------
-        PluginFault
-            If it is no `Camera`.
-        """
-        from bozzetto.plugin.guard.answer_validation import sound_view
-
-        return self._check(modeler_id, "a view", lambda: sound_view(view))
-
-    def check_cautions(self, modeler_id: str, cautions: Any) -> tuple[Caution, ...]:
-        """Return what a modeler warns of.
-
-        Raises
-        ------
-        PluginFault
-            If one is no `Caution`, or has no words.
-        """
-        from bozzetto.plugin.guard.answer_validation import sound_cautions
-
-        return self._check(modeler_id, "cautions", lambda: sound_cautions(cautions))
-
-    def check_hint(self, modeler_id: str, hint: Any) -> str:
-        """Return what a tool says is to be done next.
-
-        Raises
-        ------
-        PluginFault
-            If it is not a text.
-        """
-        from bozzetto.plugin.guard.answer_validation import sound_hint
-
-        return self._check(modeler_id, "a hint", lambda: sound_hint(hint))
-
-    def check_parts(self, modeler_id: str, tree: PartTree) -> PartTree:
-        """Return the parts of a state.
-
-        Raises
-        ------
-        PluginFault
-            If they cannot be listed: fields are missing, ids not unique, groups in a circle.
-        """
-        from bozzetto.plugin.guard.answer_validation import sound_parts
-
-        return self._check(modeler_id, "parts", lambda: sound_parts(tree))
-
-    def check_report(self, modeler_id: str, report: Any) -> dict[str, Any]:
-        """Return a report.
-
-        Raises
-        ------
-        PluginFault
-            If it is not a mapping.
-        """
-        from bozzetto.plugin.guard.answer_validation import sound_report
-
-        return self._check(modeler_id, "a report", lambda: sound_report(report))
-
-    def _check(self, modeler_id: str, what: str, check: Callable[[], Answer]) -> Answer:
         try:
             return check()
         except Exception as problem:
-            # A broken object may fail in any way when it is read; that is its maker's fault.
-            plugin = self._plugin_of(modeler_id)
             said = message_of(problem)
             raise self._fault(
-                plugin,
-                f"{modeler_id} made {what} that cannot be used ({said})",
+                self._plugin_of(modeler_id),
+                f"{what} gave what cannot be used ({said})",
                 _traceback_of(problem),
             ) from None
 

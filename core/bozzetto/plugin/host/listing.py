@@ -74,14 +74,12 @@ class ModelerInfo:
         Ink files.
     sample_titles : tuple of str
         Their names for people.
-    panel : bool
-        Whether the plugin makes a Qt panel for it.
+    abilities : frozenset of str
+        See `ModelerEntry`.
     listed : bool
         Whether a person can choose it.
     order : int
         Place in the row of modelers, small first.
-    reads_shapes : bool
-        Whether it can start from the shapes of other models.
     facts : str
         The key by which its files are told from others; "" for none.
     """
@@ -94,8 +92,7 @@ class ModelerInfo:
     icon: Path
     samples: tuple[Path, ...] = ()
     sample_titles: tuple[str, ...] = ()
-    panel: bool = False
+    abilities: frozenset[str] = frozenset()
     listed: bool = True
     order: int = 50
-    reads_shapes: bool = False
     facts: str = ""

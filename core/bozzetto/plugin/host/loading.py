@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from bozzetto.plugin.modeler import Modeler
 
-METHODS: Final = ("create", "tools", "solve", "scene", "shapes", "upgrade")
-"""Methods that a modeler must have; see `Modeler`."""
+METHODS: Final = ("read_shapes", "add_picture")
+"""Methods of `Modeler` that the manifest names among the abilities where they are overridden."""
 
 
 class Undelivered(UserError):
@@ -54,7 +54,7 @@ def ask(plugins: pluggy.PluginManager, plugin_id: str, hook: str, **arguments: A
 
 
 def check_modelers(
-    answers: Sequence[Any], announced: Sequence[str]
+    answers: Sequence[Any], announced: Mapping[str, Set[str]]
 ) -> dict[str, Modeler[Any, Any]]:
     """Check the modelers that a plugin delivers and return them by id.
 
@@ -62,13 +62,13 @@ def check_modelers(
     ----------
     answers : sequence
         What its `bozzetto_modelers` hooks gave.
-    announced : sequence of str
-        Ids in its manifest.
+    announced : mapping of str to set of str
+        Abilities by the ids in its manifest.
 
     Raises
     ------
     Undelivered
-        If they are not those announced, or one lacks something that `Modeler` asks for.
+        If they are not those announced, or one cannot do what the manifest says.
     """
     found: dict[str, Modeler[Any, Any]] = {}
     for answer in answers:
@@ -78,6 +78,7 @@ def check_modelers(
             )
         for modeler in answer:
             _look_over(modeler)
+            _compare_abilities(modeler, announced.get(modeler.id, frozenset()))
             if modeler.id in found:
                 raise Undelivered(f"It delivers the modeler {modeler.id} twice.")
             found[modeler.id] = modeler
@@ -97,13 +98,14 @@ def _look_over(modeler: Any) -> None:
     if isinstance(modeler, type):
         name = modeler.__name__
         raise Undelivered(f"bozzetto_modelers gave the class {name} itself. Give {name}().")
+    from bozzetto.plugin.modeler import Modeler  # it imports numpy
+    from bozzetto.plugin.parts import PartsModeler, PartsState
+
     name = type(modeler).__name__
-    for attribute in ("id", "title"):
-        if not isinstance(getattr(modeler, attribute, None), str):
-            raise Undelivered(f"{name}.{attribute} must be a text.")
-    for method in METHODS:
-        if not callable(getattr(modeler, method, None)):
-            raise Undelivered(f"{name} lacks the method {method}.")
+    if not isinstance(modeler, Modeler):
+        raise Undelivered(f"{name} is not derived from bozzetto.plugin.Modeler.")
+    if not isinstance(getattr(modeler, "id", None), str):
+        raise Undelivered(f"{name}.id must be a text.")
     state_type = getattr(modeler, "state_type", None)
     frozen = getattr(getattr(state_type, "__dataclass_params__", None), "frozen", False)
     if not (isinstance(state_type, type) and dataclasses.is_dataclass(state_type) and frozen):
@@ -111,3 +113,26 @@ def _look_over(modeler: Any) -> None:
     version = getattr(modeler, "state_version", None)
     if type(version) is not int or version < 1:
         raise Undelivered(f"{name}.state_version must be a whole number from 1.")
+    if isinstance(modeler, PartsModeler) != issubclass(state_type, PartsState):
+        raise Undelivered(
+            f"{name} and {state_type.__name__} belong together: derive the modeler from "
+            "PartsModeler and its state from PartsState, or neither."
+        )
+
+
+def _compare_abilities(modeler: Any, announced: Set[str]) -> None:
+    """Refuse a modeler that can do more or less than a menu would offer."""
+    from bozzetto.plugin.modeler import Modeler
+
+    for method in METHODS:
+        able = getattr(type(modeler), method) is not getattr(Modeler, method)
+        if able and method not in announced:
+            raise Undelivered(
+                f'{type(modeler).__name__} has {method}: write abilities = ["{method}"] under '
+                f"its [[modeler]] in the manifest."
+            )
+        if method in announced and not able:
+            raise Undelivered(
+                f"The manifest says that {modeler.id} can {method}, and "
+                f"{type(modeler).__name__} does not override it."
+            )

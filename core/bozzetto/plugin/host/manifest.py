@@ -6,7 +6,7 @@ Beside a plugin's ``__init__.py`` lies ``plugin.toml``::
     title = "Ribbon"
     summary = "A stroke becomes a ribbon."
     version = "1.0.0"
-    api = ">=1,<2"
+    api = ">=2,<3"
 
     [[modeler]]
     id = "author.ribbon"
@@ -25,7 +25,7 @@ import re
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 from msgspec.structs import asdict
@@ -39,6 +39,9 @@ LARGEST_MANIFEST = 64 * 1024
 
 MOST_MODELERS = 64
 """Modelers that one plugin may announce."""
+
+Ability = Literal["panel", "read_shapes", "add_picture"]
+"""What a menu must know of a modeler before its plugin is imported."""
 
 Word = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
 Sentence = Annotated[str, msgspec.Meta(max_length=400)]
@@ -64,9 +67,8 @@ class _ModelerTable(msgspec.Struct, frozen=True):
     icon: Word
     hint: Sentence
     samples: list[str | _SampleTable] = []
-    panel: bool = False
+    abilities: frozenset[Ability] = frozenset()
     listed: bool = True
-    reads_shapes: bool = False
     facts: Annotated[str, msgspec.Meta(max_length=80)] = ""
     order: int = 50
 
@@ -103,14 +105,14 @@ class ModelerEntry:
     hint : str
         The sheet's first line, for example "Draw a closed outline."
     samples : tuple of Sample
-    panel : bool
-        Whether the plugin has a Qt panel of its own for it (`bozzetto_panel`).
+    abilities : frozenset of str
+        What must be known of it before the plugin is imported: "panel" (the plugin has a Qt
+        panel of its own for it, `bozzetto_panel`), "read_shapes" and "add_picture" (methods of
+        `Modeler` that it overrides).
     listed : bool
         Whether a person can choose it; false where models are only made from files.
     order : int
         Place in the row of modelers, small first.
-    reads_shapes : bool
-        Whether it can start from the shapes of other models (`ReadsShapes`).
     facts : str
         The key by which its files are told from others: a JSON file without strokes that has
         it at the top is read by this modeler, whichever is in the hand. "" for none.
@@ -121,10 +123,9 @@ class ModelerEntry:
     icon: str
     hint: str
     samples: tuple[Sample, ...] = ()
-    panel: bool = False
+    abilities: frozenset[Ability] = frozenset()
     listed: bool = True
     order: int = 50
-    reads_shapes: bool = False
     facts: str = ""
 
 
@@ -136,7 +137,7 @@ class Manifest:
     ----------
     id, title, summary, version : str
     api : str
-        Versions of the contract that the plugin was written for, such as ">=1,<2".
+        Versions of the contract that the plugin was written for, such as ">=2,<3".
     modelers : tuple of ModelerEntry
     warnings : tuple of str
         What was ignored.
@@ -248,7 +249,7 @@ _COMPARISON = re.compile(r"\s*(>=|<=|==|>|<)\s*(\d{1,6})(?:\.(\d{1,6}))?\s*")
 
 
 def api_accepts(wanted: str, version: tuple[int, int]) -> bool:
-    """Whether a version lies in a range such as ">=1,<2" or ">=1.2,<3".
+    """Whether a version lies in a range such as ">=2,<3" or ">=2.1,<3".
 
     Raises
     ------
@@ -261,7 +262,7 @@ def api_accepts(wanted: str, version: tuple[int, int]) -> bool:
         if match is None:
             raise ManifestError(
                 f'In {MANIFEST}: api = "{wanted}" is not a range of versions. '
-                'Write for example api = ">=1,<2".'
+                'Write for example api = ">=2,<3".'
             )
         sign, major, minor = match.groups()
         bound = (int(major), int(minor or 0))

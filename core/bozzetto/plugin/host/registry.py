@@ -34,6 +34,7 @@ from bozzetto.plugin.host.manifest import (
 if TYPE_CHECKING:
     import pluggy
 
+    from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
     from bozzetto.plugin.modeler import Modeler
     from bozzetto.plugin.panel import PanelHost
 
@@ -233,6 +234,18 @@ class Registry:
             )
         return plugin.modelers[modeler_id]
 
+    def guarded(self, modeler_id: str) -> GuardedModeler:
+        """Return a modeler of which every call passes the guard and every answer is checked.
+
+        Raises
+        ------
+        UserError
+            As `modeler`.
+        """
+        from bozzetto.plugin.guard.guarded_modeler import GuardedModeler  # it imports numpy
+
+        return GuardedModeler(self.guard, self.modeler(modeler_id))
+
     def state_type(self, modeler_id: str) -> tuple[type[Any], int] | None:
         """Return type and version of a modeler's states; None where the modeler is unavailable."""
         try:
@@ -271,7 +284,7 @@ class Registry:
             If making it fails.
         """
         plugin, entry = self._find(modeler_id)
-        if not entry.panel:
+        if "panel" not in entry.abilities:
             return None
         self.modeler(modeler_id)
         made = self.guard.call(
@@ -360,14 +373,15 @@ class Registry:
 
     def _load(self, plugin: _Plugin) -> None:
         """Import a plugin; whatever goes wrong becomes its fault."""
-        announced = [entry.id for entry in plugin.manifest.modelers] if plugin.manifest else []
+        entries = plugin.manifest.modelers if plugin.manifest else ()
 
         def work() -> dict[str, Modeler[Any, Any]]:
             import_plugin(self._hooks(), plugin.package, plugin.id)
-            return check_modelers(ask(self._hooks(), plugin.id, "bozzetto_modelers"), announced)
+            told = ask(self._hooks(), plugin.id, "bozzetto_modelers")
+            return check_modelers(told, {entry.id: entry.abilities for entry in entries})
 
         try:
-            plugin.modelers = self.guard.call(announced[0], "its import", work)
+            plugin.modelers = self.guard.call(entries[0].id, "its import", work)
         except UserError as problem:
             plugin.fault = problem.message
         except PluginFault as problem:

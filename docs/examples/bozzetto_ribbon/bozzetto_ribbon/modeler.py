@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Curve, Mesh, Shapes, Surface
-from bozzetto.plugin import Context, Job, Tool
+from bozzetto.plugin import Job, Modeler, Tool, override
 from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
 from bozzetto_ribbon.band import Strip, middle_line, strip, triangles
 from bozzetto_ribbon.state import RibbonState
@@ -19,22 +19,19 @@ PLACES = {"preview": 40, "final": 200}
 """Places along each ribbon."""
 
 
-class Ribbon:
+class Ribbon(Modeler[RibbonState, tuple[Strip, ...]]):
     """A stroke becomes a ribbon."""
 
     id = "example.ribbon"
-    title = "Ribbon"
     state_type = RibbonState
     state_version = 2
 
-    def create(self, context: Context) -> RibbonState:
-        """No ribbon yet."""
-        return RibbonState()
-
+    @override
     def tools(self) -> Sequence[Tool[RibbonState]]:
         """Drawing comes first."""
         return (DrawRibbon(), MoveRibbon(), TakeAway())
 
+    @override
     def solve(self, state: RibbonState, job: Job) -> tuple[Strip, ...]:
         """One strip for every band."""
         strips = []
@@ -44,6 +41,7 @@ class Ribbon:
             strips.append(strip(band, count, state.width, state.influence, state.twist))
         return tuple(strips)
 
+    @override
     def scene(self, state: RibbonState, result: tuple[Strip, ...] | None) -> Scene:
         """The ribbons, their ink as a ghost, and a handle at the beginning of each."""
         ink, handles = [], []
@@ -56,6 +54,7 @@ class Ribbon:
             layers.insert(0, Layer("ribbons", tuple(Shaded(mesh(s)) for s in result)))
         return Scene(tuple(layers))
 
+    @override
     def shapes(self, state: RibbonState, result: tuple[Strip, ...]) -> Shapes:
         """Every ribbon as a surface, and its middle line as a curve."""
         return Shapes(
@@ -63,6 +62,7 @@ class Ribbon:
             curves=tuple(polyline(s.centre) for s in result),
         )
 
+    @override
     def report(self, state: RibbonState, result: tuple[Strip, ...]) -> Mapping[str, Any]:
         """Length and widest place of every ribbon."""
         return {
@@ -72,6 +72,7 @@ class Ribbon:
             "widest_mm": [float(np.linalg.norm(s.right - s.left, axis=1).max()) for s in result],
         }
 
+    @override
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
         """Version 1 had no twist, and called the influence of pressure "pressure"."""
         if version < 2:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Context, Drag, Gesture, Ink, Tap
+from bozzetto.plugin import Context, Drag, Gesture, Ink, Tap, Tool, override
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_ribbon.band import middle_line
 from bozzetto_ribbon.state import Band, Point, RibbonState
@@ -19,15 +18,15 @@ REACH = 3.0
 """How far from a ribbon's middle a tap still means it, in tolerances of the pen."""
 
 
-class DrawRibbon:
+class DrawRibbon(Tool[RibbonState]):
     """Every stroke makes a ribbon."""
 
     id = "draw"
     title = "Draw ribbon"
     icon = "icons/ribbon.svg"
     hint = "Draw a stroke; press harder to make the ribbon wider."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
+    @override
     def preview(self, state: RibbonState, gesture: Gesture, context: Context) -> Scene:
         """The middle lines of the ribbons to be."""
         if not isinstance(gesture, Ink):
@@ -41,44 +40,42 @@ class DrawRibbon:
             lines.append(Lines(places.astype(np.float32), color="accent", hidden="show"))
         return Scene((Layer("preview", tuple(lines)),))
 
-    def apply(self, state: RibbonState, gesture: Gesture, context: Context) -> RibbonState:
+    @override
+    def draw(self, state: RibbonState, ink: Ink, context: Context) -> RibbonState:
         """Add one ribbon for each stroke."""
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw a stroke with the pen.")
-        bands = tuple(laid_down(stroke, context) for stroke in gesture.strokes)
+        bands = tuple(laid_down(stroke, context) for stroke in ink.strokes)
         for band in bands:
             middle_line(band)  # refuses ink that no ribbon can follow
         return replace(state, bands=state.bands + bands)
 
 
-class MoveRibbon:
+class MoveRibbon(Tool[RibbonState]):
     """A ribbon's handle takes it along, parallel to the screen."""
 
     id = "move"
     title = "Move ribbon"
     icon = "icons/move.svg"
     hint = "Drag the dot at the beginning of a ribbon."
-    gesture: Literal["ink", "tap", "drag"] = "drag"
+    gesture = "drag"
 
+    @override
     def preview(self, state: RibbonState, gesture: Gesture, context: Context) -> Scene:
         """The middle line where it would be."""
-        try:
-            moved = self.apply(state, gesture, context)
-            places = [middle_line(band)[0] for band in moved.bands if band not in state.bands]
-        except UserError:
-            return Scene()
+        moved = self.apply(state, gesture, context)
+        places = [middle_line(band)[0] for band in moved.bands if band not in state.bands]
         lines = tuple(Lines(line.astype(np.float32), color="accent") for line in places)
         return Scene((Layer("preview", lines),))
 
-    def apply(self, state: RibbonState, gesture: Gesture, context: Context) -> RibbonState:
-        """The state with one ribbon moved."""
-        number = handle_number(gesture.handle) if isinstance(gesture, Drag) else -1
-        if not isinstance(gesture, Drag) or not 0 <= number < len(state.bands):
-            raise UserError("Take hold of the dot at the beginning of a ribbon.")
+    @override
+    def drag(self, state: RibbonState, drag: Drag, context: Context) -> RibbonState:
+        """Return the state with one ribbon moved."""
+        number = handle_number(drag.handle)
+        if not 0 <= number < len(state.bands):
+            raise UserError(self.hint)
         band = state.bands[number]
-        camera = gesture.camera
+        camera = drag.camera
         start = middle_line(band)[0][0]
-        here = camera.on_plane(gesture.path.points[-1:], start, camera.axes[2])[0]
+        here = camera.on_plane(drag.path.points[-1:], start, camera.axes[2])[0]
         if not np.isfinite(here).all():
             raise UserError("The ribbon lies behind the eye. Turn the view, then drag.")
         moved = replace(band, shift=point(np.add(band.shift, here - start)))
@@ -86,24 +83,19 @@ class MoveRibbon:
         return replace(state, bands=bands)
 
 
-class TakeAway:
+class TakeAway(Tool[RibbonState]):
     """A tap takes a ribbon away."""
 
     id = "erase"
     title = "Take away"
     icon = "icons/erase.svg"
     hint = "Tap on the middle of a ribbon to take it away."
-    gesture: Literal["ink", "tap", "drag"] = "tap"
+    gesture = "tap"
 
-    def preview(self, state: RibbonState, gesture: Gesture, context: Context) -> Scene:
-        """Nothing."""
-        return Scene()
-
-    def apply(self, state: RibbonState, gesture: Gesture, context: Context) -> RibbonState:
-        """The state without the ribbon that was tapped."""
-        if not isinstance(gesture, Tap):
-            raise UserError("Tap on a ribbon.")
-        gaps = [gap_to(band, gesture) for band in state.bands]
+    @override
+    def tap(self, state: RibbonState, tap: Tap, context: Context) -> RibbonState:
+        """Return the state without the ribbon that was tapped."""
+        gaps = [gap_to(band, tap) for band in state.bands]
         if not gaps or min(gaps) > REACH * context.pen.tolerance:
             raise UserError("There is no ribbon here. Tap on the middle of one.")
         number = int(np.argmin(gaps))

@@ -70,7 +70,7 @@ def test_steps_read_back_equal(made):
     other = read_drawing(write_drawing(one), "d")
     assert other.steps == tuple(made)
     assert [repr(step) for step in other.steps] == [repr(step) for step in made], "types too"
-    assert other.extra == {}
+    assert other.facts == {}
 
 
 def test_colours_are_values():

@@ -16,7 +16,7 @@ from bozzetto.scene import Handle, Label, Layer, Lines, Scene, Shaded
 from bozzetto.testing import Pen
 from bozzetto.view import Camera
 
-DRAWING = Drawing(Strokes([Pen().circle()]), Camera(), extra={"marks": [1, 2]})
+DRAWING = Drawing(Strokes([Pen().circle()]), Camera(), facts={"marks": [1, 2]})
 
 # What the program does with a modeler, by the function that it reaches.
 CALLS = {
@@ -277,7 +277,7 @@ MUTATIONS = {
     "scene": lambda state, result: overwrite(state.strokes[0].camera, fov_y=1.0),
     "shapes": lambda state, result: overwrite(state, strokes=Strokes()),
     "report": lambda state, result: overwrite(state, table=()),
-    "read_drawing": lambda drawing, context: drawing.extra["marks"].append(3),
+    "read_drawing": lambda drawing, context: drawing.facts["marks"].append(3),
     "upgrade": lambda state, version: state.update(size=3.0),
     "create": spoil_context,
 }
@@ -286,7 +286,7 @@ MUTATIONS = {
 @pytest.mark.parametrize("call", MUTATIONS)
 @pytest.mark.parametrize("ending", ["returns", "refuses"])
 def test_arguments_are_put_back(drawn, faulty, call, ending):
-    check, before = unchanged(drawn), repr(DRAWING.extra)
+    check, before = unchanged(drawn), repr(DRAWING.facts)
     scene = repr(drawn.context().scene)
 
     def misdeed(*arguments):
@@ -298,7 +298,7 @@ def test_arguments_are_put_back(drawn, faulty, call, ending):
     with pytest.raises(PluginFault, match="changed its argument"):
         CALLS[call](drawn)
     check()
-    assert repr(DRAWING.extra) == before
+    assert repr(DRAWING.facts) == before
     if call not in ("solve", "scene"):
         faulty.misdeeds.clear()
         assert len(repr(drawn.context().scene)) == len(scene)

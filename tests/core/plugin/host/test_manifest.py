@@ -16,7 +16,7 @@ id = "author.thing"
 title = "Thing"
 summary = "Makes things."
 version = "1.2"
-api = ">=1,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "author.thing"
@@ -24,7 +24,7 @@ title = "Thing"
 icon = "icons/thing.svg"
 hint = "Draw a thing."
 samples = ["samples/one.json", { file = "samples/two.svg", title = "Two" }]
-panel = true
+abilities = ["panel"]
 order = 7
 """
 
@@ -66,11 +66,11 @@ def test_unknown_keys_are_told_and_ignored(tmp_path):
         ('id = "author.thing"\ntitle', 'id = "Author Thing.x"\ntitle', "id"),
         ('title = "Thing"', "title = 3", "title"),
         ('title = "Thing"', 'title = ""', "title"),
-        ('api = ">=1,<2"', 'api = "one"', "api"),
-        ('api = ">=1,<2"', 'api = ">=1;<2"', "api"),
-        ('api = ">=1,<2"', "api = 1", "api"),
+        ('api = ">=2,<3"', 'api = "one"', "api"),
+        ('api = ">=2,<3"', 'api = ">=1;<2"', "api"),
+        ('api = ">=2,<3"', "api = 1", "api"),
         ("order = 7", 'order = "first"', "order"),
-        ("panel = true", 'panel = "yes"', "panel"),
+        ('abilities = ["panel"]', 'abilities = ["fly"]', "abilities"),
         ("icons/thing.svg", "../thing.svg", "icon"),
         ("icons/thing.svg", "/etc/thing.svg", "icon"),
         ("icons/thing.svg", "icons/thing.exe", "icon"),

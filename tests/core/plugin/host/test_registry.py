@@ -10,7 +10,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin.host.registry import Registry
 
 WORKING = """
-from bozzetto.plugin import hookimpl
+from bozzetto.plugin import Modeler, hookimpl
 from dataclasses import dataclass
 
 IMPORTS = []
@@ -20,13 +20,10 @@ IMPORTS.append(1)
 class State:
     number: int = 0
 
-class Modeler:
+class Mine(Modeler):
     id = __name__ + ".modeler"
-    title = "Modeler"
     state_type = State
     state_version = 3
-    def create(self, context): return State()
-    def tools(self): return ()
     def solve(self, state, job): return None
     def scene(self, state, result): return None
     def shapes(self, state, result): return None
@@ -34,7 +31,7 @@ class Modeler:
 
 @hookimpl
 def bozzetto_modelers():
-    return [Modeler()]
+    return [Mine()]
 """
 
 
@@ -55,7 +52,7 @@ def test_lists_need_no_import(make_package):
     assert info in registry.modelers()
     assert status(registry, package) == "ready"
     assert package not in sys.modules
-    assert registry.modeler(f"{package}.modeler").title == "Modeler"
+    assert registry.modeler(f"{package}.modeler").id == f"{package}.modeler"
     assert status(registry, package) == "loaded"
 
 
@@ -94,12 +91,12 @@ BROKEN = {
         "from bozzetto.plugin import hookimpl\n@hookimpl\ndef bozzetto_modelers(): return 1 / 0"
     ),
     "another id": WORKING.replace('id = __name__ + ".modeler"', 'id = "x.y"'),
-    "one twice": WORKING.replace("[Modeler()]", "[Modeler(), Modeler()]"),
+    "one twice": WORKING.replace("[Mine()]", "[Mine(), Mine()]"),
     "a modeler without solve": WORKING.replace("def solve", "def resolve"),
     "a state that can be changed": WORKING.replace("frozen=True", "frozen=False"),
     "a state that is no dataclass": WORKING.replace("state_type = State", "state_type = dict"),
     "a version that is none": WORKING.replace("state_version = 3", "state_version = '3'"),
-    "a class and no object": WORKING.replace("[Modeler()]", "[3]"),
+    "a class and no object": WORKING.replace("[Mine()]", "[3]"),
 }
 
 
@@ -117,7 +114,7 @@ def test_a_broken_plugin_does_not_break_the_others(make_package, code):
     stored = {"number": 4}
     assert registry.upgrade(f"{broken}.modeler", stored, 1) == stored
     for package in (before, after):
-        assert registry.modeler(f"{package}.modeler").title == "Modeler"
+        assert registry.modeler(f"{package}.modeler").id == f"{package}.modeler"
     assert f"{broken}.modeler" not in [info.id for info in registry.modelers()]
 
 

@@ -13,7 +13,7 @@ SAME_ID = """
 id = "{author}.plugin"
 title = "Plugin"
 version = "1.0"
-api = ">=1,<2"
+api = ">=2,<3"
 
 [[modeler]]
 id = "twin.modeler"

@@ -197,7 +197,7 @@ def test_a_sketch_that_is_chosen_comes_into_view(known):
 
 def test_a_picture_that_comes_in_is_where_better_leads():
     picture = Picture.of(np.full((40, 60, 4), 200, np.uint8), "sketch")
-    state = Car().with_picture(CarState(), picture, CONTEXT)
+    state = Car().add_picture(CarState(), picture, CONTEXT)
     camera = CONTEXT.camera
     advice = advised(state, camera)
     sketch_camera = body_of(state).sketch_cameras[state.sketch.id]

@@ -1,0 +1,31 @@
+"""Next step: what a person can do now, said once for every place that shows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class NextStep:
+    """What to do next with a model.
+
+    The status line, the words over the sheet, the plugin's panel and the tool rail show this one
+    answer, so they cannot disagree.
+
+    Parameters
+    ----------
+    sentence : str
+        The next gesture and where to look, in plain words.
+    place : (x, y, z), optional
+        Where on the sheet, mm, in the model's own frame; it is marked there.
+    tool : str
+        Id of the tool that it takes, where that is another one than the one in the hand; the
+        tool rail points at it. "" where the tool stays.
+    panel : bool
+        Whether it is done in the plugin's own panel, which is then shown.
+    """
+
+    sentence: str
+    place: tuple[float, float, float] | None = None
+    tool: str = ""
+    panel: bool = False

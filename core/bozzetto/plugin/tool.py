@@ -1,0 +1,162 @@
+"""Tools of the pen: one gesture makes one new state."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, Generic, Literal, TypeVar, final
+
+from bozzetto.errors import UserError
+from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
+from bozzetto.plugin.next_step import NextStep
+from bozzetto.scene.display_list import Scene
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.context import Context
+
+State = TypeVar("State")
+
+NOTHING_TO_ERASE: Final = "This tool has nothing that the eraser takes away. Draw with the pen."
+
+
+class Preview(Generic[State]):
+    """The preview of one gesture; the host makes it when the pen goes down and drops it after.
+
+    What is worked out once for a gesture, or grows with it, belongs into a class derived from
+    this one, which `Tool.begin` returns. All calls come from one thread, one after the other.
+
+    Parameters
+    ----------
+    tool : Tool
+        Whose gesture it is.
+    state : State
+        The model as it is while the gesture goes on.
+    context : Context
+        The world around.
+    """
+
+    def __init__(self, tool: Tool[State], state: State, context: Context) -> None:
+        self.tool = tool
+        self.state = state
+        self.context = context
+
+    def update(self, gesture: Gesture) -> Scene:
+        """Return what to show of the gesture so far: cheap, 60 times a second.
+
+        A layer stands in for the layer of that name in the modeler's own scene, until the new
+        state is solved; layers of other names are shown besides. Where it raises `UserError`
+        nothing is shown: odd ink may still become something.
+        """
+        return self.tool.preview(self.state, gesture, self.context)
+
+
+class Tool(Generic[State]):
+    """Tool of the pen.
+
+    A tool overrides the gestures that it takes: `draw`, `erase`, `tap`, `drag`. The others are
+    refused with its `hint`.
+
+    Attributes
+    ----------
+    id : str
+        Unique within the modeler; part of shortcuts and scripts.
+    title : str
+        Name on hover.
+    icon : str
+        File name of an SVG in the plugin's package (20 px grid, 1.5 px strokes,
+        ``currentColor``), or "" for a letter.
+    hint : str
+        The expected gesture, in plain words: the next step unless `next_step` says another one,
+        and the reason where a gesture is refused.
+    gesture : {"ink", "tap", "drag"}
+        The kind of gesture it takes first. Drags of handles always reach a tool whose `gesture`
+        is "drag": the active one, or else the first. Such a tool gets a `Tap` where a
+        person touches the sheet beside all handles.
+    aims : bool
+        Whether places have to be met exactly. Beside all handles, the pen may then go down
+        anywhere and take its time: the place is where it lifts, and a loupe shows what is under
+        it until then. The preview gets the `Tap` as it would be now. The loupe is there, too,
+        while a handle is dragged.
+    """
+
+    id: str
+    title: str
+    icon: str = ""
+    hint: str
+    gesture: Literal["ink", "tap", "drag"] = "ink"
+    aims: bool = False
+
+    # -- what a gesture makes of a state --
+
+    def draw(self, state: State, ink: Ink, context: Context) -> State:
+        """Return the state with what was drawn.
+
+        Raises
+        ------
+        Unfinished
+            If ink that is not yet committed needs further strokes.
+        UserError
+            If the ink cannot be understood; the message says what to do instead.
+        """
+        raise UserError(self.hint)
+
+    def erase(self, state: State, ink: Ink, context: Context) -> State:
+        """Return the state without what the eraser's path lies over.
+
+        Raises
+        ------
+        UserError
+            If there is nothing under it.
+        """
+        raise UserError(NOTHING_TO_ERASE)
+
+    def tap(self, state: State, tap: Tap, context: Context) -> State:
+        """Return the state after a touch.
+
+        Raises
+        ------
+        UserError
+            If there is nothing to touch there.
+        """
+        raise UserError(self.hint)
+
+    def drag(self, state: State, drag: Drag, context: Context) -> State:
+        """Return the state with a handle at another place.
+
+        Raises
+        ------
+        UserError
+            If it cannot go there.
+        """
+        raise UserError(self.hint)
+
+    @final
+    def apply(self, state: State, gesture: Gesture, context: Context) -> State:
+        """Return the state after a gesture: the method that takes gestures of its kind is asked.
+
+        Raises
+        ------
+        Unfinished, UserError
+            As that method says.
+        """
+        if isinstance(gesture, Tap):
+            return self.tap(state, gesture, context)
+        if isinstance(gesture, Drag):
+            return self.drag(state, gesture, context)
+        if gesture.erases:
+            return self.erase(state, gesture, context)
+        return self.draw(state, gesture, context)
+
+    # -- while the pen is down --
+
+    def preview(self, state: State, gesture: Gesture, context: Context) -> Scene:
+        """Return what to show while the pen is down; see `Preview.update`."""
+        return Scene()
+
+    def begin(self, state: State, context: Context) -> Preview[State]:
+        """Return the preview of a gesture that begins; by default one that asks `preview`."""
+        return Preview(self, state, context)
+
+    # -- in words --
+
+    def next_step(self, state: State) -> NextStep:
+        """Return what to do next with this tool; see `Modeler.next_step`."""
+        return NextStep(self.hint)
