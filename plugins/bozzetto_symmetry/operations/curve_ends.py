@@ -131,4 +131,4 @@ def with_joint(state: SymmetryState, first: End, second: End) -> SymmetryState:
     across = first.mirrored != second.mirrored
     joint = Joint(first.number, second.node, second.number, mirrored=across)
     made = with_edit(state, first.node, first.curve, joint)
-    return replace(made.without(second.node.id), selected=first.node.id)
+    return replace(made.without_nodes(second.node.id), selected=first.node.id)
