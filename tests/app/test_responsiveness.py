@@ -205,6 +205,8 @@ def test_a_tool_that_moves_takes_sixty_steps_a_second(make_window, springs, sett
     stylus.move((320.0, 300.0))
     if way == "playing":
         session.gestures.motion.play()
+    # A software renderer translates its shaders when they are first used.
+    qtbot.waitUntil(lambda: len(shown) > 20, timeout=20_000)
     with Yardstick() as machine:
         begun, before, frames = time.perf_counter(), len(springs.seen), len(shown)
         qtbot.waitUntil(lambda: time.perf_counter() - begun > 1.5, timeout=10_000)
