@@ -18,6 +18,7 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.texture import Texture
 
+
 @dataclass(frozen=True)
 class Solid:
     """A closed triangle mesh that bounds a volume; exporters refuse it where it does not.

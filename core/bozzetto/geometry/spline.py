@@ -334,7 +334,7 @@ class Spline:
         return Spline(knots, np.vstack((self.control_points[:-DEGREE], self.control_points)))
 
     def _refined(self, knots: Array) -> Array:
-        """Return control points of the same curve over a knot vector that holds all of its knots."""
+        """Return control points of the same curve over more knots."""
         return refined(DEGREE, self.knots, self.control_points, knots)
 
 

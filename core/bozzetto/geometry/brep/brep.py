@@ -172,9 +172,7 @@ class Face:
             return False
         for trim in self.loops[0]:
             points = trim.curve.control_points
-            on_border = [
-                (np.abs(points - side) <= slack).all(axis=0).any() for side in (low, high)
-            ]
+            on_border = [(np.abs(points - side) <= slack).all(axis=0).any() for side in (low, high)]
             if not any(on_border):
                 return False
         return True

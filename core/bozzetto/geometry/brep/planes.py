@@ -48,7 +48,9 @@ def plane_face(
         The side to which the face looks; by default that from which the outer outline runs
         counter-clockwise.
     name : str
+        What the shape is called.
     color : (r, g, b), optional
+        sRGB.
 
     Returns
     -------
@@ -68,10 +70,11 @@ def plane_face(
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     frame = _frame(outlines[0], normal, size)
     local = (points - frame[0]) @ frame[1:].T
-    if np.abs(local[:, 2]).max() > GAP * size:
+    off = float(np.abs(local[:, 2]).max())
+    if off > GAP * size:
         raise UserError(
-            f"The outline does not lie in one plane: it leaves it by {np.abs(local[:, 2]).max():.3g}"
-            " mm. Make it plane, or span a curved surface instead."
+            f"The outline does not lie in one plane: it leaves it by {off:.3g} mm."
+            " Make it plane, or span a curved surface instead."
         )
     surface = _plane(frame, local[:, :2].min(axis=0), local[:, :2].max(axis=0))
     edges: list[Curve] = []

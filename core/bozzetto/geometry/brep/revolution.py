@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry.basis import lifted, lowered, span_parameters
+from bozzetto.geometry.basis import span_parameters
 from bozzetto.geometry.brep.brep import GAP, Brep
 from bozzetto.geometry.brep.planes import plane_face
 from bozzetto.geometry.brep.sewing import sewn
@@ -58,7 +58,9 @@ def surface_of_revolution(
     angle : float
         Radians, above 0, up to a full turn. A part of a turn is left open at its two sides.
     name : str
+        What the shape is called.
     color : (r, g, b), optional
+        sRGB.
 
     Returns
     -------
@@ -114,7 +116,9 @@ def cylinder(
     radius : float
         mm, above 0.
     name : str
+        What the shape is called.
     color : (r, g, b), optional
+        sRGB.
 
     Raises
     ------

@@ -34,7 +34,9 @@ def ruled_surface(
         Where v is 0, and where it is 1; mm. Normals look along (tangent of the first) × (from
         the first to the second).
     name : str
+        What the shape is called.
     color : (r, g, b), optional
+        sRGB.
 
     Returns
     -------

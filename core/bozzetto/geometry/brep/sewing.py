@@ -30,7 +30,9 @@ def sewn(breps: Iterable[Brep], name: str = "brep", color: Color | None = None) 
         At least one. What looks outward must do so everywhere: only edges that two faces run in
         opposite senses are sewn. Where more than two faces meet, the first two that fit are.
     name : str
+        What the shape is called.
     color : (r, g, b), optional
+        sRGB.
     """
     parts = list(breps)
     edges = [edge for part in parts for edge in part.edges]

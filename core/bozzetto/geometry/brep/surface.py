@@ -172,10 +172,9 @@ class BSplineSurface:
             # Near a pole the tangent that vanishes is the twist times the way from there.
             twist = self.derivative(u, v, 1, 1)
             middle_u, middle_v = np.mean(self.ranges, axis=1)
-            first = np.where(gone[0][:, None], np.where(v < middle_v, 1, -1)[:, None] * twist, first)
-            second = np.where(
-                gone[1][:, None], np.where(u < middle_u, 1, -1)[:, None] * twist, second
-            )
+            inward_u, inward_v = np.where(u < middle_u, 1, -1), np.where(v < middle_v, 1, -1)
+            first = np.where(gone[0][:, None], inward_v[:, None] * twist, first)
+            second = np.where(gone[1][:, None], inward_u[:, None] * twist, second)
         return _unit_across(first, second)
 
     # -- the same surface otherwise --------------------------------------------------------
@@ -206,7 +205,7 @@ def _check_knots(degree: int, knots: Array, count: int) -> None:
         raise ValueError("a surface's knots must not decrease and must fit its control points")
     if (knots[: degree + 1] != knots[0]).any() or (knots[-degree - 1 :] != knots[-1]).any():
         raise ValueError("a surface's knots must begin and end with degree + 1 equal ones")
-    if (knots[1 : count] == knots[degree + 1 : count + degree]).any():
+    if (knots[1:count] == knots[degree + 1 : count + degree]).any():
         raise ValueError("a surface's inner knots may be equal as often as the degree, no more")
 
 
