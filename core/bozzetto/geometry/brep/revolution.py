@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from math import ceil, cos, pi
+from math import pi
 from typing import Final
 
 import numpy as np
@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry.basis import span_parameters
+from bozzetto.geometry.basis import lifted, lowered, span_parameters
 from bozzetto.geometry.brep.brep import GAP, Brep
 from bozzetto.geometry.brep.planes import plane_face
 from bozzetto.geometry.brep.sewing import sewn
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
+from bozzetto.geometry.refinement import refined
 
 FULL: Final = 2.0 * pi
 
@@ -43,9 +44,10 @@ def surface_of_revolution(
 ) -> Brep:
     """Return what a profile sweeps as it turns about an axis, as exact rational surfaces.
 
-    The profile is cut at its corners, with one face for each smooth piece. Straight pieces
-    square to the axis become plane discs and rings in a full turn. An end on the axis becomes a
-    pole, or closes a disc.
+    The profile is cut at its corners, with a face for each smooth piece. More than half a turn,
+    and what comes round to itself, is made of two halves: CAD programs differ in how they take
+    a face that meets itself. Straight pieces square to the axis become plane discs and rings in
+    a full turn. An end on the axis becomes a pole, or closes a disc.
 
     Parameters
     ----------
@@ -85,6 +87,7 @@ def surface_of_revolution(
     closes = bool((ends[0] == ends[1]).all()) or not _radii(ends, origin, axis).any()
     if full and closes and _swept(profile, origin, axis) < 0:
         profile = profile.reversed()
+    turns = (0.0, 0.5 * angle, angle) if angle > pi else (0.0, angle)
     parts = []
     for piece in smooth_pieces(profile):
         radii = _radii(piece.control_points, origin, axis)
@@ -93,7 +96,8 @@ def surface_of_revolution(
         if full and _is_square(piece, origin, axis):
             parts.append(_disc(piece, origin, axis))
         else:
-            parts.append(Brep.of_surface(revolved(piece, origin, axis, angle)))
+            for start, end in pairwise(turns):
+                parts.append(Brep.of_surface(revolved(piece, origin, axis, end - start, start)))
     if not parts:
         raise UserError("The profile lies on the axis. Draw it beside the axis.")
     return sewn(parts, name, color)
@@ -136,47 +140,55 @@ def cylinder(
 
 
 def revolved(
-    profile: Curve, axis_point: ArrayLike, axis_direction: ArrayLike, angle: float = FULL
+    profile: Curve,
+    axis_point: ArrayLike,
+    axis_direction: ArrayLike,
+    angle: float,
+    start: float = 0.0,
 ) -> BSplineSurface:
-    """Return the surface that a profile sweeps, untrimmed (Piegl & Tiller 1997, A8.1).
+    """Return the surface that a profile sweeps in half a turn or less, untrimmed.
+
+    The arc is one rational cubic: the quadratic one (Piegl & Tiller 1997, "The NURBS book", 7.3)
+    of a degree more, in which half a turn has no point at infinity. So the surface is smooth in
+    its parameters, too. Three knots are put in, for programs that integrate span by span.
 
     Parameters
     ----------
     profile : Curve
         Clamped, mm.
-    axis_point, axis_direction, angle
+    axis_point, axis_direction
         As in `surface_of_revolution`.
+    angle : float
+        Radians, above 0, at most π.
+    start : float
+        Angle from the profile to where the surface begins, radians.
 
     Returns
     -------
     BSplineSurface
-        u is the angle at both ends of each arc of a quarter turn or less; v is the profile's
-        parameter.
+        u runs from `start` over `angle`, and is the angle at both ends and in the middle; v is
+        the profile's parameter.
     """
     origin, axis = _axis(axis_point, axis_direction)
-    arcs = ceil(angle / (0.5 * pi) - 1e-9)
-    half = 0.5 * angle / arcs
-    turns = half * np.arange(2 * arcs + 1)
-    # Between two places of an arc lies the corner of their tangents, further out.
-    weights = np.where(np.arange(2 * arcs + 1) % 2, cos(half), 1.0)
     foot = origin + ((profile.control_points - origin) @ axis)[:, None] * axis
     out = profile.control_points - foot
-    across = np.cross(axis, out)
-    cosines, sines = _exact_turns(turns)
-    if angle == FULL:
-        cosines[-1], sines[-1] = cosines[0], sines[0]
-    net = (
-        foot
-        + ((cosines / weights)[:, None, None] * out + (sines / weights)[:, None, None] * across)
-    )  # fmt: skip
-    knots = np.concatenate(([0.0], np.repeat(angle * np.arange(arcs + 1) / arcs, 2), [angle]))
+    first, middle, last = _directions(start + angle * np.array((0.0, 0.5, 1.0)))
+    inner = 1.0 + 2.0 * float(_directions(np.array((0.5 * angle,)))[0, 0])
+    arc = np.stack((first, (first + 2.0 * middle) / inner, (2.0 * middle + last) / inner, last))
+    bezier = np.repeat((start, start + angle), 4)
+    knots = np.insert(bezier, 4, start + 0.25 * angle * np.arange(1, 4))
+    corners = lifted(arc, np.array((1.0, inner / 3.0, inner / 3.0, 1.0)))
+    arc, arc_weights = lowered(refined(3, bezier, corners, knots))
+    if arc_weights is None:
+        raise AssertionError("no arc has equal weights")
+    net = foot + arc[:, :1, None] * out + arc[:, 1:, None] * np.cross(axis, out)
     along = np.ones(len(out)) if profile.weights is None else profile.weights
-    both = weights[:, None] * along
-    return BSplineSurface((2, profile.degree), knots, profile.knots, net, both)
+    weights = arc_weights[:, None] * along
+    return BSplineSurface((3, profile.degree), knots, profile.knots, net, weights)
 
 
 def smooth_pieces(curve: Curve) -> list[Curve]:
-    """Return the pieces of a clamped curve between its corners, each clamped."""
+    """Return the pieces of a clamped curve between its corners, clamped, none of them closed."""
     degree, knots = curve.degree, curve.knots
     begin, end = curve.range
     places, first, times = np.unique(knots, return_index=True, return_counts=True)
@@ -189,7 +201,21 @@ def smooth_pieces(curve: Curve) -> list[Curve]:
             if _turns(b - a, c - b):
                 cuts.append(place)
     cuts.append(end)
-    return [_between(curve, low, high) for low, high in pairwise(cuts)]
+    pieces = [_between(curve, low, high) for low, high in pairwise(cuts)]
+    return [part for piece in pieces for part in _unclosed(piece)]
+
+
+def _unclosed(curve: Curve) -> list[Curve]:
+    """Return a clamped curve, in halves if it ends where it begins."""
+    if (curve.control_points[0] != curve.control_points[-1]).any():
+        return [curve]
+    begin, end = curve.range
+    middle = 0.5 * (begin + end)
+    places, times = np.unique(curve.knots, return_counts=True)
+    joints = places[(times == curve.degree) & (np.abs(places - middle) < 0.25 * (end - begin))]
+    if len(joints):  # where it can be cut without new numbers
+        middle = float(joints[np.argmin(np.abs(joints - middle))])
+    return [_between(curve, begin, middle), _between(curve, middle, end)]
 
 
 def _turns(before: Array, after: Array) -> bool:
@@ -273,27 +299,27 @@ def _disc(piece: Curve, origin: Array, axis: Array) -> Brep:
     ends = piece.control_points[[0, -1]]
     radii = _radii(ends, origin, axis)
     order = np.argsort(-radii)
-    circles = [[_circle(ends[i], origin, axis)] for i in order if radii[i] > 0.0]
+    circles = [_circle(ends[i], origin, axis) for i in order if radii[i] > 0.0]
     return plane_face(circles, normal=axis if radii[1] < radii[0] else -axis)
 
 
-def _circle(point: Array, origin: Array, axis: Array) -> Curve:
-    """Return the circle that a point runs, as the border of a revolved surface has it."""
-    surface = revolved(Curve(1, (0, 0, 1, 1), np.stack((point, point + axis))), origin, axis)
-    weights = surface.weights
-    assert weights is not None
-    return Curve(2, surface.knots_u, surface.control_points[:, 0], weights[:, 0], closed=True)
+def _circle(point: Array, origin: Array, axis: Array) -> list[Curve]:
+    """Return the half circles that a point runs, as the border of revolved surfaces has them."""
+    stub = Curve(1, (0.0, 0.0, 1.0, 1.0), np.stack((point, point + axis)))
+    halves = [revolved(stub, origin, axis, pi, start) for start in (0.0, pi)]
+    return [
+        Curve(3, half.knots_u, half.control_points[:, 0], half.weights[:, 0])
+        for half in halves
+        if half.weights is not None
+    ]
 
 
-def _exact_turns(turns: Array) -> tuple[Array, Array]:
-    """Return cosines and sines, exact at quarter turns."""
+def _directions(turns: Array) -> Array:
+    """Return cosines and sines of angles, exact at quarter turns, (n, 2)."""
     quarters = turns / (0.5 * pi)
-    whole = np.abs(quarters - np.rint(quarters)) < 1e-12
-    cosines, sines = np.cos(turns), np.sin(turns)
-    return (
-        np.where(whole, np.rint(cosines), cosines),
-        np.where(whole, np.rint(sines), sines),
-    )
+    whole = np.abs(quarters - np.rint(quarters)) < SQUARE
+    found = np.stack((np.cos(turns), np.sin(turns)), axis=1)
+    return np.where(whole[:, None], np.rint(found), found)
 
 
 def _square_to(axis: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import lifted, lowered
-from bozzetto.geometry.brep.brep import Brep
+from bozzetto.geometry.brep.brep import Brep, gap_tolerance
 from bozzetto.geometry.brep.sewing import sewn
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
@@ -41,7 +42,7 @@ def ruled_surface(
     Returns
     -------
     Brep
-        One face. Closed curves make a seam, ends in common a pole.
+        One face, or two halves if both curves are closed. Ends in common make a pole.
 
     Raises
     ------
@@ -51,9 +52,23 @@ def ruled_surface(
     degree, knots, (one, two) = alike((first, second))
     if np.array_equal(one, two):
         raise UserError("A surface cannot be spanned between a curve and itself.")
-    net, weights = lowered(np.stack((one, two), axis=1))
-    surface = BSplineSurface((degree, 1), knots, (0.0, 0.0, 1.0, 1.0), net, weights)
-    return sewn([Brep.of_surface(surface)], name, color)
+    rows = np.stack((one, two), axis=1)
+    parts = []
+    for low, high in pairwise(_cuts(rows)):
+        inner = knots[(knots > low) & (knots < high)]
+        own = np.concatenate((np.full(degree + 1, low), inner, np.full(degree + 1, high)))
+        flat = refined(degree, knots, rows.reshape(len(rows), -1), own)
+        net, weights = lowered(flat.reshape(-1, 2, 4))
+        surface = BSplineSurface((degree, 1), own, np.array((0.0, 0.0, 1.0, 1.0)), net, weights)
+        parts.append(Brep.of_surface(surface))
+    return sewn(parts, name, color)
+
+
+def _cuts(rows: Array) -> tuple[float, ...]:
+    """Return where a surface is cut: in the middle if both of its curves come round."""
+    ends = lowered(rows[[0, -1]])[0]
+    comes_round = np.abs(ends[0] - ends[1]).max() <= gap_tolerance([lowered(rows)[0]])
+    return (0.0, 0.5, 1.0) if comes_round else (0.0, 1.0)
 
 
 def alike(curves: Sequence[Curve]) -> tuple[int, Array, list[Array]]:

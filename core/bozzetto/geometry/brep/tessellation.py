@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, frozen
 from bozzetto.geometry.basis import span_parameters
 from bozzetto.geometry.brep.brep import Brep, Face
 from bozzetto.geometry.brep.triangulation import triangulated
@@ -30,6 +30,11 @@ PROBES: Final = 4
 
 ROUNDS: Final = 3
 """How often faces that turn out to be too coarse are divided further."""
+
+PLACES: Final = frozen(
+    [[1 / 3, 1 / 3, 1 / 3], [0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]], np.float64
+)
+"""Places in a triangle at which it is compared with the surface, as shares of its corners."""
 
 STRAIGHT: Final = 1e-9
 """Bend of a span, as share of the size, that counts as none."""
@@ -94,6 +99,19 @@ def shaded_brep(brep: Brep, tolerance: float | None = None) -> Mesh:
     )
 
 
+def face_meshes(brep: Brep, tolerance: float | None = None) -> tuple[Mesh, ...]:
+    """Triangulate each face by itself; edges have the same places on both sides.
+
+    Parameters as in `brep_mesh`.
+    """
+    vertices, faces = _triangles(brep, _tolerance(brep, tolerance))
+    found = []
+    for face in faces:
+        used, rows = np.unique(face.vertices[face.triangles], return_inverse=True)
+        found.append(Mesh(vertices[used].astype(np.float32), rows.reshape(-1, 3).astype(np.int32)))
+    return tuple(found)
+
+
 def _tolerance(brep: Brep, tolerance: float | None) -> float:
     if tolerance is not None:
         return tolerance
@@ -118,19 +136,18 @@ def _triangles(brep: Brep, tolerance: float) -> tuple[Array, list[FaceTriangles]
 
 
 def _deviation(face: Face, made: FaceTriangles, vertices: Array) -> float:
-    """Return the largest distance of the middles of triangles from their places on the surface."""
+    """Return the largest distance of triangles from the surface: of their middles and sides."""
     if face.surface.is_plane or not len(made.triangles):
         return 0.0
-    at = made.parameters[made.triangles].mean(axis=1)
-    middles = vertices[made.vertices[made.triangles]].mean(axis=1)
-    on_surface, normals = face.surface.value(*at.T), face.surface.normals(*at.T)
-    return float(np.abs(np.einsum("nk,nk->n", on_surface - middles, normals)).max())
+    at = np.einsum("pk,tkd->ptd", PLACES, made.parameters[made.triangles]).reshape(-1, 2)
+    flat = np.einsum("pk,tkd->ptd", PLACES, vertices[made.vertices[made.triangles]])
+    off = face.surface.value(*at.T) - flat.reshape(-1, 3)
+    return float(np.abs(np.einsum("nk,nk->n", off, face.surface.normals(*at.T))).max())
 
 
 def _divided(brep: Brep, tolerance: float, finer: Array) -> tuple[Array, list[FaceTriangles]]:
     grids = [
-        _Grid.of(face, tolerance, float(more))
-        for face, more in zip(brep.faces, finer, strict=True)
+        _Grid.of(face, tolerance, float(more)) for face, more in zip(brep.faces, finer, strict=True)
     ]
     at = _edge_parameters(brep, grids, tolerance)
     corners, ends, poles = brep.vertices
