@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto.exchange.cad.bodies import bodies_of
 from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
 from bozzetto.exchange.cad.cad_surfaces import checked_breps, is_line
 from bozzetto.exchange.cad.step_text import Part21, many, real, string
@@ -147,21 +148,28 @@ def _faces(file: Part21, brep: Brep) -> list[str]:
 def _shells(file: Part21, brep: Brep, faces: list[str]) -> tuple[list[str], list[str]]:
     """Add a shell for every piece of a brep; return the solids, and the models of open shells."""
     name = string(brep.name)
-    solids, sheets = [], []
-    for piece in brep.pieces:
-        members = many(faces[number] for number in piece)
-        if _is_open(brep, piece):
-            sheets.append(file.add(f"OPEN_SHELL('',{members})"))
-        else:
-            shell = file.add(f"CLOSED_SHELL('',{members})")
-            solids.append(file.add(f"MANIFOLD_SOLID_BREP({name},{shell})"))
+
+    def shell(kind: str, piece: Index) -> str:
+        return file.add(f"{kind}('',{many(faces[number] for number in piece)})")
+
+    bodies = bodies_of(brep)
+    solids = []
+    for outer, hollows in bodies.solids:
+        whole = shell("CLOSED_SHELL", outer)
+        inner = [
+            file.add(f"ORIENTED_CLOSED_SHELL('',*,{shell('CLOSED_SHELL', hollow)},.T.)")
+            for hollow in hollows
+        ]
+        solids.append(
+            file.add(
+                f"BREP_WITH_VOIDS({name},{whole},{many(inner)})"
+                if inner
+                else f"MANIFOLD_SOLID_BREP({name},{whole})"
+            )
+        )
+    sheets = [shell("OPEN_SHELL", piece) for piece in bodies.sheets]
     models = [file.add(f"SHELL_BASED_SURFACE_MODEL({name},{many(sheets)})")] if sheets else []
     return solids, models
-
-
-def _is_open(brep: Brep, piece: Index) -> bool:
-    rim = set(brep.rim.tolist())
-    return any(trim.edge in rim for number in piece for trim in brep.faces[number].trims)
 
 
 def _face(file: Part21, face: Face, edges: list[str], name: str) -> str:
