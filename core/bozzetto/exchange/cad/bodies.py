@@ -15,7 +15,7 @@ from bozzetto.geometry.brep.tessellation import face_meshes
 from bozzetto.geometry.mesh import Mesh
 
 COARSE: Final = 0.01
-"""Distance of triangles from the surface for finding out what lies outside, as share of the size."""
+"""Distance of the triangles that tell inside from outside, as share of the size."""
 
 
 @dataclass(frozen=True)

@@ -73,7 +73,8 @@ def _refuse_unwritable(brep: Brep) -> None:
         brep.name, [s.control_points for s in nets] + [e.control_points for e in brep.edges]
     )
     _refuse_short(brep.name, [edge.control_points for edge in brep.edges])
-    weights = [part.weights for part in (*nets, *brep.edges) if part.weights is not None]
+    weights = [w for w in (*(s.weights for s in nets), *(e.weights for e in brep.edges))
+               if w is not None]  # fmt: skip
     if any(w.max() > MAX_WEIGHT_RATIO * w.min() for w in weights):
         raise UserError(
             f"The weights of the surface “{brep.name}” are too far apart. Draw it again."

@@ -237,20 +237,19 @@ class Brep:
     ) -> Brep:
         """Return all of a surface as one face; a side that is one point becomes a pole."""
         (u0, u1), (v0, v1) = surface.ranges
-        corners = np.array([(u0, v0), (u1, v0), (u1, v1), (u0, v1)])
-        net, weights = surface.control_points, surface.weights
+        corners = ((u0, v0), (u1, v0), (u1, v1), (u0, v1), (u0, v0))
+        tolerance = gap_tolerance([surface.control_points])
         edges: list[Curve] = []
         loop = []
-        for number, row in enumerate(((slice(None), 0), (-1, slice(None)),
-                                      (slice(None), -1), (0, slice(None)))):  # fmt: skip
+        for number, (points, weights) in enumerate(_borders(surface)):
             along, forward = number % 2, number < 2
-            ends = corners[[number, (number + 1) % 4]]
-            path = ParameterCurve.line(*(ends if forward else ends[::-1]), surface.ranges[along])
-            pole = bool(np.ptp(net[row], axis=0).max() <= gap_tolerance([net]))
+            start, end = corners[number : number + 2][:: 1 if forward else -1]
+            path = ParameterCurve.line(start, end, surface.ranges[along])
+            pole = bool(np.ptp(points, axis=0).max() <= tolerance)
             loop.append(Trim(None if pole else len(edges), forward, path))
             if not pole:
-                rim = None if weights is None else weights[row]
-                edges.append(Curve(surface.degrees[along], surface.knots[along], net[row], rim))
+                degree, knots = surface.degrees[along], surface.knots[along]
+                edges.append(Curve(degree, knots, points, weights))
         return cls(tuple(edges), (Face(surface, (tuple(loop),)),), name, color)
 
     # -- facts -----------------------------------------------------------------------------
@@ -380,6 +379,16 @@ def gap_tolerance(points: Iterable[Array]) -> float:
     rows = np.concatenate([p.reshape(-1, 3) for p in points])
     size = float(np.linalg.norm(np.ptp(rows, axis=0)))
     return GAP * size + ROUNDING * float(np.abs(rows).max())
+
+
+def _borders(surface: BSplineSurface) -> list[tuple[Array, Array | None]]:
+    """Return control points and weights along v = low, u = high, v = high, u = low."""
+    net, weights = surface.control_points, surface.weights
+    rows = [net[:, 0], net[-1], net[:, -1], net[0]]
+    if weights is None:
+        return [(row, None) for row in rows]
+    others = (weights[:, 0], weights[-1], weights[:, -1], weights[0])
+    return list(zip(rows, others, strict=True))
 
 
 def loop_ring(loop: Loop) -> Array:

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, frozen
 from bozzetto.errors import UserError
 from bozzetto.geometry.brep.brep import (
     GAP,
@@ -21,6 +21,9 @@ from bozzetto.geometry.brep.brep import (
 )
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
+
+LINE_KNOTS: Final = frozen((0.0, 0.0, 1.0, 1.0), np.float64)
+"""Knots of a straight line between two points."""
 
 LEAST_WIDTH: Final = 1e-6
 """Least width of an outline, as share of its length: below it there is no plane to find."""
@@ -110,15 +113,14 @@ def _curves_of(outline: Outline) -> tuple[Curve, ...]:
         raise UserError("Corners of an outline must be finite, and apart from the next one.")
     following = np.roll(corners, -1, axis=0)
     return tuple(
-        Curve(1, (0.0, 0.0, 1.0, 1.0), np.stack(side))
-        for side in zip(corners, following, strict=True)
+        Curve(1, LINE_KNOTS, np.stack(side)) for side in zip(corners, following, strict=True)
     )
 
 
 def _frame(outline: Sequence[Curve], normal: ArrayLike | None, size: float) -> Array:
     """Return the middle of an outline, and unit vectors along u, v and the normal, (4, 3).
 
-    The normal is that of Newell (Sutherland, Sproull & Schumacker 1974): twice the area of the
+    u runs along the longest side, so that a rectangle is all of its surface. The normal is that of Newell (Sutherland, Sproull & Schumacker 1974): twice the area of the
     polygon's shadows along the axes.
     """
     ring = np.concatenate([c.value(np.linspace(*c.range, 33 if c.degree > 1 else 2))[:-1]
@@ -132,7 +134,8 @@ def _frame(outline: Sequence[Curve], normal: ArrayLike | None, size: float) -> A
     up = area / length
     if normal is not None and float(up @ np.asarray(normal, float)) < 0:
         up = -up
-    longest = spokes[np.argmax(np.einsum("nk,nk->n", spokes, spokes))]
+    steps = np.roll(ring, -1, axis=0) - ring
+    longest = steps[np.argmax(np.einsum("nk,nk->n", steps, steps))]
     u = longest - (longest @ up) * up
     u /= np.linalg.norm(u)
     return np.stack((middle, u, np.cross(up, u), up))

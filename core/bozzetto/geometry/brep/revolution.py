@@ -14,7 +14,7 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import lifted, lowered, span_parameters
 from bozzetto.geometry.brep.brep import GAP, Brep
-from bozzetto.geometry.brep.planes import plane_face
+from bozzetto.geometry.brep.planes import LINE_KNOTS, plane_face
 from bozzetto.geometry.brep.sewing import sewn
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
@@ -135,7 +135,7 @@ def cylinder(
     _, axis = _axis(first, last - first)
     aside = radius * _square_to(axis)
     corners = np.array((first, first + aside, last + aside, last))
-    profile = Curve(1, (0, 0, 1, 2, 3, 3), corners)
+    profile = Curve(1, np.array((0.0, 0.0, 1.0, 2.0, 3.0, 3.0)), corners)
     return surface_of_revolution(profile, first, axis, name=name, color=color)
 
 
@@ -305,7 +305,7 @@ def _disc(piece: Curve, origin: Array, axis: Array) -> Brep:
 
 def _circle(point: Array, origin: Array, axis: Array) -> list[Curve]:
     """Return the half circles that a point runs, as the border of revolved surfaces has them."""
-    stub = Curve(1, (0.0, 0.0, 1.0, 1.0), np.stack((point, point + axis)))
+    stub = Curve(1, LINE_KNOTS, np.stack((point, point + axis)))
     halves = [revolved(stub, origin, axis, pi, start) for start in (0.0, pi)]
     return [
         Curve(3, half.knots_u, half.control_points[:, 0], half.weights[:, 0])

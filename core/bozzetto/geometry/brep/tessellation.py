@@ -220,11 +220,11 @@ class _Grid:
             span_parameters(degree, knots, PROBES)
             for degree, knots in zip(surface.degrees, surface.knots, strict=True)
         )
-        both = [values.ravel() for values in np.meshgrid(u, v, indexing="ij")]
-        normals = surface.normals(*both)
+        all_u, all_v = (values.ravel() for values in np.meshgrid(u, v, indexing="ij"))
+        normals = surface.normals(all_u, all_v)
         bends = {}
         for order in ((2, 0), (1, 1), (0, 2)):
-            bent = surface.derivative(*both, *order)
+            bent = surface.derivative(all_u, all_v, *order)
             # Along the surface a second derivative only moves parameters.
             across = np.abs(np.einsum("nk,nk->n", bent, normals))
             size = np.where(normals.any(axis=1), across, np.linalg.norm(bent, axis=1))
