@@ -120,8 +120,9 @@ def _curves_of(outline: Outline) -> tuple[Curve, ...]:
 def _frame(outline: Sequence[Curve], normal: ArrayLike | None, size: float) -> Array:
     """Return the middle of an outline, and unit vectors along u, v and the normal, (4, 3).
 
-    u runs along the longest side, so that a rectangle is all of its surface. The normal is that of Newell (Sutherland, Sproull & Schumacker 1974): twice the area of the
-    polygon's shadows along the axes.
+    u runs along the longest side, so that a rectangle is all of its surface. The normal is
+    that of Newell (Sutherland, Sproull & Schumacker 1974): twice the area of the polygon's
+    shadows along the axes.
     """
     ring = np.concatenate([c.value(np.linspace(*c.range, 33 if c.degree > 1 else 2))[:-1]
                            for c in outline])  # fmt: skip
