@@ -144,9 +144,14 @@ class BSplineSurface:
         (p, q), (knots_u, knots_v) = self.degrees, self.knots
         first_u, weights_u = basis(p, knots_u, u, du)
         first_v, weights_v = basis(q, knots_v, v, dv)
-        i = first_u[:, None, None] + np.arange(p + 1)[:, None]
-        j = first_v[:, None, None] + np.arange(q + 1)
-        return np.asarray(np.einsum("na,nb,nabd->nd", weights_u, weights_v, rows[i, j]))
+        width = rows.shape[1]
+        flat, corner = rows.reshape(-1, rows.shape[2]), first_u * width + first_v
+        total = np.zeros((len(corner), rows.shape[2]))
+        for i in range(p + 1):
+            for j in range(q + 1):
+                share = weights_u[:, i] * weights_v[:, j]
+                total += share[:, None] * flat[corner + (i * width + j)]
+        return total
 
     def normals(self, u: ArrayLike, v: ArrayLike) -> Array:
         """Return unit normals along x_u × x_v.

@@ -139,10 +139,16 @@ def _deviation(face: Face, made: FaceTriangles, vertices: Array) -> float:
     """Return the largest distance of triangles from the surface: of their middles and sides."""
     if face.surface.is_plane or not len(made.triangles):
         return 0.0
-    at = np.einsum("pk,tkd->ptd", PLACES, made.parameters[made.triangles]).reshape(-1, 2)
-    flat = np.einsum("pk,tkd->ptd", PLACES, vertices[made.vertices[made.triangles]])
-    off = face.surface.value(*at.T) - flat.reshape(-1, 3)
-    return float(np.abs(np.einsum("nk,nk->n", off, face.surface.normals(*at.T))).max())
+    at, flat, normals = (
+        np.einsum("pk,tkd->ptd", PLACES, values[made.triangles]).reshape(-1, values.shape[1])
+        for values in (
+            made.parameters,
+            vertices[made.vertices],
+            face.surface.normals(*made.parameters.T),
+        )
+    )
+    off = np.einsum("nk,nk->n", face.surface.value(*at.T) - flat, normals)
+    return float(np.abs(off).max())
 
 
 def _divided(brep: Brep, tolerance: float, finer: Array) -> tuple[Array, list[FaceTriangles]]:
