@@ -16,7 +16,7 @@ import numpy as np
 
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import LIGHT, Layer, Lines, Picture, Scene, Shaded
-from bozzetto.scene.bvh import tree_of
+from bozzetto.geometry.bvh import tree_of
 from bozzetto.scene.picking import cast_rays
 from bozzetto.scene.renderer import render
 from bozzetto.view.camera import Camera

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto.scene.bvh import first_hits, tree_of
+from bozzetto.geometry.bvh import first_hits, tree_of
 from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.view.camera import Rays
 
