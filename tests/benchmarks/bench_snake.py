@@ -14,7 +14,7 @@ from bozzetto.ink.curves.nearest import nearest_curve
 from bozzetto.ink.oversketch.lift import lifted
 from bozzetto.ink.oversketch.snake import modified
 from bozzetto.ink.stroke import Stroke
-from bozzetto.scene.ink_projection import project_stroke
+from bozzetto.scene import project_stroke
 from bozzetto.view.camera import Camera
 from tests.benchmarks.bench_scene import scene_of, view_of
 from tests.benchmarks.timing import Row, processor_ms

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto.geometry.closest_on_mesh import closest_on_triangles
+from bozzetto.geometry.mesh_places import closest_on_triangles
 from bozzetto.geometry.wrap.icosphere import Icosphere
 
 

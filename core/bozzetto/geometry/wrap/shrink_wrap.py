@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry.closest_on_mesh import closest_on_mesh
 from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.mesh_places import closest_on_mesh
 from bozzetto.geometry.wrap.anchors import choose_anchors, flip_to_links
 from bozzetto.geometry.wrap.closest_on_icosphere import closest_on_icosphere
 from bozzetto.geometry.wrap.icosphere import Icosphere, icosphere

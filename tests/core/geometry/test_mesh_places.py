@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bozzetto.geometry import Mesh
-from bozzetto.geometry.closest_on_mesh import closest_on_mesh, face_normals
+from bozzetto.geometry.mesh_places import closest_on_mesh, face_normals
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from tests.core.scene.shapes import box, soup, sphere
 

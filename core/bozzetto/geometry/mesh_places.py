@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.bvh import FAN, LEAF, PAIRS_AT_ONCE, BoundingTree, tree_of
 from bozzetto.geometry.mesh import Mesh
 
@@ -75,6 +75,11 @@ def face_normals(mesh: Mesh, faces: ArrayLike) -> Array:
     return np.asarray(across / np.where(length > 0.0, length, 1.0), np.float64)
 
 
+def alike(one: Array, other: Array) -> Flags:
+    """Return whether normals (n, 3) of any length look the same way; one of length 0 looks all."""
+    return np.asarray(_dot(one, other) >= ALIKE * _lengths(one) * _lengths(other))
+
+
 def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = None) -> MeshPlaces:
     """Find the closest place on a mesh to each point.
 
@@ -86,7 +91,8 @@ def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = N
         Places, mm.
     normals : (n, 3) array_like, optional
         Unit vectors: only faces whose normals are `ALIKE` count, so that a place on a thin plate
-        does not go over to its back. Where a mesh has no such face, all count.
+        does not go over to its back. For a vector of length 0, and where a mesh has no such face,
+        all count.
 
     Returns
     -------
@@ -109,12 +115,12 @@ def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = N
     best = _closest(mesh, place, None)
     if normals is not None:
         wanted = np.asarray(normals, float).reshape(-1, 3)
-        other = np.flatnonzero(_dot(face_normals(mesh, best.faces), wanted) < ALIKE)
-        alike = _closest(mesh, place[other], wanted[other])
-        found = alike.faces >= 0
-        best.faces[other[found]] = alike.faces[found]
-        best.weights[other[found]] = alike.weights[found]
-        best.distances[other[found]] = alike.distances[found]
+        other = np.flatnonzero(~alike(face_normals(mesh, best.faces), wanted))
+        better = _closest(mesh, place[other], wanted[other])
+        found = better.faces >= 0
+        best.faces[other[found]] = better.faces[found]
+        best.weights[other[found]] = better.weights[found]
+        best.distances[other[found]] = better.distances[found]
     return best
 
 
@@ -128,7 +134,7 @@ def _bounds(mesh: Mesh, faces: Index, points: Array, normals: Array | None) -> A
         part = slice(first, first + rows)
         away = np.linalg.norm(points[part, None] - middles, axis=2)
         if normals is not None:
-            away[normals[part] @ looks.T < ALIKE] = np.inf
+            away[normals[part] @ looks.T < ALIKE * _lengths(normals[part])[:, None]] = np.inf
         bound[part] = away.min(axis=1)
     return bound
 
@@ -165,7 +171,8 @@ def _closest(mesh: Mesh, points: Array, normals: Array | None) -> MeshPlaces:
         if normals is not None and looks is not None:
             low, high = (side[box] for side in looks[level])
             wanted = normals[which]
-            kept &= np.maximum(wanted * low, wanted * high).sum(axis=1) >= ALIKE
+            most = np.maximum(wanted * low, wanted * high).sum(axis=1)
+            kept &= most >= ALIKE * _lengths(wanted)
         which, box = which[kept], box[kept]
         last = level + 1 == len(tree.levels)
         size, end = (LEAF, len(tree.order)) if last else (FAN, len(tree.levels[level + 1][0]))
@@ -199,8 +206,7 @@ def _try_triangles(
     away = np.linalg.norm(np.einsum("nc,ncx->nx", weights, triangles) - here, axis=1)
     good = away < best.distances[which]
     if normals is not None:
-        across = np.cross(edge1, edge2)
-        good &= _dot(across, normals[which]) >= ALIKE * np.linalg.norm(across, axis=1)
+        good &= alike(np.cross(edge1, edge2), normals[which])
     which, triangle, away, weights = which[good], triangle[good], away[good], weights[good]
     # Farthest first, so that the closest is written last; ties go to the lower face.
     final = np.lexsort((-tree.order[triangle], -away))
@@ -261,6 +267,10 @@ def closest_on_triangles(points: Array, triangles: Array) -> Array:
 
 def _dot(one: Array, other: Array) -> Array:
     return np.asarray(np.einsum("...i,...i->...", one, other))
+
+
+def _lengths(vectors: Array) -> Array:
+    return np.asarray(np.linalg.norm(vectors, axis=-1))
 
 
 def _share(forth: Array, back: Array) -> Array:
