@@ -43,10 +43,10 @@ class MeshPlaces:
 
     def points(self, mesh: Mesh) -> Array:
         """Return the places in space, (n, 3), mm."""
-        return points_on(mesh, self.faces, self.weights)
+        return mesh_points(mesh, self.faces, self.weights)
 
 
-def points_on(mesh: Mesh, faces: ArrayLike, weights: ArrayLike) -> Array:
+def mesh_points(mesh: Mesh, faces: ArrayLike, weights: ArrayLike) -> Array:
     """Return points of a mesh by face and barycentric coordinates.
 
     Parameters

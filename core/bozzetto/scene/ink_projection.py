@@ -228,7 +228,7 @@ def _creases(hits: Hits, run: Index) -> Index:
     mesh = hits.surfaces[hits.on[run[0]]].item.mesh
     here, there = (mesh.vertices[mesh.faces[hits.faces[k]]] for k in (sharp, sharp + 1))
     shared = (here[:, :, None] == there[:, None]).all(axis=3)
-    return sharp[shared.any(axis=(1, 2))]
+    return np.asarray(sharp[shared.any(axis=(1, 2))])
 
 
 class _Segment(NamedTuple):

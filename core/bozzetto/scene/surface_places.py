@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array, Flags, frozen
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.mesh_places import alike, closest_on_mesh, face_normals, points_on
+from bozzetto.geometry.mesh_places import alike, closest_on_mesh, face_normals, mesh_points
 from bozzetto.scene.display_list import Scene, Shaded
 
 ROUNDING: Final = 1e-6
@@ -202,7 +202,7 @@ def _exact(places: SurfacePlaces, mesh: Mesh) -> FollowedPlaces:
     count = len(places)
     return FollowedPlaces(
         places,
-        points_on(mesh, places.faces, weights),
+        mesh_points(mesh, places.faces, weights),
         face_normals(mesh, places.faces),
         np.zeros(count),
         np.ones(count, bool),

@@ -27,7 +27,7 @@ from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe, wireframe
 
 Checkpoint = Callable[[float, str], None]
 
-LEVELS: Final = (3, 6)
+SHRINK_WRAP_LEVELS: Final = (3, 6)
 """Fewest and most subdivisions of the icosahedron that can be asked for: 642 to 40,962 vertices."""
 
 START: Final = 3
@@ -115,7 +115,11 @@ def shrink_wrap(
     ValueError
         If a parameter is out of range.
     """
-    if not (LEVELS[0] <= level <= LEVELS[1] and 0 <= tightness <= 1 and 0 <= smoothing <= 1):
+    if not (
+        SHRINK_WRAP_LEVELS[0] <= level <= SHRINK_WRAP_LEVELS[1]
+        and 0 <= tightness <= 1
+        and 0 <= smoothing <= 1
+    ):
         raise ValueError("a level, a tightness or a smoothing that there is not")
     checkpoint(0.0, "Reading the curves")
     frame = wireframe(curves).every(2 ** max(0, FINE - level))

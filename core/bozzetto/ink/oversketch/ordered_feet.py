@@ -8,7 +8,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 
-LAPS: Final = 3
+FEET_LAPS: Final = 3
 """Rounds of a closed curve that are laid out: a stroke may start anywhere and go round
 nearly twice."""
 
@@ -47,7 +47,7 @@ def ordered_feet(
     offset = stroke[:, None] - nodes
     squares = np.einsum("mnk,mnk->mn", offset, offset)
     if closed:
-        squares, lengths = np.tile(squares, (1, LAPS)), np.tile(lengths, LAPS)
+        squares, lengths = np.tile(squares, (1, FEET_LAPS)), np.tile(lengths, FEET_LAPS)
     passed = np.cumsum(squares * lengths, axis=1)
     squares *= step
     along, forward = _cheapest(squares, passed)
