@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from bozzetto.geometry.spline import derived_points as derived_points
     from bozzetto.geometry.spline import uniform_knots as uniform_knots
     from bozzetto.geometry.texture import Texture as Texture
+    from bozzetto.geometry.triangulation import Triangulation as Triangulation
+    from bozzetto.geometry.triangulation import ring_links as ring_links
+    from bozzetto.geometry.triangulation import triangulate as triangulate
     from bozzetto.geometry.wrap.shrink_wrap import SHRINK_WRAP_LEVELS as SHRINK_WRAP_LEVELS
     from bozzetto.geometry.wrap.shrink_wrap import curve_distances as curve_distances
     from bozzetto.geometry.wrap.shrink_wrap import shrink_wrap as shrink_wrap
@@ -47,6 +50,7 @@ else:
             "bozzetto.geometry.shapes": "Color Curve Shapes Skeleton Solid Surface",
             "bozzetto.geometry.spline": "DEGREE Spline derived_points uniform_knots",
             "bozzetto.geometry.texture": "Texture",
+            "bozzetto.geometry.triangulation": "Triangulation ring_links triangulate",
             "bozzetto.geometry.wrap.shrink_wrap": "SHRINK_WRAP_LEVELS curve_distances shrink_wrap",
         },
     )
