@@ -18,10 +18,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.geometry.patches.patch import bernstein
-from bozzetto.ink.checked_points import is_on_sheet
-from bozzetto.ink.curves.resample import arc_length, distinct
-from bozzetto.ink.oversketch.lift import lift_curve
+from bozzetto.geometry.patches import bernstein
+from bozzetto.ink import arc_length, distinct, is_on_sheet, lift_curve
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.camera.rational_projection import Pictured, camera_matrix

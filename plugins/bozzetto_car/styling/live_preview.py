@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.ink.curves.resample import steps_along
+from bozzetto.ink import steps_along
 from bozzetto.scene import unbroken_runs
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array

@@ -13,11 +13,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.closest_points import foot_points
-from bozzetto.geometry.patches.patch import Places, normals_at, points_at
-from bozzetto.geometry.patches.ray_intersections import ray_hits
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.geometry.patches import Places, foot_points, normals_at, points_at, ray_hits
+from bozzetto.ink import arc_length, distances_to_polyline
 from bozzetto.scene import depth_breaks, unbroken_runs
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array, Flags, Index

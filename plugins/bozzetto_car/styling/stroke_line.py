@@ -14,10 +14,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, merge_strokes, stroke_weights
-from bozzetto.ink.checked_points import places_on_sheet
-from bozzetto.ink.curves.closing import close_stroke, end_gap, is_closed_gesture
-from bozzetto.ink.curves.resample import arc_length, distinct, resample
+from bozzetto.ink import (
+    Stroke,
+    arc_length,
+    close_stroke,
+    distinct,
+    end_gap,
+    is_closed_gesture,
+    merge_strokes,
+    places_on_sheet,
+    resample,
+    stroke_weights,
+)
 from bozzetto_car.array_types import Array
 
 STEP: Final = 6.0

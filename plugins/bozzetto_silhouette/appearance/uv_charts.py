@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.scene.renderer.zbuffer import DepthBuffer, blank_buffer, rasterize
+from bozzetto.scene import DepthBuffer, blank_buffer, rasterize
 from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 

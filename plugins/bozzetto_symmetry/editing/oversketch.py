@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.spline import Spline
-from bozzetto.ink import Stroke
-from bozzetto.ink.checked_points import is_on_sheet
-from bozzetto.ink.curves.resample import arc_length
-from bozzetto.ink.oversketch.lift import lift_curve
-from bozzetto.ink.oversketch.snake import (
+from bozzetto.geometry import Spline
+from bozzetto.ink import (
     SNAKE_LOCATION,
     SNAKE_PRESSURE,
     SNAKE_RESTITUTION,
+    Stroke,
+    arc_length,
+    is_on_sheet,
+    lift_curve,
     oversketch_curve,
 )
 from bozzetto_symmetry.editing.displacement import displace

@@ -9,8 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.ink.curves.resample import arc_length, resample
-from bozzetto.ink.oversketch.ordered_feet import FEET_LAPS, ordered_feet
+from bozzetto.ink import FEET_LAPS, arc_length, ordered_feet, resample
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes

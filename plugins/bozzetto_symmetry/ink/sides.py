@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, merge_strokes, stroke_weights
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import Stroke, distances_to_polyline, merge_strokes, resample, stroke_weights
 from bozzetto.plugin import Memory
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.stroke_grouping import any_drawn_over, bonds_between, group_strokes

@@ -9,10 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke
-from bozzetto.ink.curves.closing import END_SHARE, close_stroke, end_gap, is_closed_gesture
-from bozzetto.ink.curves.preprocess import prepare_curve
-from bozzetto.ink.curves.resample import arc_length, distinct, resample
+from bozzetto.ink import (
+    END_SHARE,
+    Stroke,
+    arc_length,
+    close_stroke,
+    distinct,
+    end_gap,
+    is_closed_gesture,
+    prepare_curve,
+    resample,
+)
 from bozzetto_symmetry.ink.polyline import interpolate, length_of
 
 Array = NDArray[np.float64]
