@@ -16,6 +16,7 @@ from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.texture import Texture
 
 Color = tuple[int, int, int]
+"""Red, green and blue, 0 … 255, sRGB."""
 
 
 @dataclass(frozen=True)
