@@ -42,7 +42,7 @@ def ordered_feet(
     (m,) int
         Not decreasing if the stroke runs along the curve, not increasing if against it,
         whichever fits better. On a closed curve node k in lap l is ``k + l n``, with l
-        below `LAPS`.
+        below `FEET_LAPS`.
     """
     offset = stroke[:, None] - nodes
     squares = np.einsum("mnk,mnk->mn", offset, offset)
