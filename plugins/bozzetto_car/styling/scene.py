@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.geometry.patches.patch import points_at
+from bozzetto.geometry.patches import points_at
 from bozzetto.plugin import Memory
 from bozzetto.scene import Item, Lines, Paint
 from bozzetto_car.array_types import Array, Index

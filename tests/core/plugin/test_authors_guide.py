@@ -21,6 +21,7 @@ from bozzetto.view import Camera
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLE = ROOT / "docs" / "examples" / "bozzetto_ribbon"
 GUIDE = (ROOT / "docs" / "plugin-authors-guide.md").read_text("utf-8")
+TOOLKIT = (ROOT / "docs" / "toolkit.md").read_text("utf-8")
 FILES = dict(re.findall(r"<!-- file: (\S+) -->\n```\w+\n(.*?)```\n", GUIDE, re.S))
 SIGNATURES = re.search(r"<!-- signatures -->\n```python\n(.*?)```", GUIDE, re.S)
 
@@ -60,7 +61,7 @@ def test_all_that_a_plugin_may_import_is_mentioned():
     for module in ("plugin", "ink", "view", "geometry", "scene"):
         for name in import_module(f"bozzetto.{module}").__all__:
             if name not in ("DARK", "LIGHT", "Palette", "Item", "Paint", "Placement", "Rays"):
-                assert re.search(rf"\b{name}\b", GUIDE), f"{module}.{name}"
+                assert re.search(rf"\b{name}\b", GUIDE + TOOLKIT), f"{module}.{name}"
 
 
 def test_checks_hooks_and_helpers_are_explained():

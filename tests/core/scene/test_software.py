@@ -14,7 +14,7 @@ from bozzetto.scene.picking import cast_rays
 from bozzetto.scene.renderer import SHADINGS, render
 from bozzetto.scene.renderer.triangle_soup import gather
 from bozzetto.scene.renderer.view_transform import view_transform
-from bozzetto.scene.renderer.zbuffer import blank, rasterize
+from bozzetto.scene.renderer.zbuffer import blank_buffer, rasterize
 from bozzetto.scene.snapshot import picture, thumbnail
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit, turn
@@ -61,7 +61,7 @@ def test_the_z_buffer_sees_what_rays_hit(seed, kind, count):
     camera = Camera(kind, tuple(eye), height=30, fov_y=60, viewport=(80, 60))
     sight = view_transform(camera, 60, 80, (0, 0, 80, 60))
     triangles = gather([mesh], [None], sight)
-    buffer = blank(80, 60)
+    buffer = blank_buffer(80, 60)
     rasterize(buffer, triangles.places, triangles.faces)
     near = buffer.nearness.reshape(60, 80).astype(float)
     depth = camera.distance / near if kind == "perspective" else camera.distance - near
