@@ -165,7 +165,7 @@ class PartEdits:
         changed = guard.call(
             model.modeler, "its state", _with_values, modeler, model.state, tree, dict(values)
         )
-        guard.check_state(model.modeler, modeler.state_type, changed)
+        guard.check_state(model.modeler, modeler.state_type, changed, model.state)
         return replace(model, state=changed)
 
     def only_choice_differs(self, before: Model, after: Model) -> bool:

@@ -150,8 +150,13 @@ class Guard:
 
     # -- checking what came back ---------------------------------------------------------------
 
-    def check_state(self, modeler_id: str, state_type: type[Any], state: Any) -> None:
+    def check_state(
+        self, modeler_id: str, state_type: type[Any], state: Any, before: Any = None
+    ) -> None:
         """Refuse a state of another type, or one that a document could not store.
+
+        A state of the document that it was made from, `before`, saves time; see
+        `check_encodable`.
 
         Raises
         ------
@@ -161,7 +166,7 @@ class Guard:
         def check() -> None:
             from bozzetto.document.storage.state_codec import check_encodable
 
-            check_encodable(state_type, state)
+            check_encodable(state_type, state, before)
 
         self._check(modeler_id, "a state", check)
 
