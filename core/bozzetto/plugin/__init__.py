@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from bozzetto.plugin.parts import unused_id as unused_id
     from bozzetto.plugin.parts import unused_name as unused_name
     from bozzetto.plugin.parts import with_part as with_part
+    from bozzetto.plugin.view_advice import AdvisesOnResults as AdvisesOnResults
     from bozzetto.plugin.view_advice import AdvisesView as AdvisesView
     from bozzetto.plugin.view_advice import MovesView as MovesView
     from bozzetto.plugin.view_advice import ViewAdvice as ViewAdvice
@@ -68,7 +69,7 @@ else:
             "bozzetto.plugin.panel": "PanelHost",
             "bozzetto.plugin.parts": "HasParts ReleasesParts switched_on unused_id unused_name "
             "with_part",
-            "bozzetto.plugin.view_advice": "AdvisesView MovesView ViewAdvice",
+            "bozzetto.plugin.view_advice": "AdvisesOnResults AdvisesView MovesView ViewAdvice",
         },
     )
     __all__ += ("API_VERSION",)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol, runtime_checkable
 
@@ -72,5 +73,34 @@ class MovesView(Protocol):
         -------
         Camera or None
             Where the view goes at once; None where it may stay.
+        """
+        ...
+
+
+@runtime_checkable
+class AdvisesOnResults(Protocol):
+    """A modeler whose advice on a view follows from a solved model, at whatever quality.
+
+    Where a result is known it is asked instead of `AdvisesView` and `MovesView`: while a value is
+    dragged only previews are known, and to solve for the advice would take longer than to show.
+    """
+
+    def advice_on_result(
+        self, state: Any, result: Any, camera: Camera, seen: Sequence[Any]
+    ) -> ViewAdvice:
+        """Return advice on a view of a solved model.
+
+        Parameters
+        ----------
+        state : state
+            The model.
+        result : result
+            What `solve` made of it, as a preview or finally.
+        camera : Camera
+            The view now.
+        seen : sequence of result
+            Results to which the view was pinned a moment ago, newest first. Where what the view
+            showed of one has another camera now, the advice is on the view through that one,
+            which is `ViewAdvice.better`, and says `ViewAdvice.follow`.
         """
         ...

@@ -19,7 +19,7 @@ from bozzetto.plugin.modeler import (
     Tool,
 )
 from bozzetto.plugin.parts import HasParts, ReleasesParts
-from bozzetto.plugin.view_advice import AdvisesView, MovesView
+from bozzetto.plugin.view_advice import AdvisesOnResults, AdvisesView, MovesView
 from bozzetto.testing.subject import Subject, ensure
 
 MOST_EDITS: Final = 2
@@ -41,6 +41,7 @@ def _names(*protocols: Any) -> frozenset[str]:
 MODELER_NAMES: Final = _names(
     Modeler, ReadsDrawings, ReadsShapes, TakesPictures, OffersCurves, Reports, Warns,
     HasParts, ReleasesParts, HasCommands, AdvisesView, MovesView,
+    AdvisesOnResults,
 )  # fmt: skip
 """Public names of the contract of a modeler."""
 

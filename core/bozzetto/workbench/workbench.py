@@ -29,7 +29,7 @@ from bozzetto.plugin.modeler import (
     TellsNext,
     Tool,
 )
-from bozzetto.plugin.view_advice import AdvisesView, MovesView, ViewAdvice
+from bozzetto.plugin.view_advice import AdvisesOnResults, AdvisesView, MovesView, ViewAdvice
 from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.view.camera import Camera
 from bozzetto.workbench.commands import ModelCommands
@@ -229,6 +229,14 @@ class Workbench:
         if not isinstance(modeler, AdvisesView):
             return None
         own = camera.moved(model.placement.inverse())
+        result = self.best_result(model)
+        if result is not None and isinstance(modeler, AdvisesOnResults):
+            earlier = self._results_of(seen, model.placement, result)
+            advice = self.registry.guard.call(
+                model.modeler, "advice_on_result", modeler.advice_on_result,
+                model.state, result, own, earlier,
+            )  # fmt: skip
+            return self._in_world(model, self.registry.guard.check_advice(model.modeler, advice))
         along = self._view_after(model, modeler, own, seen)
         advice = self.registry.guard.call(
             model.modeler, "view_advice", modeler.view_advice, model.state, along or own
@@ -236,12 +244,25 @@ class Workbench:
         advice = self.registry.guard.check_advice(model.modeler, advice)
         if along is not None:
             advice = replace(advice, better=along, pinned=True, follow=True)
+        return self._in_world(model, advice)
+
+    def _in_world(self, model: Model, advice: ViewAdvice) -> ViewAdvice:
         better = advice.better
         return replace(
             advice,
             better=None if better is None else better.moved(model.placement),
             scene=scene_in_world(advice.scene, model),
         )
+
+    def _results_of(self, seen: Iterable[Model], placement: Placement, now: Any) -> tuple[Any, ...]:
+        """Return the results of earlier states that are still known, but for that of now."""
+        known = (
+            self.result(model, quality)
+            for model in seen
+            if model.placement == placement
+            for quality in ("final", "preview")
+        )
+        return tuple(result for result in known if result is not None and result is not now)
 
     def _view_after(
         self, model: Model, modeler: object, camera: Camera, seen: Iterable[Model]

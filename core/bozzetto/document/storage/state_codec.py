@@ -88,9 +88,7 @@ def _only_numbers_differ(state: Any, before: Any) -> bool:
     form = form_of(type(state))
     if not isinstance(form, DataclassForm):
         return False
-    changed = [
-        name for name in form.fields if getattr(state, name) is not getattr(before, name)
-    ]
+    changed = [name for name in form.fields if getattr(state, name) is not getattr(before, name)]
     if not all(type(getattr(state, name)) in (bool, int, float) for name in changed):
         return False
     aside = Aside()

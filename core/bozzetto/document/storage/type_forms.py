@@ -204,9 +204,11 @@ class DataclassForm(Form):
         return found
 
     def takes(self, value: Any) -> bool:
+        """Whether a value is of this very class."""
         return type(value) is self.type
 
     def reads(self, raw: Any) -> bool:
+        """Whether a JSON value is an object of this class, by its tag where there is one."""
         return type(raw) is dict and (not self.tagged or raw.get("$type") == self.type.__name__)
 
     def _write(self, value: Any, aside: Aside) -> Any:
