@@ -22,7 +22,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin.job import Job
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim
-from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot
+from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot, State
 from bozzetto_app.workers.channel import Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
@@ -95,6 +95,8 @@ class Keeper(QObject):
         self._tasks: queue.Queue[Callable[[], None] | None] = queue.Queue()
         self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
         self._thread.start()
+        tasks = self._tasks
+        self.destroyed.connect(lambda: tasks.put(None))  # whatever way the window ends
         self._reads = Channel("recover", keep_all=True, time_limit=RECOVER_LIMIT, parent=self)
         session.drawing.changed.connect(self._record)
         session.drawing.waiting_changed.connect(self._record)
@@ -174,7 +176,7 @@ class Keeper(QObject):
             def refused() -> None:
                 self._coming.discard(crashed.id)
                 files.leave(claim)
-                self._tasks.put(lambda: self._store.keep(crashed))
+                self._keep_soon(crashed)
                 ended(False)
 
             files.when_safe(show, refused)
@@ -184,7 +186,13 @@ class Keeper(QObject):
             self._notices.complain(problem)
             ended(False)
 
-        self._reads.submit(Request(work, arrived, failed, inputs=lambda: files.lock))
+        def dropped(answer: tuple[Recovered, Claim]) -> None:
+            files.leave(answer[1])
+            self._keep_soon(crashed)
+
+        self._reads.submit(
+            Request(work, arrived, failed, inputs=lambda: files.lock, dropped=dropped)
+        )
 
     def discard(self, crashed: CrashedSession, ended: Callable[[bool], None]) -> None:
         """Delete what a crash left behind; the person said so.
@@ -261,6 +269,7 @@ class Keeper(QObject):
             task = self._tasks.get()
             try:
                 if task is None:
+                    self._let_go()
                     return
                 task()
             except Exception as problem:
@@ -278,6 +287,11 @@ class Keeper(QObject):
             sheet.record.write(now)
             sheet.written = now
 
+    def _let_go(self) -> None:
+        """Leave a drawing that is still on the sheet to be offered again: nobody has answered."""
+        if self._sheet.record.state is not State.LEFT:
+            self._set_aside(self._sheet)
+
     def _set_aside(self, sheet: _OnSheet) -> None:
         """Leave a drawing to be offered again, with all that was not yet written of it."""
         try:
@@ -286,6 +300,15 @@ class Keeper(QObject):
             self._unwritten.append(sheet)  # its turn comes with the next write
             raise
         sheet.record.set_aside()
+
+    def _keep_soon(self, crashed: CrashedSession) -> None:
+        """Offer again what a crash left behind, without waiting for the disk.
+
+        In a thread of its own, for the one that writes may have ended.
+        """
+        threading.Thread(
+            target=self._store.keep, args=(crashed,), name="bozzetto-unlock", daemon=True
+        ).start()
 
     def _complain(self, problem: BaseException) -> None:
         if not isinstance(problem, UserError):

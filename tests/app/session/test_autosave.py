@@ -7,11 +7,13 @@ import random
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
 from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
+from shiboken6 import delete
 
 from bozzetto.document.recovery.recovery import RecoveryStore
 from bozzetto.document.waiting_ink import WaitingStroke
@@ -154,6 +156,40 @@ def test_what_leaves_the_sheet_without_an_answer_is_offered_again(keep, folder, 
     keeper.wait()
     assert sorted(kept_strokes(folder, session.registry)) == [1, 2]
     assert any("is kept" in notice.text for notice in session.heard)
+
+
+def test_a_window_that_ends_in_any_way_lets_go_of_its_drawing(keep, folder, settle):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    delete(keeper)  # as its window does when it is deleted without being closed
+    keeper.wait()
+    assert kept_strokes(folder, session.registry) == [1]
+
+
+def test_a_drawing_that_comes_back_when_its_window_is_gone_is_offered_again(
+    keep, folder, settle, qtbot, monkeypatch
+):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    crash(keeper)
+    (crashed,) = RecoveryStore(folder).crashed_sessions()
+    other, second = keep()
+    begun, gate, recover = threading.Event(), threading.Event(), RecoveryStore.recover
+
+    def slow(store, *arguments):
+        answer = recover(store, *arguments)
+        begun.set()
+        gate.wait(10)
+        return answer
+
+    with monkeypatch.context() as patch:
+        patch.setattr(RecoveryStore, "recover", slow)
+        second.recover(crashed)
+        assert begun.wait(10)
+        assert RecoveryStore(folder).crashed_sessions() == []
+        delete(second)
+        gate.set()
+        qtbot.waitUntil(lambda: RecoveryStore(folder).crashed_sessions() == [crashed])
 
 
 def test_what_could_not_be_written_when_it_left_is_written_later(keep, folder, settle, monkeypatch):

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -283,11 +284,16 @@ MUTATIONS = {
 }
 
 
+def without_revisions(scene):
+    """What a scene says of itself, but for the numbers that each new layer counts on."""
+    return re.sub(r"revision=\d+", "", repr(scene))
+
+
 @pytest.mark.parametrize("call", MUTATIONS)
 @pytest.mark.parametrize("ending", ["returns", "refuses"])
 def test_arguments_are_put_back(drawn, faulty, call, ending):
     check, before = unchanged(drawn), repr(DRAWING.extra)
-    scene = repr(drawn.context().scene)
+    scene = without_revisions(drawn.context().scene)
 
     def misdeed(*arguments):
         MUTATIONS[call](*arguments)
@@ -301,7 +307,7 @@ def test_arguments_are_put_back(drawn, faulty, call, ending):
     assert repr(DRAWING.extra) == before
     if call not in ("solve", "scene"):
         faulty.misdeeds.clear()
-        assert len(repr(drawn.context().scene)) == len(scene)
+        assert without_revisions(drawn.context().scene) == scene
 
 
 def test_arguments_are_put_back_when_the_call_fails(drawn, faulty):
