@@ -1,8 +1,8 @@
 """Recovery data: every change of the document goes to a journal at once.
 
-After a crash at most the stroke under the pen is lost. One thread writes, in order; of
-several snapshots that wait only the newest need be written. Nothing of a plugin's runs in
-it, so nothing can hold it up but the disk.
+After a crash at most the stroke under the pen is lost, and the last second of a drag. One
+thread writes, in order; of several snapshots that wait only the newest need be written. Nothing
+of a plugin's runs in it, so nothing can hold it up but the disk.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, QTimer
 
 from bozzetto.document.recovery.file_lock import FileLock
 from bozzetto.document.recovery.recovery import CrashedSession, Recovered, RecoveryStore
@@ -36,6 +36,10 @@ log = logging.getLogger(__name__)
 
 RECOVER_LIMIT = 60.0
 """Seconds without progress after which bringing a drawing back counts as hung."""
+
+LATEST_IN_DRAG = 700
+"""How old a value of a drag may be before it is written down, ms; the disk may take the rest of a
+second. Other changes are written at once."""
 
 LAST_WRITES = 10.0
 """Seconds that the end of the program waits for the disk; later the data are found at the
@@ -98,7 +102,10 @@ class Keeper(QObject):
         tasks = self._tasks
         self.destroyed.connect(lambda: tasks.put(None))  # whatever way the window ends
         self._reads = Channel("recover", keep_all=True, time_limit=RECOVER_LIMIT, parent=self)
+        self._in_drag = QTimer(self, singleShot=True, interval=LATEST_IN_DRAG)
+        self._in_drag.timeout.connect(self._record)
         session.drawing.changed.connect(self._record)
+        session.drawing.models_changed.connect(self._value_dragged)
         session.drawing.waiting_changed.connect(self._record)
         session.files.saved.connect(self._saved)
         session.files.given_up.connect(self._given_up)
@@ -224,8 +231,14 @@ class Keeper(QObject):
         """Wait for the last writes, at the end of the program."""
         self._thread.join(LAST_WRITES)
 
+    def _value_dragged(self) -> None:
+        """Write a drag down now and then: `changed` comes only when it ends or pauses."""
+        if self._drawing.is_dragging and not self._in_drag.isActive():
+            self._in_drag.start()
+
     def _record(self) -> None:
         """Write down the document as it is, with the ink that waits."""
+        self._in_drag.stop()
         drawing = self._drawing
         if drawing.history is not self._sheet.history:
             self._leave(self._sheet)
