@@ -369,11 +369,13 @@ def test_a_guard_without_a_registry_blames_the_modeler():
     assert caught.value.plugin == "a.b"
 
 
-def test_to_be_slow_is_told_and_does_not_count():
+def test_to_be_slow_is_told_as_slow_and_does_not_count(caplog):
     guard = Guard()
     for _ in range(5):
         found = guard.suspect("slow.modeler", "solve gave no answer within 60 s", "its stack")
-    assert "slow.modeler" in str(found)
+    assert str(found) == "The plugin slow.modeler is slow: solve gave no answer within 60 s."
+    assert "slow.modeler is slow" in caplog.text
+    assert "mistake" not in caplog.text
     assert found.details == "its stack"
     assert guard.faults("slow.modeler") == 0
     assert not guard.is_off("slow.modeler")
