@@ -34,9 +34,6 @@ __all__ = ["Keeper"]
 
 log = logging.getLogger(__name__)
 
-RECOVER_LIMIT = 60.0
-"""Seconds without progress after which bringing a drawing back counts as hung."""
-
 LATEST_IN_DRAG = 700
 """How old a value of a drag may be before it is written down, ms; the disk may take the rest of a
 second. Other changes are written at once."""
@@ -101,7 +98,7 @@ class Keeper(QObject):
         self._thread.start()
         tasks = self._tasks
         self.destroyed.connect(lambda: tasks.put(None))  # whatever way the window ends
-        self._reads = Channel("recover", keep_all=True, time_limit=RECOVER_LIMIT, parent=self)
+        self._looks = Channel("recover", keep_all=True, parent=self)
         self._in_drag = QTimer(self, singleShot=True, interval=LATEST_IN_DRAG)
         self._in_drag.timeout.connect(self._record)
         session.drawing.changed.connect(self._record)
@@ -114,8 +111,8 @@ class Keeper(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether something is being written or brought back."""
-        return self._tasks.unfinished_tasks > 0 or self._reads.busy
+        """Whether something is being written, looked for or discarded."""
+        return self._tasks.unfinished_tasks > 0 or self._looks.busy
 
     # -- what a crash left behind --
 
@@ -126,14 +123,15 @@ class Keeper(QObject):
             self._store.tidy()
             return self._store.crashed_sessions()
 
-        self._reads.submit(Request(work, found, self._complain))
+        self._looks.submit(Request(work, found, self._complain))
 
     def recover(
         self, crashed: CrashedSession, ended: Callable[[bool], None] = lambda shown: None
     ) -> None:
         """Bring a crashed drawing back onto the sheet, complete to its last stroke.
 
-        What is on the sheet by then is asked about first, if it is not saved.
+        What is on the sheet by then is asked about first, if it is not saved. If it takes long,
+        the person is told and may stop it, as with every file.
 
         Parameters
         ----------
@@ -197,8 +195,19 @@ class Keeper(QObject):
             files.leave(answer[1])
             self._keep_soon(crashed)
 
-        self._reads.submit(
-            Request(work, arrived, failed, inputs=lambda: files.lock, dropped=dropped)
+        def stopped() -> None:
+            self._coming.discard(crashed.id)
+            ended(False)
+
+        files.read(
+            Request(
+                work,
+                arrived,
+                failed,
+                inputs=lambda: files.lock,
+                dropped=dropped,
+                stopped=stopped,
+            )
         )
 
     def discard(self, crashed: CrashedSession, ended: Callable[[bool], None]) -> None:
@@ -216,7 +225,7 @@ class Keeper(QObject):
             self._notices.complain(problem)
             ended(False)
 
-        self._reads.submit(
+        self._looks.submit(
             Request(lambda job: self._store.discard(crashed), lambda _: ended(True), failed)
         )
 

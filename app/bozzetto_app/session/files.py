@@ -207,6 +207,10 @@ class Files(QObject):
         """Give up the document: the program ends, and others may open it."""
         self._hold(None)
 
+    def read(self, request: Request) -> None:
+        """Have a document read in the row of this session's files, where it can be stopped."""
+        self._reads.submit(request)
+
     def tidy(self) -> None:
         """Drop recent documents that are gone, and what killed processes left; in a worker.
 

@@ -92,6 +92,8 @@ class Request:
     dropped : callable
         Called with an answer that nobody takes: the request was abandoned, or its channel is
         gone. What the answer holds, such as a lock, is given back here; from any thread.
+    stopped : callable
+        Called on the window's thread when the channel is cancelled before there is an answer.
     """
 
     work: Callable[..., Any]
@@ -100,6 +102,7 @@ class Request:
     quality: str = "final"
     inputs: Callable[[], Any] | None = None
     dropped: Callable[[Any], None] = lambda answer: None
+    stopped: Callable[[], None] = lambda: None
     ticket: int = field(default_factory=lambda: next(_tickets))
     seen_alive: float = 0.0
     abandoned_at: float | None = None
@@ -252,9 +255,13 @@ class Channel(QObject):
 
     def cancel(self) -> None:
         """Drop what waits and abandon what runs; its answer will not be delivered."""
+        stopped = [*self._waiting]
         self._waiting.clear()
-        if self._running is not None:
+        if self._running is not None and not self._running.abandoned:
             self._running.abandon()
+            stopped.append(self._running)
+        for request in stopped:
+            request.stopped()
 
     def _start_next(self) -> None:
         if self._running is not None or not self._waiting:

@@ -198,7 +198,7 @@ def test_a_drawing_that_comes_back_when_its_window_is_gone_is_offered_again(
     draw(session, settle, keeper)
     crash(keeper)
     (crashed,) = RecoveryStore(folder).crashed_sessions()
-    _, second = keep()
+    other, second = keep()
     begun, gate, recover = threading.Event(), threading.Event(), RecoveryStore.recover
 
     def slow(store, *arguments):
@@ -212,7 +212,7 @@ def test_a_drawing_that_comes_back_when_its_window_is_gone_is_offered_again(
         second.recover(crashed)
         assert begun.wait(10)
         assert RecoveryStore(folder).crashed_sessions() == []
-        delete(second)
+        delete(other.files)
         gate.set()
         qtbot.waitUntil(lambda: RecoveryStore(folder).crashed_sessions() == [crashed])
 
@@ -311,6 +311,35 @@ def test_two_drawings_opened_in_one_breath_are_both_kept(offered, folder, settle
     assert second.isEnabled()
     crash(window.keeper)
     assert kept_strokes(folder, window.session.registry) == [1, 1]
+
+
+def test_a_slow_recovery_is_told_waited_for_and_can_be_stopped(
+    offered, folder, settle, qtbot, monkeypatch
+):
+    window, dialog = offered(1)
+    said, gate, recover = [], threading.Event(), RecoveryStore.recover
+    window.session.notices.noticed.connect(said.append)
+    window.session.files._reads.time_limit = 0.05
+
+    def slow(store, crashed, states, progress):
+        while not gate.wait(0.3):
+            progress()
+        return recover(store, crashed, states, progress)
+
+    monkeypatch.setattr(RecoveryStore, "recover", slow)
+    (button,) = buttons(dialog, "Open")
+    button.click()
+    assert not button.isEnabled()
+    qtbot.waitUntil(lambda: any(notice.kind == "slow" for notice in said))
+    assert window.session.files.busy, "it goes on"
+    window.session.cancel_work()
+    assert button.isEnabled()
+    assert button.text() == "Open"
+    settle(window.session, window.keeper)
+    gate.set()
+    button.click()
+    qtbot.waitUntil(lambda: bool(len(window.session.drawing.document)))
+    assert not [notice for notice in said if notice.kind == "error"]
 
 
 def test_strokes_drawn_while_a_recovery_loads_are_asked_about(offered, folder, settle, qtbot):
