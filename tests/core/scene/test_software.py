@@ -356,6 +356,24 @@ def test_handles_and_labels_lie_on_top():
     assert (np.abs(image - shot(scene_of(WALL, Handle("h", (0, 0, 0)))))[45:70, 35:55] > 60).any()
 
 
+@given(st.lists(st.tuples(st.integers(-40, 40), st.integers(-30, 30), st.booleans()), max_size=9))
+@settings(max_examples=25, deadline=None)
+def test_handles_drawn_at_once_look_as_if_drawn_one_by_one(found):
+    scene = scene_of(
+        *(
+            Handle("h", (0.7 * x, 0.0, 0.7 * z), "accent" if own else "second")
+            for x, z, own in found
+        )
+    )
+    at_once = shot(scene)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            "bozzetto.scene.renderer.renderer._drawn_at_once",
+            lambda places, colors, gap: (slice(k, k + 1) for k in range(len(places))),
+        )
+        np.testing.assert_array_equal(at_once, shot(scene))
+
+
 @pytest.mark.parametrize("behind", [Lines(LINE, width=7), Points([(0.0, 0.0, 0.25)], size=9)])
 def test_behind_glass_ink_is_seen_through_it(behind):
     glass = Shaded(sheet(60, y=-20.0), "second", 0.4)

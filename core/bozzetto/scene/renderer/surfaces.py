@@ -239,7 +239,7 @@ def _draw_opaque(
         cavity = cavities(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
     rgb = _colors_of(seen, soup, items, tinted, sight, style, cavity)
     line = contours(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
-    drawn = np.flatnonzero(line)
+    drawn = np.flatnonzero(line > 0)
     ink = np.array(style.palette.ink, np.float32)
     rgb[drawn] += line[drawn, None] * (ink - rgb[drawn])
     pixels[seen.pixel, :3] = rgb
