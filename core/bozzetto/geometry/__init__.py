@@ -67,6 +67,7 @@ else:
             "bozzetto.geometry.patches.patchwork": "Patchwork",
             "bozzetto.geometry.placement": "Placement",
             "bozzetto.geometry.rig": "Rig Skin",
+            "bozzetto.geometry.shapes": "Shapes Skeleton Solid Surface",
             "bozzetto.geometry.spline": "DEGREE Spline derived_points uniform_knots",
             "bozzetto.geometry.texture": "Texture",
             "bozzetto.geometry.triangulation": "Triangulation ring_links triangulate",
