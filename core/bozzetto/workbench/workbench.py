@@ -256,13 +256,14 @@ class Workbench:
 
     def advises(self, modeler_id: str) -> bool:
         """Whether a modeler may have advice on a view."""
-        kind = type(self.registry.modeler(modeler_id))
-        return kind.view_advice is not Modeler.view_advice or self.advises_on_results(modeler_id)
+        modeler = self.registry.modeler(modeler_id)
+        by_state = _overrides(modeler.view_advice, Modeler.view_advice)
+        return by_state or self.advises_on_results(modeler_id)
 
     def advises_on_results(self, modeler_id: str) -> bool:
         """Whether a modeler's advice on a view follows from results, which may be previews."""
-        kind = type(self.registry.modeler(modeler_id))
-        return kind.advice_on_result is not Modeler.advice_on_result
+        modeler = self.registry.modeler(modeler_id)
+        return _overrides(modeler.advice_on_result, Modeler.advice_on_result)
 
     def _results_of(self, seen: Iterable[Model], placement: Placement, now: Any) -> tuple[Any, ...]:
         """Return the results of earlier states that are still known, but for that of now."""
@@ -409,3 +410,8 @@ class Workbench:
                 "installed or switched off. Install it to change this object."
             )
         return self.registry.guarded(model.modeler)
+
+
+def _overrides(method: object, base: object) -> bool:
+    """Whether a modeler's method is another one than the contract's."""
+    return getattr(method, "__func__", None) is not base
