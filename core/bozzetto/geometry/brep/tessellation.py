@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index, frozen
+from bozzetto.errors import UserError
 from bozzetto.geometry.basis import span_parameters
 from bozzetto.geometry.brep.brep import Brep, Face
 from bozzetto.geometry.brep.triangulation import triangulated
@@ -24,6 +25,9 @@ TOLERANCE: Final = 1e-4
 
 MOST_DIVISIONS: Final = 256
 """Most steps in a span of a surface or an edge, whatever the tolerance asks for."""
+
+MOST_CELLS: Final = 1 << 20
+"""Most cells of a face's grid, whatever the tolerance asks for."""
 
 PROBES: Final = 4
 """Places in every span at which second derivatives are looked at."""
@@ -68,12 +72,17 @@ def brep_mesh(brep: Brep, tolerance: float | None = None) -> Mesh:
         The faces.
     tolerance : float, optional
         mm, above 0; by default `TOLERANCE` of the size. Kept unless a span would need more than
-        `MOST_DIVISIONS` steps.
+        `MOST_DIVISIONS` steps, or a face more than `MOST_CELLS`.
 
     Returns
     -------
     Mesh
         Without normals, so that vertices on creases are shared as well.
+
+    Raises
+    ------
+    UserError
+        If the tolerance is not above 0.
     """
     vertices, faces = _triangles(brep, _tolerance(brep, tolerance))
     rows = np.concatenate([face.vertices[face.triangles] for face in faces])
@@ -114,10 +123,12 @@ def face_meshes(brep: Brep, tolerance: float | None = None) -> tuple[Mesh, ...]:
 
 def _tolerance(brep: Brep, tolerance: float | None) -> float:
     if tolerance is not None:
+        if not tolerance > 0:
+            raise UserError("The tolerance of triangles must be above zero.")
         return tolerance
     points = np.concatenate([f.surface.control_points.reshape(-1, 3) for f in brep.faces])
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    return TOLERANCE * size
+    return TOLERANCE * size or TOLERANCE
 
 
 def _triangles(brep: Brep, tolerance: float) -> tuple[Array, list[FaceTriangles]]:
@@ -236,7 +247,7 @@ class _Grid:
             size = np.where(normals.any(axis=1), across, np.linalg.norm(bent, axis=1))
             bends[order] = size.reshape(len(u), len(v))
         widths = [np.diff(b) for b in breaks]
-        lines = []
+        every = []
         for axis, (order, width) in enumerate(zip(((2, 0), (0, 2)), widths, strict=True)):
             bent = np.maximum.reduceat(
                 bends[order].max(axis=1 - axis), PROBES * np.arange(len(width))
@@ -246,7 +257,12 @@ class _Grid:
             wanted = (np.maximum(bent, after) * width**2 + twist * width) / (4.0 * tolerance)
             wanted[wanted * 4.0 * tolerance <= STRAIGHT * surface.size] = 0.0
             steps = np.clip(np.ceil(finer * np.sqrt(wanted)), 1, MOST_DIVISIONS).astype(np.intp)
-            lines.append(_lines(breaks[axis], steps))
+            every.append(steps)
+        few = min(1.0, np.sqrt(MOST_CELLS / (float(every[0].sum()) * float(every[1].sum()))))
+        lines = [
+            _lines(places, np.maximum(1, (few * steps).astype(np.intp)))
+            for places, steps in zip(breaks, every, strict=True)
+        ]
         return cls((lines[0], lines[1]), None)
 
     @property

@@ -65,6 +65,11 @@ def test_loops_that_bound_no_face_are_refused(loop, said):
         changed(loop)
 
 
+def test_a_surface_that_is_a_point_is_no_face():
+    with pytest.raises(ValueError, match="at least one edge"):
+        Brep.of_surface(replace(FACE.faces[0].surface, control_points=np.ones((2, 2, 3))))
+
+
 def test_a_loop_stays_on_its_surface():
     wide = tuple(
         replace(t, curve=replace(t.curve, control_points=1.1 * t.curve.control_points))

@@ -9,6 +9,7 @@ import pytest
 import shapely
 from scipy.spatial import cKDTree
 
+from bozzetto.errors import UserError
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry import (
     Brep,
@@ -22,6 +23,7 @@ from bozzetto.geometry import (
     plane_face,
     shaded_brep,
 )
+from bozzetto.geometry.brep import tessellation
 from bozzetto.geometry.brep.brep import signed_area
 from bozzetto.geometry.brep.tessellation import face_meshes
 from bozzetto.geometry.brep.triangulation import triangulated
@@ -92,6 +94,19 @@ def test_faces_by_themselves_are_the_parts_of_the_whole():
     assert sum(len(part.faces) for part in parts) == len(whole.faces)
     joined = np.concatenate([part.vertices[part.faces] for part in parts])
     np.testing.assert_array_equal(joined, whole.vertices[whole.faces])
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, np.nan])
+def test_a_tolerance_is_above_zero(tolerance):
+    with pytest.raises(UserError, match="above zero"):
+        brep_mesh(box(), tolerance)
+
+
+def test_no_tolerance_asks_for_more_cells_than_a_face_may_have(monkeypatch):
+    monkeypatch.setattr(tessellation, "MOST_CELLS", 1000)
+    mesh = brep_mesh(KNOWN["sphere"].brep, 1e-9)
+    assert check_solid(Solid(mesh)).volume == pytest.approx(KNOWN["sphere"].volume, rel=0.02)
+    assert len(mesh.faces) < 50_000
 
 
 # -- trimmed at random -------------------------------------------------------------------------
