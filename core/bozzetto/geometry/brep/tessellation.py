@@ -16,6 +16,7 @@ from bozzetto.arrays import Array, Index, frozen
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import span_parameters
 from bozzetto.geometry.brep.brep import Brep, Face
+from bozzetto.geometry.brep.shared_sides import FaceTriangles, with_single_sides
 from bozzetto.geometry.brep.triangulation import triangulated
 from bozzetto.geometry.curve import Curve
 from bozzetto.geometry.mesh import Mesh
@@ -25,6 +26,9 @@ TOLERANCE: Final = 1e-4
 
 MOST_DIVISIONS: Final = 256
 """Most steps in a span of a surface or an edge, whatever the tolerance asks for."""
+
+LEAST_STEPS: Final = 4
+"""Steps of a curved edge, at least: so a loop of one or two edges is no line."""
 
 MOST_CELLS: Final = 1 << 20
 """Most cells of a face's grid, whatever the tolerance asks for."""
@@ -42,25 +46,6 @@ PLACES: Final = frozen(
 
 STRAIGHT: Final = 1e-9
 """Bend of a span, as share of the size, that counts as none."""
-
-
-@dataclass(frozen=True, eq=False)
-class FaceTriangles:
-    """The triangles of one face.
-
-    Attributes
-    ----------
-    parameters : (n, 2) float
-        u and v of the corners.
-    vertices : (n,) int
-        Which vertex of the whole each corner is. On a seam and at a pole several are one.
-    triangles : (t, 3) int
-        Numbers of corners, counter-clockwise seen from outside.
-    """
-
-    parameters: Array
-    vertices: Index
-    triangles: Index
 
 
 def brep_mesh(brep: Brep, tolerance: float | None = None) -> Mesh:
@@ -200,7 +185,8 @@ def _divided(brep: Brep, tolerance: float, finer: Array) -> tuple[Array, list[Fa
         known = names[triangles]
         apart = (known != np.roll(known, 1, axis=1)).all(axis=1)  # at poles some are nothing
         faces.append(FaceTriangles(np.concatenate((*rings, inside)), names, triangles[apart]))
-    return np.concatenate(places), faces
+    vertices = np.concatenate(places)
+    return with_single_sides(vertices, faces, [face.surface for face in brep.faces])
 
 
 # -- how finely --------------------------------------------------------------------------------
@@ -322,14 +308,19 @@ def _edge_parameters(brep: Brep, grids: list[_Grid], tolerance: float) -> list[A
 
 def _chord_steps(edge: Curve, at: Array, tolerance: float) -> Index:
     """Return steps for every span of an edge after which chords are near enough."""
-    bent = np.linalg.norm(edge.derivative(at, 2), axis=1)
+    along, bent = edge.derivative(at, 1), edge.derivative(at, 2)
+    # Along the curve a second derivative only moves parameters.
+    speed = np.linalg.norm(along, axis=1, keepdims=True)
+    unit = along / np.where(speed > 0, speed, 1.0)
+    bent = np.linalg.norm(bent - (bent * unit).sum(axis=1, keepdims=True) * unit, axis=1)
     spans = np.diff(np.unique(edge.knots))
     each = 4 * PROBES
     most = np.maximum(
         np.maximum.reduceat(bent[:-1], each * np.arange(len(spans))), bent[each::each]
     )
     steps = np.ceil(spans * np.sqrt(most / (8.0 * tolerance)))
-    return np.asarray(np.clip(steps, 1, MOST_DIVISIONS), np.intp)
+    least = np.ceil(LEAST_STEPS / len(spans)) if edge.degree > 1 else 1
+    return np.asarray(np.clip(steps, least, MOST_DIVISIONS), np.intp)
 
 
 def _pole_parameters(ends: Array, grid: _Grid) -> Array:
