@@ -177,6 +177,14 @@ def test_a_patchwork_as_faces_has_the_very_numbers():
     assert volume(BALL) > 0
 
 
+def test_edges_of_a_patchwork_that_no_patch_has_are_left_out():
+    skin = ball()
+    loose = np.vstack((skin.edges[:1] + 1.0, skin.edges))
+    shifted = np.where(skin.sides < 0, skin.sides - 1, skin.sides + 1)
+    brep = brep_of_patchwork(replace(skin, edges=loose, sides=shifted))
+    assert (len(brep.edges), brep.is_closed) == (len(skin.edges), True)
+
+
 def test_shapes_add_up_and_are_placed_with_breps():
     one = Shapes(breps=(FACE,)) + Shapes(breps=(box(),))
     assert [b.name for b in one.breps] == ["brep", "box"]
