@@ -151,6 +151,7 @@ class Window(QMainWindow):
         ]
         self._plugin_panel = PluginPanel(session)
         self._plugin_dock = self._dock(self._plugin_panel)
+        self._room: tuple[tuple[int, int], tuple[int, int]] | None = None
         self.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
         self.tabifyDockWidget(self._docks[1], self._plugin_dock)
         self._plugin_panel.changed.connect(self._show_plugin_panel)
@@ -313,6 +314,7 @@ class Window(QMainWindow):
 
     def _leave(self) -> None:
         kept = settings()
+        self._give_room_back()
         kept.setValue("window/geometry", self.saveGeometry())
         kept.setValue("window/state", self.saveState(LAYOUT_VERSION))
         self.replays.stop()
@@ -388,6 +390,8 @@ class Window(QMainWindow):
         if title:
             self._plugin_dock.raise_()
             QTimer.singleShot(0, self, self._make_room)
+        else:
+            self._give_room_back()
 
     def _show_what_guides(self) -> None:
         """Show the modeler's own panel, which says what to do with a new picture."""
@@ -396,7 +400,22 @@ class Window(QMainWindow):
 
     def _make_room(self) -> None:
         if self._plugin_dock.isVisible() and self._plugin_dock.height() < SCANT:
+            before = self._ends()
             self.resizeDocks(self._docks, list(GUIDED_HEIGHTS), Qt.Orientation.Vertical)
+            QTimer.singleShot(0, self, lambda: setattr(self, "_room", (before, self._ends())))
+
+    def _ends(self) -> tuple[int, int]:
+        """Return the heights of the objects and of the history; what is between has the rest."""
+        return self._docks[0].height(), self._docks[-1].height()
+
+    def _give_room_back(self) -> None:
+        """Undo `_make_room`, unless the person has moved a border since."""
+        room, self._room = self._room, None
+        if room is not None and room[1] == self._ends():
+            objects, history = room[0]
+            between = max(1, self.centralWidget().height() - objects - history)
+            heights = [objects, between, history]
+            self.resizeDocks(self._docks, heights, Qt.Orientation.Vertical)
 
     @property
     def is_dark(self) -> bool:

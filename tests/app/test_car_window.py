@@ -264,3 +264,16 @@ def test_keys_pass_points_over(window, settle):
     QTest.keyClick(window.canvas, Qt.Key.Key_N)
     settle(session, window.keeper)
     assert len(state(window).sketch.skipped) == 1
+
+
+def test_the_panel_of_a_car_gives_its_room_back(make_window, settle, qtbot):
+    window = make_window("bozzetto.car")
+    window.welcome.hide()
+    window.setAnimated(False)
+    QTest.qWait(1)
+    before = window._ends()
+    drop(window, picture_of(FIRST), settle)
+    qtbot.waitUntil(lambda: window._ends()[0] < before[0])
+    window.session.files.new()
+    settle(window.session, window.keeper)
+    qtbot.waitUntil(lambda: window._ends() == pytest.approx(before, abs=3))

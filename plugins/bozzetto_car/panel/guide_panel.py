@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QFormLayout,
     QFrame,
@@ -32,6 +33,10 @@ from bozzetto_car.state import CarState
 PATIENCE: Final = 60
 """Time from a change to the update of the panel, ms: the program solves the car first, and its
 answer is then remembered."""
+
+ROOMY: Final = 270
+"""Height of the panel from which there is room for the picture of the car above what is to be done
+next and its buttons, px."""
 
 WORDS: Final = ("Back", "Skip", "Not visible")
 
@@ -78,6 +83,10 @@ class GuidePanel(QScrollArea):
 
     def sizeHint(self) -> QSize:
         return QSize(280, 560)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self.car.setVisible(self.viewport().height() >= ROOMY)
 
     # -- what there is -----------------------------------------------------------------------------
 

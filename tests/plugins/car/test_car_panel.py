@@ -236,6 +236,20 @@ def test_the_asked_point_is_told(shown, twelve, qtbot):
     assert "Probably not visible here" in panel.note.text()
 
 
+@pytest.mark.parametrize(("height", "has_picture"), [(900, True), (200, False)])
+def test_the_buttons_are_in_sight_also_in_a_low_panel(shown, twelve, qtbot, height, has_picture):
+    panel, _ = shown(twelve)
+    panel.resize(280, height)
+    qtbot.waitUntil(lambda: panel.car.isVisible() == has_picture)
+    sight = panel.viewport()
+    for button in (panel.back, panel.skip, panel.hide_):
+        qtbot.waitUntil(
+            lambda button=button: sight.rect().contains(
+                button.mapTo(sight, button.rect().bottomRight())
+            )
+        )
+
+
 def test_buttons_pass_points_over(shown, qtbot):
     panel, host = shown(blank())
     first = guide_of(blank()).asked
