@@ -128,12 +128,6 @@ def remembering():
     return preview
 
 
-def refuse(state, gesture, context):
-    if len(gesture.strokes[0]) < 3:
-        raise UserError("Too short.")
-    return Scene()
-
-
 WRONG = {
     "shapes that change": ("shapes", counting, {"storage", "cancelling", "determinism", "empty"}),
     "cancelling swallowed": ("solve", lambda: swallow, {"cancelling"}),
@@ -146,7 +140,6 @@ WRONG = {
     "a gesture that fails": ("apply", lambda: lambda s, g, c: 1 / 0, {"odd_gestures", "drawing"}),
     "unfinished for ever": ("apply", lambda: never_enough, {"odd_gestures"}),
     "an open solid": ("shapes", lambda: open_solid, {"drawing"}),
-    "a preview that refuses": ("preview", lambda: refuse, {"odd_previews"}),
     "an end of a range": ("solve", lambda: narrow, {"parameters"}),
     "a solid that opens at an end of a range": ("shapes", lambda: open_at_the_end, {"ranges"}),
     "an answer that was remembered": ("preview", remembering, {"forgetting"}),
@@ -164,6 +157,15 @@ def test_the_suite_finds(subject, faulty, name):
     what, misdeed, expected = WRONG[name]
     faulty.misdeeds[what] = misdeed()
     assert expected <= failing(subject)
+
+
+@pytest.mark.parametrize("refusal", [UserError("Too short."), Unfinished("Go on.")])
+def test_a_preview_may_refuse(subject, faulty, refusal):
+    def preview(state, gesture, context):
+        raise refusal
+
+    faulty.misdeeds["preview"] = preview
+    assert failing(subject) == set()
 
 
 @pytest.mark.parametrize(
@@ -191,7 +193,7 @@ def test_misspelt_abilities_are_found(subject, faulty, monkeypatch):
 
 
 def test_samples_are_tried(make_package, faulty):
-    sampled = FAULTY_MANIFEST + 'samples = ["there_is_none.json"]\n'
+    sampled = FAULTY_MANIFEST + 'abilities = ["read_shapes"]\nsamples = ["there_is_none.json"]\n'
     package = make_package(
         "from bozzetto.plugin import hookimpl\nimport sys\n@hookimpl\n"
         f"def bozzetto_modelers(): return sys.modules[{faulty.package!r}].given",
