@@ -222,14 +222,17 @@ def test_parts_that_are_put_back_wrongly_are_the_fault_of_their_plugin(shell, pi
         shell.workbench.parts.rename(shell.model, "a", "Head")
 
 
-@pytest.mark.parametrize("name", ["new_group", "released"])
-def test_groups_that_fail_are_the_fault_of_their_plugin(shell, pieces, name):
+@pytest.mark.parametrize(
+    ("name", "edit"),
+    [
+        ("new_group", lambda edits, model: edits.group(model, ["a"])),
+        ("released", lambda edits, model: edits.ungroup(model, "b")),
+    ],
+)
+def test_groups_that_fail_are_the_fault_of_their_plugin(shell, pieces, name, edit):
     setattr(pieces, name, lambda *arguments: 1 / 0)
     with pytest.raises(PluginFault, match=r"pieces\.plugin"):
-        if name == "new_group":
-            shell.workbench.parts.group(shell.model, ["a"])
-        else:
-            shell.workbench.parts.ungroup(shell.model, "b")
+        edit(shell.workbench.parts, shell.model)
 
 
 def test_what_a_modeler_refuses_is_told_in_its_words(shell, pieces):
