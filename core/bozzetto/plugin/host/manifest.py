@@ -98,13 +98,15 @@ class ModelerEntry:
     Attributes
     ----------
     id : str
-        "author.name", unique in the program.
+        "author.name", unique in the program; as on the modeler's class.
     title : str
+        Its name for people, said here and nowhere else.
     icon : str
-        SVG file in the package.
+        SVG file in the package: 20 × 20, strokes of 1.5 in ``currentColor``.
     hint : str
         The sheet's first line, for example "Draw a closed outline."
     samples : tuple of Sample
+        Ink files in the package, each a file name or ``{ file, title }``.
     abilities : frozenset of str
         What must be known of it before the plugin is imported: "panel" (the plugin has a Qt
         panel of its own for it, `bozzetto_panel`), "read_shapes" and "add_picture" (methods of
@@ -135,7 +137,12 @@ class Manifest:
 
     Attributes
     ----------
-    id, title, summary, version : str
+    id : str
+        "author.name", unique in the program.
+    title, version : str
+        For the list of plugins.
+    summary : str
+        One sentence for the list of plugins.
     api : str
         Versions of the contract that the plugin was written for, such as ">=2,<3".
     modelers : tuple of ModelerEntry
