@@ -10,11 +10,12 @@ from bozzetto.geometry import Mesh, Shapes, Solid, Surface
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Job
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.host.similar_names import meant_by
 from bozzetto.scene import Layer, Scene
 from bozzetto.testing import ModelerContract, Pen, same
 from bozzetto.testing.checks import CHECKS
 from bozzetto.testing.deep_equal import difference
-from bozzetto.testing.spelling import MODELER_NAMES, TOOL_NAMES, meant_by
+from bozzetto.testing.spelling import MODELER_NAMES, TOOL_NAMES
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
 
@@ -174,13 +175,17 @@ def test_a_preview_may_refuse(subject, faulty, refusal):
         ("reports", "report"), ("nextstep", "next_step"), ("next_stpe", "next_step"),
         ("viewAdvice", "view_advice"), ("read_drawings", "read_drawing"), ("comands", "commands"),
         ("curvs", "curves"), ("whith_parts", "with_parts"), ("caution", "cautions"),
+        ("hnit", "hint"), ("Gesture", "gesture"), ("taps", "tap"), ("tpa", "tap"),
+        ("begn", "begin"),
     ],
 )  # fmt: skip
 def test_a_misspelt_ability_is_named(name, meant):
     assert meant_by(name, MODELER_NAMES | TOOL_NAMES) == meant
 
 
-@pytest.mark.parametrize("name", ["owner", "misdeeds", "recipe", "surface", "color", "measure"])
+@pytest.mark.parametrize(
+    "name", ["owner", "misdeeds", "recipe", "surface", "color", "measure", "map", "top", "drop"]
+)
 def test_other_names_are_left_alone(name):
     assert meant_by(name, MODELER_NAMES | TOOL_NAMES) == ""
 

@@ -31,6 +31,7 @@ import msgspec
 from msgspec.structs import asdict
 
 from bozzetto.errors import UserError, words_of
+from bozzetto.plugin.host.similar_names import meant_by
 
 MANIFEST = "plugin.toml"
 
@@ -209,7 +210,8 @@ def read_manifest(folder: Path) -> Manifest:
         table = msgspec.convert(said, _PluginTable)
     except msgspec.ValidationError as problem:
         words = _REGEX_WORDS.sub(ID_IN_WORDS, words_of(problem))
-        raise ManifestError(f"In {MANIFEST}: {words}.") from None
+        known = "".join(f" {told}" for told in _unknown_keys(said))
+        raise ManifestError(f"In {MANIFEST}: {words}.{known}") from None
     api_accepts(table.api, (0, 0))  # a range that cannot be read is refused here
     ids = [modeler.id for modeler in table.modeler]
     for modeler_id in ids:
@@ -244,12 +246,19 @@ def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:
 
 def _unknown_keys(said: dict[str, Any]) -> list[str]:
     """Return warnings about keys that mean nothing to this version."""
-    unknown = [f"“{key}”" for key in said if key not in _PluginTable.__struct_fields__]
-    for modeler in said["modeler"]:
-        for key in modeler:
-            if key not in _ModelerTable.__struct_fields__:
-                unknown.append(f"“{key}” of modeler {modeler['id']}")
-    return [f"{MANIFEST}: {key} is not known and was ignored." for key in unknown]
+    tables = [(said, _PluginTable.__struct_fields__, "")]
+    modelers = said.get("modeler")
+    for modeler in modelers if isinstance(modelers, list) else ():
+        if isinstance(modeler, dict):
+            of = f" of modeler {modeler.get('id', '')}".rstrip()
+            tables.append((modeler, _ModelerTable.__struct_fields__, of))
+    warnings = []
+    for table, fields, of in tables:
+        for key in (key for key in table if key not in fields):
+            meant = meant_by(key, fields)
+            hint = f" It looks like “{meant}”." if meant and meant not in table else ""
+            warnings.append(f"{MANIFEST}: “{key}”{of} is not known and was ignored.{hint}")
+    return warnings
 
 
 _COMPARISON = re.compile(r"\s*(>=|<=|==|>|<)\s*(\d{1,6})(?:\.(\d{1,6}))?\s*")
