@@ -46,8 +46,9 @@ Ability = Literal["panel", "read_shapes", "add_picture"]
 
 Word = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
 Sentence = Annotated[str, msgspec.Meta(max_length=400)]
-Id = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+$", max_length=80)]
 
+ID_PATTERN = r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+$"
+Id = Annotated[str, msgspec.Meta(pattern=ID_PATTERN, max_length=80)]
 
 _REGEX_WORDS = re.compile(r"`str` matching regex '.*'(?= - at )")
 ID_IN_WORDS = "an id such as author.name: lower-case letters, digits, “_”, and a dot at least"
