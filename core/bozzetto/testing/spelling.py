@@ -64,7 +64,8 @@ def derived_classes(package: str) -> list[type]:
     found: dict[type, None] = {}
     waiting = list(BASES)
     while waiting:
-        for kind in waiting.pop().__subclasses__():
+        kinds: list[type] = waiting.pop().__subclasses__()
+        for kind in kinds:
             waiting.append(kind)
             if kind.__module__.partition(".")[0] == package:
                 found[kind] = None
