@@ -50,7 +50,7 @@ class Exported:
         named: dict[str, tuple[Any, ...]] = {
             "solids": self.parts.solids,
             "surfaces": self.parts.surfaces,
-            "exact_surfaces": self.parts.patchworks,
+            "exact_surfaces": (*self.parts.patchworks, *self.parts.breps),
             "curves": self.parts.curves,
         }
         return {
@@ -122,6 +122,8 @@ def prepare_export(
         data: bytes = function(chosen, "write_view")(parts, camera)
     else:
         written = with_meshes(parts) if "mesh" in chosen.holds else parts
+        for solid in written.solids:
+            check_solid(solid)
         data = function(chosen, "write_shapes")(written)
     return Exported(chosen, data, parts, left_out)
 
@@ -132,6 +134,7 @@ def _readably_named(shapes: Shapes) -> Shapes:
         shapes,
         solids=tuple(replace(part, name=readable(part.name)) for part in shapes.solids),
         surfaces=tuple(replace(part, name=readable(part.name)) for part in shapes.surfaces),
+        breps=tuple(replace(part, name=readable(part.name)) for part in shapes.breps),
     )
 
 
@@ -149,9 +152,10 @@ def has_room(path: str | os.PathLike[str], shapes: Shapes) -> bool:
 
 def _kinds_in(shapes: Shapes) -> set[Kind]:
     """Return the kinds of content that shapes hold."""
+    exact = bool(shapes.patchworks or shapes.breps)
     has: dict[Kind, bool] = {
-        "mesh": bool(shapes.patchworks) or any(len(part.mesh.faces) for part in shapes.meshes()),
-        "surfaces": bool(shapes.patchworks),
+        "mesh": exact or any(len(part.mesh.faces) for part in shapes.meshes()),
+        "surfaces": exact,
         "curves": bool(shapes.curves),
     }
     return {kind for kind, there in has.items() if there}
@@ -166,9 +170,6 @@ def _check(shapes: Shapes, chosen: Format) -> None:
         useful = [f.endings[0] for f in writers(*kinds)] if kinds else []
         advice = f" Use one of {', '.join(useful)}." if useful else " Draw some first."
         raise UserError(f"{chosen.title} holds {wanted}, and there are none.{advice}")
-    if "mesh" in chosen.holds:
-        for solid in shapes.solids:
-            check_solid(solid)
 
 
 def write_drawing(drawing: Drawing, path: str | os.PathLike[str]) -> None:

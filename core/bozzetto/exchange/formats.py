@@ -28,7 +28,7 @@ from typing import Any, Final, Literal
 from bozzetto.errors import UserError
 
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
-Feature = Literal["colors", "bones"]
+Feature = Literal["colors", "bones", "trims"]
 
 
 @dataclass(frozen=True)
@@ -44,14 +44,14 @@ class Format:
     endings : tuple of str
         In lower case, with the dot; the first is the usual one.
     holds : tuple of {"mesh", "surfaces", "curves", "ink", "image"}
-        What such a file is good for. Surfaces are exact ones: patchworks.
+        What such a file is good for. Surfaces are exact ones: patchworks and breps.
     writes, reads : bool
         Which ways we go.
     module : str
         The module of the functions, in this package.
-    keeps : tuple of {"colors", "bones"}
+    keeps : tuple of {"colors", "bones", "trims"}
         What is written of a mesh besides its shape: painted colours, and the bones that it
-        follows.
+        follows; and whether faces of exact surfaces may be trimmed.
     flat : bool
         Shapes are written as seen through a camera.
     """
@@ -77,6 +77,8 @@ EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
 
 PAINTED: Final[tuple[Feature, ...]] = ("colors",)
 
+TRIMMED: Final[tuple[Feature, ...]] = ("trims",)
+
 PICTURES: Final = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
 
 FORMATS: Final = (
@@ -86,8 +88,8 @@ FORMATS: Final = (
     Format("obj", "Wavefront OBJ", (".obj",), ("mesh",), True, True, "mesh.obj", PAINTED),
     Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, "mesh.ply", PAINTED),
     Format("svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, "svg.reader", flat=True),
-    Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, "cad.step"),
-    Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, "cad.iges"),
+    Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, "cad.step", TRIMMED),
+    Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, "cad.iges", TRIMMED),
     Format("dxf", "DXF curves", (".dxf",), ("curves",), True, False, "cad.dxf"),
     Format("rhino", "Rhino", (".3dm",), EXACT, True, False, "cad.rhino"),
     Format("ink", "Bozzetto ink", (".json",), ("ink",), True, True, "ink.ink_json"),

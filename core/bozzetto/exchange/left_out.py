@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from bozzetto.exchange.formats import Format
+from bozzetto.geometry.brep.brep import Brep
 from bozzetto.geometry.shapes import Shapes, Solid
 
 MESH_FILES: Final = {"solid": "3MF or STL", "open surface": "GLB or OBJ"}
@@ -60,6 +61,7 @@ def with_place(shapes: Shapes, chosen: Format) -> Shapes:
         surfaces=tuple(s for s in shapes.surfaces if mesh and len(s.mesh.faces)),
         curves=shapes.curves if "curves" in holds else (),
         patchworks=shapes.patchworks if mesh or "surfaces" in holds else (),
+        breps=shapes.breps if mesh or "surfaces" in holds else (),
     )
 
 
@@ -81,16 +83,30 @@ def parts_left_out(shapes: Shapes, chosen: Format) -> tuple[LeftOut, ...]:
         if empty:
             what, reason = _count(len(empty), "open surface"), f"{_they(empty)} no triangles"
             found.append(LeftOut(what, _names(empty), reason, "draw more of it, then export"))
-    if shapes.patchworks and not kept.patchworks:
-        exact_ones, files = shapes.patchworks, "STEP or IGES"
-        found.append(_left_out("exact surface", exact_ones, _only("curves"), files))
+    exact_ones = (*shapes.patchworks, *shapes.breps)
+    if exact_ones and not (kept.patchworks or kept.breps):
+        found.append(_left_out("exact surface", exact_ones, _only("curves"), "STEP or IGES"))
     if shapes.curves and not kept.curves:
         found.append(_left_out("curve", shapes.curves, _only("triangles"), "STEP or SVG"))
     if shapes.skeletons:
         names, what = _names(shapes.skeletons), _count(len(shapes.skeletons), "axis", "axes")
         reason, advice = "no format has a place for them", "other modelers can start from them"
         found.append(LeftOut(what, names, reason, advice, is_content=False))
+    found += _trims_left_out(kept.breps, chosen)
     return (*found, *_properties_left_out(kept.solids, chosen))
+
+
+def _trims_left_out(breps: Sequence[Brep], chosen: Format) -> list[LeftOut]:
+    """Return the exact form of trimmed faces, where a format holds surfaces and cannot trim."""
+    if "surfaces" not in chosen.holds or "trims" in chosen.keeps:
+        return []
+    trimmed = [(brep, sum(not face.is_whole for face in brep.faces)) for brep in breps]
+    named = tuple(brep.name for brep, count in trimmed if count)
+    if not named:
+        return []
+    what = f"the exact form of {_count(sum(count for _, count in trimmed), 'trimmed face')}"
+    reason, advice = "such files hold whole surfaces; these became triangles", "save as STEP"
+    return [LeftOut(what, named, reason, advice)]
 
 
 def _properties_left_out(solids: Sequence[Solid], chosen: Format) -> list[LeftOut]:

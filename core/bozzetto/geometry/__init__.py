@@ -8,12 +8,24 @@ from bozzetto.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from bozzetto.arrays import frozen as frozen
+    from bozzetto.geometry.brep.brep import Brep as Brep
+    from bozzetto.geometry.brep.brep import Face as Face
+    from bozzetto.geometry.brep.brep import ParameterCurve as ParameterCurve
+    from bozzetto.geometry.brep.brep import Trim as Trim
+    from bozzetto.geometry.brep.planes import plane_face as plane_face
+    from bozzetto.geometry.brep.revolution import cylinder as cylinder
+    from bozzetto.geometry.brep.revolution import surface_of_revolution as surface_of_revolution
+    from bozzetto.geometry.brep.ruled import ruled_surface as ruled_surface
+    from bozzetto.geometry.brep.sewing import sewn as sewn
+    from bozzetto.geometry.brep.surface import BSplineSurface as BSplineSurface
+    from bozzetto.geometry.brep.tessellation import brep_mesh as brep_mesh
+    from bozzetto.geometry.brep.tessellation import shaded_brep as shaded_brep
+    from bozzetto.geometry.curve import Curve as Curve
     from bozzetto.geometry.mesh import Mesh as Mesh
     from bozzetto.geometry.patches.patchwork import Patchwork as Patchwork
     from bozzetto.geometry.placement import Placement as Placement
     from bozzetto.geometry.rig import Rig as Rig
     from bozzetto.geometry.rig import Skin as Skin
-    from bozzetto.geometry.shapes import Curve as Curve
     from bozzetto.geometry.shapes import Shapes as Shapes
     from bozzetto.geometry.shapes import Skeleton as Skeleton
     from bozzetto.geometry.shapes import Solid as Solid
@@ -24,11 +36,19 @@ else:
         __name__,
         {
             "bozzetto.arrays": "frozen",
+            "bozzetto.geometry.brep.brep": "Brep Face ParameterCurve Trim",
+            "bozzetto.geometry.brep.planes": "plane_face",
+            "bozzetto.geometry.brep.revolution": "cylinder surface_of_revolution",
+            "bozzetto.geometry.brep.ruled": "ruled_surface",
+            "bozzetto.geometry.brep.sewing": "sewn",
+            "bozzetto.geometry.brep.surface": "BSplineSurface",
+            "bozzetto.geometry.brep.tessellation": "brep_mesh shaded_brep",
+            "bozzetto.geometry.curve": "Curve",
             "bozzetto.geometry.mesh": "Mesh",
             "bozzetto.geometry.patches.patchwork": "Patchwork",
             "bozzetto.geometry.placement": "Placement",
             "bozzetto.geometry.rig": "Rig Skin",
-            "bozzetto.geometry.shapes": "Curve Shapes Skeleton Solid Surface",
+            "bozzetto.geometry.shapes": "Shapes Skeleton Solid Surface",
             "bozzetto.geometry.texture": "Texture",
         },
     )

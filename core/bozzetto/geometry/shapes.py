@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
+from bozzetto.geometry.brep.brep import Brep
+from bozzetto.geometry.curve import Color as Color
+from bozzetto.geometry.curve import Curve as Curve
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.texture import Texture
-
-Color = tuple[int, int, int]
 
 
 @dataclass(frozen=True)
@@ -65,44 +66,6 @@ class Surface:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """A B-spline curve, rational where weights are given; or a polyline (degree 1).
-
-    Parameters
-    ----------
-    degree : int
-    knots : (m + degree + 1,) float64
-        Full knot vector, not decreasing.
-    control_points : (m, 3) float64
-        mm.
-    weights : (m,) float64, optional
-    closed : bool
-        Whether the curve returns to its start.
-    """
-
-    degree: int
-    knots: NDArray[np.float64]
-    control_points: NDArray[np.float64]
-    weights: NDArray[np.float64] | None = None
-    closed: bool = False
-    name: str = "curve"
-    color: Color | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "knots", frozen(self.knots, np.float64))
-        object.__setattr__(self, "control_points", frozen(self.control_points, np.float64, 3))
-        if self.weights is not None:
-            object.__setattr__(self, "weights", frozen(self.weights, np.float64))
-        count = len(self.control_points)
-        if self.degree < 1 or count <= self.degree:
-            raise ValueError("a curve needs more control points than its degree")
-        if len(self.knots) != count + self.degree + 1 or (np.diff(self.knots) < 0).any():
-            raise ValueError("a curve's knots must not decrease and must fit its control points")
-        if self.weights is not None and (len(self.weights) != count or (self.weights <= 0).any()):
-            raise ValueError("a curve needs one positive weight per control point")
-
-
-@dataclass(frozen=True, eq=False)
 class Skeleton:
     """Joints and bones of a shape.
 
@@ -136,18 +99,14 @@ class Shapes:
     curves: tuple[Curve, ...] = ()
     skeletons: tuple[Skeleton, ...] = ()
     patchworks: tuple[Patchwork, ...] = ()
+    breps: tuple[Brep, ...] = ()
 
     def __bool__(self) -> bool:
-        return any((self.solids, self.surfaces, self.curves, self.skeletons, self.patchworks))
+        return any(getattr(self, entry.name) for entry in fields(self))
 
     def __add__(self, other: Shapes) -> Shapes:
-        return Shapes(
-            self.solids + other.solids,
-            self.surfaces + other.surfaces,
-            self.curves + other.curves,
-            self.skeletons + other.skeletons,
-            self.patchworks + other.patchworks,
-        )
+        names = [entry.name for entry in fields(self)]
+        return Shapes(**{name: getattr(self, name) + getattr(other, name) for name in names})
 
     def meshes(self) -> Iterator[Solid | Surface]:
         """Yield solids, then surfaces: all that is made of triangles."""
@@ -161,12 +120,11 @@ class Shapes:
         return Shapes(
             tuple(s.placed(placement) for s in self.solids),
             tuple(replace(s, mesh=s.mesh.placed(placement)) for s in self.surfaces),
-            tuple(
-                replace(c, control_points=placement.points(c.control_points)) for c in self.curves
-            ),
+            tuple(c.placed(placement) for c in self.curves),
             tuple(
                 replace(s, joints=placement.points(s.joints), radii=s.radii * placement.scale)
                 for s in self.skeletons
             ),
             tuple(p.placed(placement) for p in self.patchworks),
+            tuple(b.placed(placement) for b in self.breps),
         )

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, frozen
-from bozzetto.geometry.shapes import Color, Curve
+from bozzetto.geometry.curve import Color, Curve
+from bozzetto.geometry.refinement import refined
 
 DEGREE: Final = 3
 """Cubic: the least degree whose curvature is continuous, and what CAD programs expect."""
@@ -333,26 +334,8 @@ class Spline:
         return Spline(knots, np.vstack((self.control_points[:-DEGREE], self.control_points)))
 
     def _refined(self, knots: Array) -> Array:
-        """Return control points of the same curve over a knot vector that holds all of its knots.
-
-        Each is a value of the blossom of the polynomial on a span that it acts on (Ramshaw
-        1989): de Boor's scheme with a new knot at each level.
-        """
-        count = len(knots) - DEGREE - 1
-        span = np.arange(count)[:, None] + np.arange(DEGREE + 1)
-        widths = knots[span + 1] - knots[span]
-        widest = span[np.arange(count), np.argmax(widths, axis=1)]
-        middle = 0.5 * (knots[widest] + knots[widest + 1])
-        last = len(self.control_points) - 1
-        home = np.clip(np.searchsorted(self.knots, middle, "right") - 1, DEGREE, last)
-        points = self.control_points[home[:, None] + np.arange(-DEGREE, 1)]
-        for level in range(1, DEGREE + 1):
-            at = knots[np.arange(count) + level][:, None]
-            left = home[:, None] + np.arange(level - DEGREE, 1)
-            low, high = self.knots[left], self.knots[left + DEGREE + 1 - level]
-            share = ((at - low) / (high - low))[..., None]
-            points = (1.0 - share) * points[:, :-1] + share * points[:, 1:]
-        return np.asarray(points[:, 0])
+        """Return control points of the same curve over more knots."""
+        return refined(DEGREE, self.knots, self.control_points, knots)
 
 
 def uniform_knots(count: int, closed: bool) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -71,13 +71,7 @@ def _named(shapes: Shapes, model: Model) -> Shapes:
             made.append(replace(part, **changes))
         return tuple(made)
 
-    return Shapes(
-        named(shapes.solids),
-        named(shapes.surfaces),
-        named(shapes.curves),
-        named(shapes.skeletons),
-        named(shapes.patchworks),
-    )
+    return Shapes(**{entry.name: named(getattr(shapes, entry.name)) for entry in fields(Shapes)})
 
 
 def plain(value: Any) -> Any:

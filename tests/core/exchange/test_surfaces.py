@@ -62,6 +62,9 @@ class Shells:
         text = [v for record in self.file.instances.values() for v in record.values()]
         assert set(re.findall(r"#\d+", str(text))) <= set(self.file.instances)
         self.models = [self.model(m) for _, m in self.file.of("SHELL_BASED_SURFACE_MODEL")]
+        self.solids = [
+            self.model((name, [shell])) for _, (name, shell) in self.file.of("MANIFOLD_SOLID_BREP")
+        ]
 
     def get(self, number, kind):
         return self.file.instances[number][kind]
@@ -170,8 +173,8 @@ def test_faces_and_curves_in_step_have_their_colours():
     assert list(tints.values()) == [LINE.color]
 
 
-def test_a_closed_skin_is_a_closed_shell_and_two_parts_are_two():
-    ((_, shells),) = Shells(step(Shapes(patchworks=(ball(),)))).models
+def test_a_closed_skin_is_a_solid_and_two_parts_are_two_shells():
+    ((_, shells),) = Shells(step(Shapes(patchworks=(ball(),)))).solids
     assert [(kind, len(faces)) for kind, faces in shells] == [("CLOSED_SHELL", 6)]
     ((_, shells),) = Shells(step(Shapes(patchworks=(twice(CAR),)))).models
     assert [(kind, len(faces)) for kind, faces in shells] == [("OPEN_SHELL", 28)] * 2
@@ -179,9 +182,11 @@ def test_a_closed_skin_is_a_closed_shell_and_two_parts_are_two():
 
 def test_several_patchworks_are_several_models():
     file = Shells(step(Shapes(patchworks=(CAR, ball()))))
-    assert [name for name, _ in file.models] == ["Car", "Ball"]
-    ((_, (title, items, _)),) = file.file.of("MANIFOLD_SURFACE_SHAPE_REPRESENTATION")
-    assert (title, len(items)) == ("Surfaces", 3)
+    assert [name for name, _ in file.models] == ["Car"]
+    assert [name for name, _ in file.solids] == ["Ball"]
+    for kind in ("ADVANCED_BREP", "MANIFOLD_SURFACE"):
+        ((_, (title, items, _)),) = file.file.of(f"{kind}_SHAPE_REPRESENTATION")
+        assert (title, len(items)) == ("Surfaces", 2)
 
 
 # -- IGES --------------------------------------------------------------------------------------

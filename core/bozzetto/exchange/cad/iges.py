@@ -1,10 +1,10 @@
 """IGES 5.3: exact surfaces and curves for older CAD programs, in millimetres.
 
-Patches are rational B-spline surfaces (entity 128), each whole within its natural border, and
-those of one patchwork a group (402, form 7); IGES programs sew them by their places. Curves are
-rational B-splines (126), names are name properties (406, form 15) and colours colour definitions
-(314). Lines have 80 columns: 72 of content (64 for parameters,
-which name their entry behind), a letter for the section, and the number in it.
+Faces are rational B-spline surfaces (entity 128), each whole within its natural border, or
+trimmed (144) by curves on it (142). Those of one object are a group (402, form 7); IGES programs
+sew them by their places. Curves are rational B-splines (126), names are name properties (406,
+form 15) and colours colour definitions (314). Lines have 80 columns: 72 of content (64 for
+parameters, which name their entry behind), a letter for the section, and the number in it.
 """
 
 from __future__ import annotations
@@ -18,12 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
-from bozzetto.exchange.cad.cad_surfaces import CUBIC_KNOTS, checked_patchworks, names_of_patches
+from bozzetto.exchange.cad.cad_surfaces import checked_breps
 from bozzetto.exchange.cad.step_text import real
+from bozzetto.geometry.brep.brep import Brep, Face, Loop
+from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.shapes import Color, Curve, Shapes
 
 CURVE: Final = 126
 SURFACE: Final = 128
+COMPOSITE: Final = 102
+ON_SURFACE: Final = 142
+TRIMMED: Final = 144
 GROUP: Final = 402
 GROUP_FORM: Final = 7
 COLOR: Final = 314
@@ -31,7 +36,13 @@ PROPERTY: Final = 406
 NAME_FORM: Final = 15
 
 DEPENDENT: Final = "00010000"
-"""Status of a property: it depends on another entity."""
+"""Status of a property, or a curve or surface that is a part: it depends on another entity."""
+
+PARAMETRIC: Final = "00010500"
+"""Status of a curve in the parameters of a surface."""
+
+BOTH_PREFERRED: Final = "3"
+"""A curve in parameters and the curve in space are as good as one another."""
 
 DEFINITION: Final = "00000200"
 """Status of a colour: a definition that others use."""
@@ -47,32 +58,65 @@ COLUMNS: Final = 72
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """Write the patchworks and curves as IGES, with names and colours.
+    """Write the exact surfaces and curves as IGES, with names and colours.
 
     Names are in ASCII there: accents are taken off, other characters become ``?``.
 
     Raises
     ------
     UserError
-        As `checked_patchworks` and `checked_curves`.
+        As `checked_breps` and `checked_curves`.
     """
-    patchworks = checked_patchworks(shapes)
+    breps = checked_breps(shapes)
     # Readers cut curves at their corners, and complain.
-    wanted = shapes.curves or not patchworks
+    wanted = shapes.curves or not breps
     curves = checked_curves(shapes, corners=False) if wanted else ()
-    file = _File("Surfaces" if patchworks else "Curves")
-    for patchwork in patchworks:
-        names = names_of_patches(patchwork)
-        members = [
-            file.add_named(SURFACE, _net_parameters(net), name, patchwork.color)
-            for net, name in zip(patchwork.nets, names, strict=True)
-        ]
+    file = _File("Surfaces" if breps else "Curves")
+    for brep in breps:
+        members = [_add_face(file, face, brep) for face in brep.faces]
         listed = (str(len(members)), *map(str, members))
-        file.add_named(GROUP, listed, patchwork.name, None, form=GROUP_FORM)
+        file.add_named(GROUP, listed, brep.name, None, form=GROUP_FORM)
     for curve in curves:
         file.add_named(CURVE, _parameters(curve), curve.name, curve.color)
-    places = [p.nets for p in patchworks] + [c.control_points for c in curves]
+    places = [f.surface.control_points for b in breps for f in b.faces]
+    places += [c.control_points for c in curves]
     return file.encoded(max(float(np.abs(points).max()) for points in places))
+
+
+def _add_face(file: _File, face: Face, brep: Brep) -> int:
+    """Add a face: its surface alone, or trimmed by curves in its parameters and in space."""
+    name = face.name or brep.name
+    if face.is_whole:
+        return file.add_named(SURFACE, _surface_parameters(face.surface), name, brep.color)
+    surface = file.add(SURFACE, list(_surface_parameters(face.surface)), status=DEPENDENT)
+    bounds = [_add_bound(file, loop, brep, surface) for loop in face.loops]
+    values = (str(surface), "1", str(len(bounds) - 1), *map(str, bounds))
+    return file.add_named(TRIMMED, values, name, brep.color)
+
+
+def _add_bound(file: _File, loop: Loop, brep: Brep, surface: int) -> int:
+    """Add the curves of a loop on a surface (4.34), both in the sense of the loop."""
+    flat, space = [], []
+    for trim in loop:
+        path = Curve(trim.curve.degree, trim.curve.knots, trim.curve.in_space, trim.curve.weights)
+        flat.append(path if trim.forward else path.reversed())
+        if trim.edge is not None:
+            edge = brep.edges[trim.edge]
+            space.append(edge if trim.forward else edge.reversed())
+    ends = [
+        _add_chain(file, curves, status)
+        for curves, status in ((flat, PARAMETRIC), (space, DEPENDENT))
+    ]
+    values = ["0", str(surface), *map(str, ends), BOTH_PREFERRED]
+    return file.add(ON_SURFACE, values, status=DEPENDENT)
+
+
+def _add_chain(file: _File, curves: list[Curve], status: str) -> int:
+    """Add curves that follow one another, as one."""
+    numbers = [file.add(CURVE, list(_parameters(curve)), status=status) for curve in curves]
+    if len(numbers) == 1:
+        return numbers[0]
+    return file.add(COMPOSITE, [str(len(numbers)), *map(str, numbers)], status=status)
 
 
 class _File:
@@ -168,11 +212,17 @@ def _parameters(curve: Curve) -> Iterator[str]:
     yield from map(_real, (0.0, 0.0, 0.0) if normal is None else normal.tolist())
 
 
-def _net_parameters(net: NDArray[np.float64]) -> Iterator[str]:
-    """Yield the parameters of a rational B-spline surface (4.24) that is one bicubic patch."""
-    yield from ("3", "3", "3", "3", "0", "0", "1", "0", "0")  # open, polynomial, not periodic
+def _surface_parameters(surface: BSplineSurface) -> Iterator[str]:
+    """Yield the parameters of a rational B-spline surface (4.24)."""
+    net, weights = surface.control_points, surface.weights
+    counts, degrees = net.shape[:2], surface.degrees
+    yield from (str(count - 1) for count in counts)
+    yield from map(str, degrees)
+    yield from ("0", "0", str(int(weights is None)), "0", "0")  # open, polynomial, not periodic
+    if weights is None:
+        weights = np.ones(counts)
     along_u = net.transpose(1, 0, 2)  # the first index runs first
-    for values in (CUBIC_KNOTS, CUBIC_KNOTS, np.ones(16), along_u, (0.0, 1.0, 0.0, 1.0)):
+    for values in (*surface.knots, weights.T, along_u, surface.ranges):
         yield from map(_real, np.ravel(values).tolist())
 
 

@@ -1,8 +1,10 @@
 """3dm (Rhino 7): exact surfaces and curves, in millimetres.
 
-Patches are surfaces of their own, those of one patchwork a group: rhino3dm cannot join them, but
-Rhino's own Join can, for their edges agree. Written with rhino3dm, the extra ``bozzetto[rhino]``.
-Every object gets an identity of its own, so that equal shapes give files that differ there.
+Faces are surfaces of their own, those of one object a group: rhino3dm cannot join them, but
+Rhino's own Join can, for their edges agree. It cannot trim either: trimmed faces are triangles
+there, and the report of what is left out names them. Written with rhino3dm, the extra
+``bozzetto[rhino]``. Every object gets an identity of its own, so that equal shapes give files
+that differ there.
 """
 
 from __future__ import annotations
@@ -11,11 +13,15 @@ import base64
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.exchange.cad.cad_curves import checked_curves
-from bozzetto.exchange.cad.cad_surfaces import CUBIC_KNOTS, checked_patchworks, names_of_patches
+from bozzetto.exchange.cad.cad_surfaces import checked_breps
 from bozzetto.exchange.optional_libraries import library
+from bozzetto.geometry.basis import lifted
+from bozzetto.geometry.brep.surface import BSplineSurface
+from bozzetto.geometry.brep.tessellation import face_meshes
+from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Color, Curve, Shapes
 
 VERSION: Final = 7
@@ -26,27 +32,32 @@ BRACKETS: Final = ("(", "[", "{", ")", "]", "}")
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """Write the patchworks and curves as 3dm, with names and colours.
+    """Write the exact surfaces and curves as 3dm, with names and colours.
 
     Raises
     ------
     UserError
-        As `checked_patchworks` and `checked_curves`, or if rhino3dm is not installed.
+        As `checked_breps` and `checked_curves`, or if rhino3dm is not installed.
     """
     rhino = library("rhino3dm", "rhino")
-    patchworks = checked_patchworks(shapes)
-    curves = checked_curves(shapes) if shapes.curves or not patchworks else ()
+    breps = checked_breps(shapes)
+    curves = checked_curves(shapes) if shapes.curves or not breps else ()
     model = rhino.File3dm()
     model.ApplicationName = "Bozzetto"
     model.Settings.ModelUnitSystem = rhino.UnitSystem.Millimeters
-    for number, patchwork in enumerate(patchworks):
+    for number, brep in enumerate(breps):
         group = rhino.Group()
-        group.Name = _name(patchwork.name)
+        group.Name = _name(brep.name)
         model.Groups.Add(group)
-        for net, name in zip(patchwork.nets, names_of_patches(patchwork), strict=True):
-            look = _look(rhino, name, patchwork.color)
+        whole = all(face.is_whole for face in brep.faces)
+        meshes = (None,) * len(brep.faces) if whole else face_meshes(brep)
+        for face, mesh in zip(brep.faces, meshes, strict=True):
+            look = _look(rhino, face.name or brep.name, brep.color)
             look.AddToGroup(number)
-            model.Objects.AddSurface(_surface(rhino, net), look)
+            if mesh is None or face.is_whole:
+                model.Objects.AddSurface(_surface(rhino, face.surface), look)
+            else:
+                model.Objects.AddMesh(_mesh(rhino, mesh), look)
     for curve in curves:
         model.Objects.AddCurve(_curve(rhino, curve), _look(rhino, curve.name, curve.color))
     options = rhino.File3dmWriteOptions()
@@ -66,12 +77,28 @@ def _curve(rhino: Any, curve: Curve) -> Any:
     return made
 
 
-def _surface(rhino: Any, net: NDArray[np.float64]) -> Any:
-    made = rhino.NurbsSurface.Create(3, False, 4, 4, 4, 4)
-    for place, knot in enumerate(CUBIC_KNOTS[1:-1].tolist()):
-        made.KnotsU[place] = made.KnotsV[place] = knot
-    for (i, j), point in zip(np.ndindex(4, 4), net.reshape(-1, 3).tolist(), strict=True):
-        made.Points[i, j] = rhino.Point4d(*point, 1.0)
+def _surface(rhino: Any, surface: BSplineSurface) -> Any:
+    (m, n), (p, q) = surface.control_points.shape[:2], surface.degrees
+    made = rhino.NurbsSurface.Create(3, surface.weights is not None, p + 1, q + 1, m, n)
+    for knots, row in ((made.KnotsU, surface.knots_u), (made.KnotsV, surface.knots_v)):
+        for place, knot in enumerate(row[1:-1].tolist()):
+            knots[place] = knot
+    for (i, j), point in zip(np.ndindex(m, n), _rows(surface).tolist(), strict=True):
+        made.Points[i, j] = rhino.Point4d(*point)
+    return made
+
+
+def _rows(surface: BSplineSurface) -> Array:
+    """Return homogeneous control points, all v of the first u, then of the next, (m n, 4)."""
+    return lifted(surface.control_points, surface.weights).reshape(-1, 4)
+
+
+def _mesh(rhino: Any, mesh: Mesh) -> Any:
+    made = rhino.Mesh()
+    for place in mesh.vertices.tolist():
+        made.Vertices.Add(*place)
+    for triangle in mesh.faces.tolist():
+        made.Faces.AddFace(*triangle)
     return made
 
 

@@ -1,23 +1,26 @@
 """STEP (ISO 10303-214, "automotive design"): exact surfaces and curves for CAD, in millimetres.
 
-The file holds one product. Its shape is a set of shells, whose faces are bicubic patches that
-share their edges, and a set of B-spline curves, where there are such. Every number is written
-with all its digits, so a reader gets the very control points, knots and weights.
+The file holds one product. Its shape is a set of solids and open shells, whose faces share their
+edges, and a set of B-spline curves, where there are such. Surfaces are rational B-splines, planes
+and straight edges are written as such. Every number is written with all its digits, so a reader
+gets the very control points, knots and weights.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
+from bozzetto.exchange.cad.bodies import bodies_of
 from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
-from bozzetto.exchange.cad.cad_surfaces import CUBIC_KNOTS, checked_patchworks, names_of_patches
+from bozzetto.exchange.cad.cad_surfaces import checked_breps, is_line
 from bozzetto.exchange.cad.step_text import Part21, many, real, string
-from bozzetto.geometry.patches.coons import edge_numbers
-from bozzetto.geometry.patches.patchwork import Patchwork
+from bozzetto.geometry.brep.brep import Brep, Face
+from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.shapes import Color, Curve, Shapes
 
 SCHEMA: Final = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
@@ -27,41 +30,44 @@ LINE_WIDTH: Final = 0.25
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """Write the patchworks and curves as STEP, with names and colours.
+    """Write the exact surfaces and curves as STEP, with names and colours.
 
     Raises
     ------
     UserError
-        As `checked_patchworks` and `checked_curves`.
+        As `checked_breps` and `checked_curves`.
     """
-    patchworks = checked_patchworks(shapes)
-    curves = checked_curves(shapes) if shapes.curves or not patchworks else ()
-    title = patchworks[0].name if len(patchworks) == 1 else "Surfaces" if patchworks else "Curves"
+    breps = checked_breps(shapes)
+    curves = checked_curves(shapes) if shapes.curves or not breps else ()
+    title = breps[0].name if len(breps) == 1 else "Surfaces" if breps else "Curves"
     file = Part21()
     product = _product(file, title)
     context = _millimetres(file)
     frame = _frame(file)
     painted: list[tuple[str, Color | None, bool]] = []
-    if patchworks:
-        models = []
-        for patchwork in patchworks:
-            faces = _faces(file, patchwork)
-            models.append(_shells(file, patchwork, faces))
-            painted += [(face, patchwork.color, True) for face in faces]
-        shape = file.add(
-            "MANIFOLD_SURFACE_SHAPE_REPRESENTATION("
-            f"{string(title)},{many([frame, *models])},{context})"
-        )
-        file.add(f"SHAPE_DEFINITION_REPRESENTATION({product},{shape})")
+    bodies: list[str] = []
+    sheets: list[str] = []
+    for brep in breps:
+        faces = _faces(file, brep)
+        solids, models = _shells(file, brep, faces)
+        bodies += solids
+        sheets += models
+        painted += [(face, brep.color, True) for face in faces]
+    for kind, items in (("ADVANCED_BREP", bodies), ("MANIFOLD_SURFACE", sheets)):
+        if items:
+            shape = file.add(
+                f"{kind}_SHAPE_REPRESENTATION({string(title)},{many([frame, *items])},{context})"
+            )
+            file.add(f"SHAPE_DEFINITION_REPRESENTATION({product},{shape})")
     if curves:
-        items = [_curve(file, curve) for curve in curves]
-        together = file.add(f"GEOMETRIC_CURVE_SET('Curves',{many(items)})")
+        lines = [_curve(file, curve) for curve in curves]
+        together = file.add(f"GEOMETRIC_CURVE_SET('Curves',{many(lines)})")
         shape = file.add(
             "GEOMETRICALLY_BOUNDED_WIREFRAME_SHAPE_REPRESENTATION("
             f"'Curves',{many([frame, together])},{context})"
         )
         file.add(f"SHAPE_DEFINITION_REPRESENTATION({product},{shape})")
-        painted += [(item, c.color, False) for item, c in zip(items, curves, strict=True)]
+        painted += [(line, c.color, False) for line, c in zip(lines, curves, strict=True)]
     _paint(file, painted, context)
     return file.encoded(SCHEMA, title)
 
@@ -128,43 +134,98 @@ def _curve(file: Part21, curve: Curve) -> str:
     )
 
 
-def _faces(file: Part21, patchwork: Patchwork) -> list[str]:
-    """Add patches as faces; both at an edge name the same edge curve, in opposite senses."""
-    places, ends = patchwork.nodes
+def _faces(file: Part21, brep: Brep) -> list[str]:
+    """Add faces; both at an edge name the same edge curve, in opposite senses."""
+    places, ends, _ = brep.vertices
     corners = [file.add(f"VERTEX_POINT('',{_point(file, place)})") for place in places.tolist()]
     edges = []
-    for points, (start, end) in zip(patchwork.edges, ends.tolist(), strict=True):
-        curve = _curve(file, Curve(3, CUBIC_KNOTS, points, name=""))
+    for edge, (start, end) in zip(brep.edges, ends.tolist(), strict=True):
+        curve = _line(file, edge) if is_line(edge) else _curve(file, replace(edge, name=""))
         edges.append(file.add(f"EDGE_CURVE('',{corners[start]},{corners[end]},{curve},.T.)"))
-    names = names_of_patches(patchwork)
-    return [
-        _face(file, net, edges, sides, string(name))
-        for net, sides, name in zip(patchwork.nets, patchwork.sides.tolist(), names, strict=True)
-    ]
+    return [_face(file, face, edges, string(face.name or brep.name)) for face in brep.faces]
 
 
-def _shells(file: Part21, patchwork: Patchwork, faces: list[str]) -> str:
-    """Add a surface model with one shell for every piece of a patchwork."""
-    shells = []
-    for piece in patchwork.pieces:
-        is_open = np.isin(edge_numbers(patchwork.sides[piece]), patchwork.rim).any()
-        kind = "OPEN_SHELL" if is_open else "CLOSED_SHELL"
-        shells.append(file.add(f"{kind}('',{many(faces[patch] for patch in piece)})"))
-    return file.add(f"SHELL_BASED_SURFACE_MODEL({string(patchwork.name)},{many(shells)})")
+def _shells(file: Part21, brep: Brep, faces: list[str]) -> tuple[list[str], list[str]]:
+    """Add a shell for every piece of a brep; return the solids, and the models of open shells."""
+    name = string(brep.name)
+
+    def shell(kind: str, piece: Index) -> str:
+        return file.add(f"{kind}('',{many(faces[number] for number in piece)})")
+
+    bodies = bodies_of(brep)
+    solids = []
+    for outer, hollows in bodies.solids:
+        whole = shell("CLOSED_SHELL", outer)
+        inner = [
+            file.add(f"ORIENTED_CLOSED_SHELL('',*,{shell('CLOSED_SHELL', hollow)},.T.)")
+            for hollow in hollows
+        ]
+        solids.append(
+            file.add(
+                f"BREP_WITH_VOIDS({name},{whole},{many(inner)})"
+                if inner
+                else f"MANIFOLD_SOLID_BREP({name},{whole})"
+            )
+        )
+    sheets = [shell("OPEN_SHELL", piece) for piece in bodies.sheets]
+    models = [file.add(f"SHELL_BASED_SURFACE_MODEL({name},{many(sheets)})")] if sheets else []
+    return solids, models
 
 
-def _face(file: Part21, net: Array, edges: list[str], sides: list[int], name: str) -> str:
-    """Add one patch within its edges (ISO 10303-42, b_spline_surface_with_knots)."""
-    rows = many(many(_point(file, point) for point in row) for row in net.tolist())
-    surface = file.add(
-        f"B_SPLINE_SURFACE_WITH_KNOTS({name},3,3,{rows},.UNSPECIFIED.,.F.,.F.,.U.,"
-        "(4,4),(4,4),(0.,1.),(0.,1.),.UNSPECIFIED.)"
+def _face(file: Part21, face: Face, edges: list[str], name: str) -> str:
+    """Add a surface within its edges; a pole is where its neighbours in the loop meet."""
+    bounds = []
+    for number, loop in enumerate(face.loops):
+        run = [(edges[t.edge], ".T." if t.forward else ".F.") for t in loop if t.edge is not None]
+        ring = many(file.add(f"ORIENTED_EDGE('',*,*,{edge},{sense})") for edge, sense in run)
+        kind = "FACE_BOUND" if number else "FACE_OUTER_BOUND"
+        rim = file.add(f"EDGE_LOOP('',{ring})")
+        bounds.append(file.add(f"{kind}('',{rim},.T.)"))
+    surface = (_plane if face.surface.is_plane else _surface)(file, face.surface, name)
+    return file.add(f"ADVANCED_FACE({name},{many(bounds)},{surface},.T.)")
+
+
+def _surface(file: Part21, surface: BSplineSurface, name: str) -> str:
+    """Add a surface (ISO 10303-42, b_spline_surface_with_knots)."""
+    net = surface.control_points.tolist()
+    rows = many(many(_point(file, point) for point in row) for row in net)
+    knots, times = zip(*(np.unique(k, return_counts=True) for k in surface.knots), strict=True)
+    shape = f"{surface.degrees[0]},{surface.degrees[1]},{rows},.UNSPECIFIED.,.F.,.F.,.U."
+    counts = ",".join(many(map(str, row.tolist())) for row in times)
+    places = ",".join(many(map(real, row.tolist())) for row in knots)
+    if surface.weights is None:
+        return file.add(
+            f"B_SPLINE_SURFACE_WITH_KNOTS({name},{shape},{counts},{places},.UNSPECIFIED.)"
+        )
+    weights = many(many(map(real, row)) for row in surface.weights.tolist())
+    return file.add(
+        f"(BOUNDED_SURFACE()B_SPLINE_SURFACE({shape})"
+        f"B_SPLINE_SURFACE_WITH_KNOTS({counts},{places},.UNSPECIFIED.)"
+        f"GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_SURFACE({weights})"
+        f"REPRESENTATION_ITEM({name})SURFACE())"
     )
-    run = [(edges[side], ".T.") if side >= 0 else (edges[~side], ".F.") for side in sides]
-    ring = many(file.add(f"ORIENTED_EDGE('',*,*,{edge},{sense})") for edge, sense in run)
-    loop = file.add(f"EDGE_LOOP('',{ring})")
-    bound = file.add(f"FACE_OUTER_BOUND('',{loop},.T.)")
-    return file.add(f"ADVANCED_FACE({name},({bound}),{surface},.T.)")
+
+
+def _plane(file: Part21, surface: BSplineSurface, name: str) -> str:
+    """Add the plane of a parallelogram; its normal is that of the surface."""
+    corner, along_v, along_u = surface.control_points[[0, 0, 1], [0, 1, 0]]
+    normal = np.cross(along_u - corner, along_v - corner)
+    up, right = (_direction(file, vector) for vector in (normal, along_u - corner))
+    place = file.add(f"AXIS2_PLACEMENT_3D('',{_point(file, corner.tolist())},{up},{right})")
+    return file.add(f"PLANE({name},{place})")
+
+
+def _line(file: Part21, edge: Curve) -> str:
+    """Add the line of a straight edge, from its start and as long as it is."""
+    start, end = edge.control_points
+    along = _direction(file, end - start)
+    vector = file.add(f"VECTOR('',{along},{real(float(np.linalg.norm(end - start)))})")
+    return file.add(f"LINE('',{_point(file, start.tolist())},{vector})")
+
+
+def _direction(file: Part21, vector: Array) -> str:
+    unit = vector / np.linalg.norm(vector)
+    return file.add(f"DIRECTION('',{many(map(real, unit.tolist()))})")
 
 
 def _point(file: Part21, place: Iterable[float]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
@@ -42,9 +43,15 @@ def _unpaired_edges(mesh: Mesh) -> int:
 
 def enclosed_volume(mesh: Mesh) -> float:
     """Return the signed volume inside a closed mesh, mm³: positive where faces look outwards."""
-    if not len(mesh.faces):
-        return 0.0
-    corners = mesh.vertices[mesh.faces].astype(np.float64) - mesh.vertices[0]
+    return signed_volume(mesh, mesh.vertices[0]) if len(mesh.faces) else 0.0
+
+
+def signed_volume(mesh: Mesh, apex: ArrayLike) -> float:
+    """Return the volume between triangles and a point, mm³: positive where they look away.
+
+    Over meshes that close together, with one apex, these add up to what they enclose.
+    """
+    corners = mesh.vertices[mesh.faces].astype(np.float64) - np.asarray(apex, float)
     return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)
 
 

@@ -10,6 +10,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from bozzetto.geometry.brep.brep import Brep, Face
+from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
@@ -100,7 +102,7 @@ def sound_shapes(shapes: Any) -> Shapes:
     if type(shapes) is not Shapes:
         raise Unsound(f"{type(shapes).__name__} where Shapes belong")
     count = 0
-    kinds = (Solid, Surface, Curve, Skeleton, Patchwork)
+    kinds = (Solid, Surface, Curve, Skeleton, Patchwork, Brep)
     for entry, kind in zip(fields(Shapes), kinds, strict=True):
         parts = getattr(shapes, entry.name)
         _expect_tuple(parts, f"Shapes.{entry.name}")
@@ -398,17 +400,40 @@ def _check_part(part: Any) -> None:
     if isinstance(part, Solid | Surface):
         _mesh(part.mesh)
     elif isinstance(part, Curve):
-        _finite(part.knots, "the knots of a curve")
-        _finite(part.control_points, "the control points of a curve")
-        if part.weights is not None:
-            _finite(part.weights, "the weights of a curve")
+        _curve(part, "a curve")
     elif isinstance(part, Patchwork):
         _finite(part.nets, "the control points of a patchwork")
         _finite(part.edges, "the edges of a patchwork")
         _expect(all(isinstance(n, str) for n in part.patch_names), "the names of patches")
+    elif isinstance(part, Brep):
+        _brep(part)
     else:
         _finite(part.joints, "the joints of a skeleton")
         _finite(part.radii, "the radii of a skeleton")
         count = len(part.joints)
         fits = part.bones.size == 0 or (part.bones.min() >= 0 and part.bones.max() < count)
         _expect(len(part.radii) == count and bool(fits), "a skeleton")
+
+
+def _curve(part: Any, what: str) -> None:
+    _finite(part.knots, f"the knots of {what}")
+    _finite(part.control_points, f"the control points of {what}")
+    if part.weights is not None:
+        _finite(part.weights, f"the weights of {what}")
+
+
+def _brep(part: Brep) -> None:
+    """Check what a frozen brep could be given all the same; it has checked itself when made."""
+    _expect_tuple(part.edges, "Brep.edges")
+    _expect_tuple(part.faces, "Brep.faces")
+    for edge in part.edges:
+        _expect(type(edge) is Curve, "an edge of a brep")
+        _curve(edge, "an edge")
+    for face in part.faces:
+        _expect(type(face) is Face, "a face of a brep")
+        _expect(isinstance(face.name, str), "the name of a face")
+        surface = face.surface
+        _expect(type(surface) is BSplineSurface, "the surface of a face")
+        _finite(surface.control_points, "the control points of a surface")
+        if surface.weights is not None:
+            _finite(surface.weights, "the weights of a surface")

@@ -1,0 +1,1 @@
+"""Exact shapes: rational B-spline surfaces, trimmed to faces that share their edges."""

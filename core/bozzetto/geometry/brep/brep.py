@@ -1,0 +1,419 @@
+"""Faces that share their edges: the exact boundary of a solid, or an open sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import chain
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bozzetto.arrays import Array, Index, frozen
+from bozzetto.geometry.basis import curve_derivative, span_parameters
+from bozzetto.geometry.brep.surface import BSplineSurface
+from bozzetto.geometry.curve import Color, Curve
+from bozzetto.geometry.placement import Placement
+
+GAP: Final = 1e-8
+"""Largest distance of an edge from the surface of a face, as share of the size of the whole:
+a millionth of a millimetre on what is 100 mm wide."""
+
+ROUNDING: Final = 1e-13
+"""What is added to the gap, as share of the largest coordinate."""
+
+OFF: Final = 1e-9
+"""Largest step between trims that follow one another, as share of the range of u or v."""
+
+CHECKS: Final = 4
+"""Places on every span of an edge at which it is checked against its faces."""
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterCurve:
+    """A B-spline curve in the parameters of a surface, rational where weights are given.
+
+    Parameters
+    ----------
+    degree : int
+    knots : (m + degree + 1,) float64
+        Full knot vector, clamped.
+    control_points : (m, 2) float64
+        u and v.
+    weights : (m,) float64, optional
+        Positive.
+
+    Raises
+    ------
+    ValueError
+        If the arrays do not belong together, or hold a number that is not finite.
+    """
+
+    degree: int
+    knots: NDArray[np.float64]
+    control_points: NDArray[np.float64]
+    weights: NDArray[np.float64] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "knots", frozen(self.knots, np.float64))
+        object.__setattr__(self, "control_points", frozen(self.control_points, np.float64, 2))
+        if self.weights is not None:
+            object.__setattr__(self, "weights", frozen(self.weights, np.float64))
+        Curve(self.degree, self.knots, self.in_space, self.weights)
+
+    @classmethod
+    def line(cls, start: ArrayLike, end: ArrayLike, over: tuple[float, float]) -> ParameterCurve:
+        """Return the straight line between two places (u, v), run evenly over a range."""
+        return cls(1, np.repeat(over, 2), np.array((start, end), float))
+
+    @property
+    def in_space(self) -> Array:
+        """Control points with a third coordinate of 0, (m, 3): as files want them."""
+        return np.column_stack((self.control_points, np.zeros(len(self.control_points))))
+
+    def value(self, parameters: ArrayLike) -> Array:
+        """Return u and v at parameters within the range, (n, 2)."""
+        return curve_derivative(
+            self.degree, self.knots, self.control_points, self.weights, parameters, 0
+        )
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """First and last parameter."""
+        return float(self.knots[0]), float(self.knots[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Trim:
+    """One side of a trimming loop: an edge as one face sees it.
+
+    Parameters
+    ----------
+    edge : int or None
+        Number of the edge in the `Brep`; None at a pole, where the side is one point in space.
+    forward : bool
+        Whether the loop runs the edge from its start to its end.
+    curve : ParameterCurve
+        The edge in the parameters of the face's surface. At each parameter of the edge it is the
+        place where the edge is, in the sense of the edge, whichever way the loop runs.
+    """
+
+    edge: int | None
+    forward: bool
+    curve: ParameterCurve
+
+    @property
+    def ends(self) -> Array:
+        """Where the loop enters and leaves the side, u and v, (2, 2)."""
+        points = self.curve.control_points[[0, -1]]
+        return points if self.forward else points[::-1]
+
+    def turned_over(self) -> Trim:
+        """Return the side as the surface with u and v exchanged has it, run backwards."""
+        curve = replace(self.curve, control_points=self.curve.control_points[:, ::-1])
+        return Trim(self.edge, not self.forward, curve)
+
+
+Loop = tuple[Trim, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A surface within trimming loops.
+
+    Parameters
+    ----------
+    surface : BSplineSurface
+        Its normals point outward where there is an outside.
+    loops : tuple of tuple of Trim
+        The first runs round the face, counter-clockwise in u and v; each other one runs
+        clockwise round a hole.
+    name : str
+        "" for that of the whole.
+
+    Raises
+    ------
+    ValueError
+        If a loop does not close or runs the wrong way, or leaves the surface.
+    """
+
+    surface: BSplineSurface
+    loops: tuple[Loop, ...]
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.loops or not all(self.loops):
+            raise ValueError("a face needs an outer loop, and a loop at least one side")
+        low, high = np.transpose(self.surface.ranges)
+        slack = OFF * (high - low)
+        for number, loop in enumerate(self.loops):
+            ends = np.array([trim.ends for trim in loop])
+            if (np.abs(ends[:, 1] - np.roll(ends[:, 0], -1, axis=0)) > slack).any():
+                raise ValueError("the sides of a loop must follow one another")
+            ring = loop_ring(loop)
+            if (ring < low - slack).any() or (ring > high + slack).any():
+                raise ValueError("a loop leaves its surface")
+            if (signed_area(ring) > 0) != (number == 0):
+                raise ValueError("the outer loop runs counter-clockwise, holes run clockwise")
+
+    @property
+    def trims(self) -> Iterable[Trim]:
+        """All sides of all loops."""
+        return chain.from_iterable(self.loops)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the face is all of its surface: one loop round the border."""
+        low, high = np.transpose(self.surface.ranges)
+        slack = OFF * (high - low)
+        if len(self.loops) > 1:
+            return False
+        for trim in self.loops[0]:
+            points = trim.curve.control_points
+            on_border = [(np.abs(points - side) <= slack).all(axis=0).any() for side in (low, high)]
+            if not any(on_border):
+                return False
+        return True
+
+    def turned_over(self) -> Face:
+        """Return the face with its normals the other way."""
+        return Face(self.surface.turned_over(), self._turned_loops(), self.name)
+
+    def placed(self, placement: Placement) -> Face:
+        """Return the face moved by a placement; turned over where that mirrors."""
+        loops = self._turned_loops() if placement.mirrors else self.loops
+        return Face(self.surface.placed(placement), loops, self.name)
+
+    def _turned_loops(self) -> tuple[Loop, ...]:
+        return tuple(tuple(t.turned_over() for t in reversed(loop)) for loop in self.loops)
+
+
+@dataclass(frozen=True, eq=False)
+class Brep:
+    """Faces that share edges: a boundary representation, exact wherever it is handed over.
+
+    Parameters
+    ----------
+    edges : tuple of Curve
+        mm, clamped. An edge belongs to one face (it lies on the *rim*), or to two, which run it
+        in opposite senses; a seam is run both ways by one face.
+    faces : tuple of Face
+        At least one.
+    name : str
+    color : (r, g, b), optional
+        sRGB.
+
+    Raises
+    ------
+    ValueError
+        If a face names an edge that does not exist or lies elsewhere (`GAP`), an edge is run
+        twice in the same sense, or by nobody.
+    """
+
+    edges: tuple[Curve, ...]
+    faces: tuple[Face, ...]
+    name: str = "brep"
+    color: Color | None = None
+
+    def __post_init__(self) -> None:
+        if not self.faces:
+            raise ValueError("a brep needs a face")
+        runs = [(t.edge, t.forward) for f in self.faces for t in f.trims if t.edge is not None]
+        if len(set(runs)) < len(runs):
+            raise ValueError("an edge is run twice in the same sense")
+        if {edge for edge, _ in runs} != set(range(len(self.edges))):
+            raise ValueError("faces name edges that do not exist, or leave one out")
+        if not all(edge.is_clamped for edge in self.edges):
+            raise ValueError("an edge must begin and end in its control points")
+        gap = self.largest_gap()
+        if not gap <= self.tolerance:
+            raise ValueError(f"an edge lies {gap:.3g} mm beside a face")
+
+    @classmethod
+    def of_surface(
+        cls, surface: BSplineSurface, name: str = "brep", color: Color | None = None
+    ) -> Brep:
+        """Return all of a surface as one face; a side that is one point becomes a pole."""
+        (u0, u1), (v0, v1) = surface.ranges
+        corners = ((u0, v0), (u1, v0), (u1, v1), (u0, v1), (u0, v0))
+        tolerance = gap_tolerance([surface.control_points])
+        edges: list[Curve] = []
+        loop = []
+        for number, (points, weights) in enumerate(_borders(surface)):
+            along, forward = number % 2, number < 2
+            start, end = corners[number : number + 2][:: 1 if forward else -1]
+            path = ParameterCurve.line(start, end, surface.ranges[along])
+            pole = bool(np.ptp(points, axis=0).max() <= tolerance)
+            loop.append(Trim(None if pole else len(edges), forward, path))
+            if not pole:
+                degree, knots = surface.degrees[along], surface.knots[along]
+                edges.append(Curve(degree, knots, points, weights))
+        return cls(tuple(edges), (Face(surface, (tuple(loop),)),), name, color)
+
+    # -- facts -----------------------------------------------------------------------------
+
+    @cached_property
+    def tolerance(self) -> float:
+        """Largest distance between an edge and its faces that counts as none, mm."""
+        return gap_tolerance([face.surface.control_points for face in self.faces])
+
+    def largest_gap(self) -> float:
+        """Return the largest distance between edges and their faces where they are checked, mm."""
+        at = [span_parameters(edge.degree, edge.knots, CHECKS) for edge in self.edges]
+        places = [edge.value(t) for edge, t in zip(self.edges, at, strict=True)]
+        worst = 0.0
+        for face in self.faces:
+            wanted, parameters = [], []
+            for trim in face.trims:
+                if trim.edge is None:
+                    here = trim.curve.value(np.linspace(*trim.curve.range, CHECKS + 1))
+                    pole = face.surface.value(*here[:1].T)
+                    wanted.append(np.repeat(pole, len(here), axis=0))
+                elif not np.allclose(trim.curve.range, self.edges[trim.edge].range, 1e-12, 1e-12):
+                    raise ValueError("a trim runs over the range of its edge")
+                else:
+                    here = trim.curve.value(np.clip(at[trim.edge], *trim.curve.range))
+                    wanted.append(places[trim.edge])
+                parameters.append(here)
+            found = face.surface.value(*np.concatenate(parameters).T)
+            gaps = np.linalg.norm(found - np.concatenate(wanted), axis=1)
+            worst = max(worst, float(gaps.max()))
+        return worst
+
+    @cached_property
+    def rim(self) -> Index:
+        """Edges of one face, in order of their numbers, (r,)."""
+        uses = [trim.edge for face in self.faces for trim in face.trims if trim.edge is not None]
+        return np.flatnonzero(np.bincount(uses, minlength=len(self.edges)) == 1)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the faces have no rim: they bound a volume."""
+        return not len(self.rim)
+
+    @cached_property
+    def vertices(self) -> tuple[Array, Index, dict[tuple[int, int, int], int]]:
+        """Places in which edges meet.
+
+        Two sides that follow one another in a loop meet in a vertex; a pole is one.
+
+        Returns
+        -------
+        places : (n, 3) float
+            mm, each an end of an edge.
+        ends : (m, 2) int
+            Where each edge starts and ends.
+        poles : dict
+            The vertex of each pole, by the numbers of its face, loop and side.
+        """
+        count = len(self.edges)
+        poles = {
+            (f, k, i): 2 * count + number
+            for number, (f, k, i) in enumerate(
+                (f, k, i)
+                for f, face in enumerate(self.faces)
+                for k, loop in enumerate(face.loops)
+                for i, trim in enumerate(loop)
+                if trim.edge is None
+            )
+        }
+        total = 2 * count + len(poles)
+        pairs = []
+        for f, face in enumerate(self.faces):
+            for k, loop in enumerate(face.loops):
+                run = []
+                for i, trim in enumerate(loop):
+                    if trim.edge is None:
+                        run.append((poles[f, k, i],) * 2)
+                    else:
+                        start = 2 * trim.edge
+                        run.append((start, start + 1) if trim.forward else (start + 1, start))
+                pairs += [(a[1], b[0]) for a, b in zip(run, run[1:] + run[:1], strict=True)]
+        least = _least_connected(total, np.array(pairs))
+        kept, numbers = np.unique(least, return_inverse=True)
+        places = np.empty((len(kept), 3))
+        for number, first in enumerate(kept.tolist()):
+            if first < 2 * count:
+                places[number] = self.edges[first // 2].control_points[-(first % 2)]
+            else:  # nothing but poles: a face without an edge
+                f, k, i = list(poles)[first - 2 * count]
+                at = self.faces[f].loops[k][i].curve.control_points[:1]
+                places[number] = self.faces[f].surface.value(*at.T)[0]
+        of_poles = {key: int(numbers[end]) for key, end in poles.items()}
+        return places, numbers[: 2 * count].reshape(-1, 2), of_poles
+
+    @cached_property
+    def pieces(self) -> tuple[Index, ...]:
+        """Faces of each part that hangs together by edges."""
+        owners: dict[int, int] = {}
+        pairs = [
+            (owners.setdefault(trim.edge, number), number)
+            for number, face in enumerate(self.faces)
+            for trim in face.trims
+            if trim.edge is not None
+        ]
+        least = _least_connected(len(self.faces), np.reshape(pairs, (-1, 2)).astype(np.intp))
+        return tuple(np.flatnonzero(least == first) for first in np.unique(least))
+
+    # -- the same otherwise ----------------------------------------------------------------
+
+    def turned_over(self) -> Brep:
+        """Return the faces with their normals the other way."""
+        return replace(self, faces=tuple(face.turned_over() for face in self.faces))
+
+    def placed(self, placement: Placement) -> Brep:
+        """Return the faces moved by a placement; an outside stays the outside."""
+        if placement.is_identity:
+            return self
+        return replace(
+            self,
+            edges=tuple(edge.placed(placement) for edge in self.edges),
+            faces=tuple(face.placed(placement) for face in self.faces),
+        )
+
+
+def gap_tolerance(points: Iterable[Array]) -> float:
+    """Return the distance between edges and faces that counts as none, from control points, mm."""
+    rows = np.concatenate([p.reshape(-1, 3) for p in points])
+    size = float(np.linalg.norm(np.ptp(rows, axis=0)))
+    return GAP * size + ROUNDING * float(np.abs(rows).max())
+
+
+def _borders(surface: BSplineSurface) -> list[tuple[Array, Array | None]]:
+    """Return control points and weights along v = low, u = high, v = high, u = low."""
+    net, weights = surface.control_points, surface.weights
+    rows = [net[:, 0], net[-1], net[:, -1], net[0]]
+    if weights is None:
+        return [(row, None) for row in rows]
+    others = (weights[:, 0], weights[-1], weights[:, -1], weights[0])
+    return list(zip(rows, others, strict=True))
+
+
+def loop_ring(loop: Loop) -> Array:
+    """Return places on a loop, once round, for its sense and its extent, (n, 2)."""
+    rows = []
+    for trim in loop:
+        curve = trim.curve
+        at = span_parameters(curve.degree, curve.knots, CHECKS if curve.degree > 1 else 1)
+        rows.append(curve.value(at if trim.forward else at[::-1])[:-1])
+    return np.concatenate(rows)
+
+
+def signed_area(ring: Array) -> float:
+    """Return the area within a polygon (n, 2), positive where it runs counter-clockwise."""
+    x, y = (ring - ring[0]).T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def _least_connected(count: int, pairs: Index) -> Index:
+    """Return for each of some things the least one that it is connected with by pairs."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, labels = connected_components(links, directed=False)
+    least = np.full(count, count)
+    np.minimum.at(least, labels, np.arange(count))
+    return np.asarray(least[labels], np.intp)

@@ -1,0 +1,322 @@
+"""Triangles for exact shapes: for the viewport, and for files that hold meshes only.
+
+Every edge is sampled once, for both of its faces, so what is closed stays closed. Each face is
+triangulated in its parameters: whole cells of a grid inside, and between them and the trimming
+loops a constrained Delaunay triangulation that adds no corner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index, frozen
+from bozzetto.geometry.basis import span_parameters
+from bozzetto.geometry.brep.brep import Brep, Face
+from bozzetto.geometry.brep.triangulation import triangulated
+from bozzetto.geometry.curve import Curve
+from bozzetto.geometry.mesh import Mesh
+
+TOLERANCE: Final = 1e-4
+"""Usual distance of triangles from the surface, per diagonal of what is shown."""
+
+MOST_DIVISIONS: Final = 256
+"""Most steps in a span of a surface or an edge, whatever the tolerance asks for."""
+
+PROBES: Final = 4
+"""Places in every span at which second derivatives are looked at."""
+
+ROUNDS: Final = 3
+"""How often faces that turn out to be too coarse are divided further."""
+
+PLACES: Final = frozen(
+    [[1 / 3, 1 / 3, 1 / 3], [0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]], np.float64
+)
+"""Places in a triangle at which it is compared with the surface, as shares of its corners."""
+
+STRAIGHT: Final = 1e-9
+"""Bend of a span, as share of the size, that counts as none."""
+
+
+@dataclass(frozen=True, eq=False)
+class FaceTriangles:
+    """The triangles of one face.
+
+    Attributes
+    ----------
+    parameters : (n, 2) float
+        u and v of the corners.
+    vertices : (n,) int
+        Which vertex of the whole each corner is. On a seam and at a pole several are one.
+    triangles : (t, 3) int
+        Numbers of corners, counter-clockwise seen from outside.
+    """
+
+    parameters: Array
+    vertices: Index
+    triangles: Index
+
+
+def brep_mesh(brep: Brep, tolerance: float | None = None) -> Mesh:
+    """Triangulate within a distance of the surfaces, closed wherever faces share an edge.
+
+    Parameters
+    ----------
+    brep : Brep
+        The faces.
+    tolerance : float, optional
+        mm, above 0; by default `TOLERANCE` of the size. Kept unless a span would need more than
+        `MOST_DIVISIONS` steps.
+
+    Returns
+    -------
+    Mesh
+        Without normals, so that vertices on creases are shared as well.
+    """
+    vertices, faces = _triangles(brep, _tolerance(brep, tolerance))
+    rows = np.concatenate([face.vertices[face.triangles] for face in faces])
+    return Mesh(vertices.astype(np.float32), rows.astype(np.int32))
+
+
+def shaded_brep(brep: Brep, tolerance: float | None = None) -> Mesh:
+    """Triangulate for display: every face by itself with exact normals, so that creases show.
+
+    The triangles are those of `brep_mesh`; parameters as there.
+    """
+    vertices, faces = _triangles(brep, _tolerance(brep, tolerance))
+    starts = np.cumsum([0, *(len(face.vertices) for face in faces)])
+    rows = [face.triangles + start for face, start in zip(faces, starts, strict=False)]
+    normals = [
+        face.surface.normals(*made.parameters.T)
+        for face, made in zip(brep.faces, faces, strict=True)
+    ]
+    return Mesh(
+        vertices[np.concatenate([face.vertices for face in faces])].astype(np.float32),
+        np.concatenate(rows).astype(np.int32),
+        np.concatenate(normals).astype(np.float32),
+    )
+
+
+def face_meshes(brep: Brep, tolerance: float | None = None) -> tuple[Mesh, ...]:
+    """Triangulate each face by itself; edges have the same places on both sides.
+
+    Parameters as in `brep_mesh`.
+    """
+    vertices, faces = _triangles(brep, _tolerance(brep, tolerance))
+    found = []
+    for face in faces:
+        used, rows = np.unique(face.vertices[face.triangles], return_inverse=True)
+        found.append(Mesh(vertices[used].astype(np.float32), rows.reshape(-1, 3).astype(np.int32)))
+    return tuple(found)
+
+
+def _tolerance(brep: Brep, tolerance: float | None) -> float:
+    if tolerance is not None:
+        return tolerance
+    points = np.concatenate([f.surface.control_points.reshape(-1, 3) for f in brep.faces])
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    return TOLERANCE * size
+
+
+def _triangles(brep: Brep, tolerance: float) -> tuple[Array, list[FaceTriangles]]:
+    """Return vertices (n, 3), mm, and the triangles of each face; finer where that turns out."""
+    finer = np.ones(len(brep.faces))
+    for _ in range(ROUNDS):
+        vertices, faces = _divided(brep, tolerance, finer)
+        off = [
+            _deviation(face, made, vertices) / tolerance
+            for face, made in zip(brep.faces, faces, strict=True)
+        ]
+        if max(off) <= 1.0:
+            break
+        finer *= np.where(np.array(off) > 1.0, np.sqrt(np.maximum(off, 1.0)) * 1.2, 1.0)
+    return vertices, faces
+
+
+def _deviation(face: Face, made: FaceTriangles, vertices: Array) -> float:
+    """Return the largest distance of triangles from the surface: of their middles and sides."""
+    if face.surface.is_plane or not len(made.triangles):
+        return 0.0
+    at, flat, normals = (
+        np.einsum("pk,tkd->ptd", PLACES, values[made.triangles]).reshape(-1, values.shape[1])
+        for values in (
+            made.parameters,
+            vertices[made.vertices],
+            face.surface.normals(*made.parameters.T),
+        )
+    )
+    off = np.einsum("nk,nk->n", face.surface.value(*at.T) - flat, normals)
+    return float(np.abs(off).max())
+
+
+def _divided(brep: Brep, tolerance: float, finer: Array) -> tuple[Array, list[FaceTriangles]]:
+    grids = [
+        _Grid.of(face, tolerance, float(more)) for face, more in zip(brep.faces, finer, strict=True)
+    ]
+    at = _edge_parameters(brep, grids, tolerance)
+    corners, ends, poles = brep.vertices
+    places, count = [corners], len(corners)
+    on_edge = []
+    for edge, t, (start, end) in zip(brep.edges, at, ends.tolist(), strict=True):
+        inner = count + np.arange(len(t) - 2)
+        on_edge.append(np.concatenate(([start], inner, [end])))
+        places.append(edge.value(t[1:-1]))
+        count += len(inner)
+    faces = []
+    for f, (face, grid) in enumerate(zip(brep.faces, grids, strict=True)):
+        rings, numbers = [], []
+        for k, loop in enumerate(face.loops):
+            ring, own = [], []
+            for i, trim in enumerate(loop):
+                if trim.edge is None:
+                    t = _pole_parameters(trim.curve.value(np.array(trim.curve.range)), grid)
+                    t = trim.curve.range[0] + t * (trim.curve.range[1] - trim.curve.range[0])
+                    names = np.full(len(t), poles[f, k, i])
+                else:
+                    t, names = at[trim.edge], on_edge[trim.edge]
+                step = 1 if trim.forward else -1
+                ring.append(trim.curve.value(np.clip(t, *trim.curve.range))[::step][:-1])
+                own.append(names[::step][:-1])
+            rings.append(np.concatenate(ring))
+            numbers.append(np.concatenate(own))
+        inner_at, triangles = triangulated([grid.indexed(ring) for ring in rings], grid.counts)
+        inside = grid.parameters(inner_at)
+        names = np.concatenate((*numbers, count + np.arange(len(inside))))
+        count += len(inside)
+        places.append(face.surface.value(*inside.T))
+        known = names[triangles]
+        apart = (known != np.roll(known, 1, axis=1)).all(axis=1)  # at poles some are nothing
+        faces.append(FaceTriangles(np.concatenate((*rings, inside)), names, triangles[apart]))
+    return np.concatenate(places), faces
+
+
+# -- how finely --------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Grid:
+    """Lines of a face's parameters between which the surface is nearly flat.
+
+    Coordinates in the grid count its lines: a cell is a unit square.
+    """
+
+    lines: tuple[Array, Array]
+    scales: tuple[float, float] | None
+    """mm per unit of u and v, for a plane, which needs no lines."""
+
+    @classmethod
+    def of(cls, face: Face, tolerance: float, finer: float) -> _Grid:
+        """Return the grid of a face.
+
+        A triangle with legs of a and b in u and v is nowhere further from the surface than
+        (a² M_uu + 2 a b M_uv + b² M_vv) / 8, where M bound the second derivatives (Filip,
+        Magedson & Markot 1986, "Surface algorithms using bounds on derivatives"); and 2 a b is
+        at most a² + b². Here they are looked at in some places of each span.
+        """
+        surface = face.surface
+        breaks = [np.unique(knots) for knots in surface.knots]
+        if surface.is_plane:
+            net = surface.control_points
+            wide = [np.linalg.norm(net[1, 0] - net[0, 0]), np.linalg.norm(net[0, 1] - net[0, 0])]
+            scales = [float(w) / float(np.ptp(b)) for w, b in zip(wide, breaks, strict=True)]
+            return cls((breaks[0], breaks[1]), (scales[0], scales[1]))
+        u, v = (
+            span_parameters(degree, knots, PROBES)
+            for degree, knots in zip(surface.degrees, surface.knots, strict=True)
+        )
+        all_u, all_v = (values.ravel() for values in np.meshgrid(u, v, indexing="ij"))
+        normals = surface.normals(all_u, all_v)
+        bends = {}
+        for order in ((2, 0), (1, 1), (0, 2)):
+            bent = surface.derivative(all_u, all_v, *order)
+            # Along the surface a second derivative only moves parameters.
+            across = np.abs(np.einsum("nk,nk->n", bent, normals))
+            size = np.where(normals.any(axis=1), across, np.linalg.norm(bent, axis=1))
+            bends[order] = size.reshape(len(u), len(v))
+        widths = [np.diff(b) for b in breaks]
+        lines = []
+        for axis, (order, width) in enumerate(zip(((2, 0), (0, 2)), widths, strict=True)):
+            bent = np.maximum.reduceat(
+                bends[order].max(axis=1 - axis), PROBES * np.arange(len(width))
+            )
+            after = bends[order].max(axis=1 - axis)[PROBES::PROBES]
+            twist = float(bends[1, 1].max()) * float(widths[1 - axis].max())
+            wanted = (np.maximum(bent, after) * width**2 + twist * width) / (4.0 * tolerance)
+            wanted[wanted * 4.0 * tolerance <= STRAIGHT * surface.size] = 0.0
+            steps = np.clip(np.ceil(finer * np.sqrt(wanted)), 1, MOST_DIVISIONS).astype(np.intp)
+            lines.append(_lines(breaks[axis], steps))
+        return cls((lines[0], lines[1]), None)
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Cells in u and in v; none on a plane."""
+        if self.scales is not None:
+            return 0, 0
+        return len(self.lines[0]) - 1, len(self.lines[1]) - 1
+
+    def indexed(self, parameters: Array) -> Array:
+        """Return coordinates in the grid of u and v, (n, 2)."""
+        if self.scales is not None:
+            return parameters * self.scales
+        rows = [
+            np.interp(parameters[:, k], lines, np.arange(float(len(lines))))
+            for k, lines in enumerate(self.lines)
+        ]
+        return np.stack(rows, axis=1)
+
+    def parameters(self, indexed: Array) -> Array:
+        """Return u and v of crossings of lines, from their numbers (n, 2)."""
+        numbers = indexed.astype(np.intp)
+        return np.stack([self.lines[k][numbers[:, k]] for k in range(2)], axis=1)
+
+
+def _lines(breaks: Array, steps: Index) -> Array:
+    """Return lines at equal steps of every span, a number of steps for each."""
+    rows = [
+        np.linspace(low, high, int(count) + 1)[:-1]
+        for low, high, count in zip(breaks[:-1], breaks[1:], steps, strict=True)
+    ]
+    return np.append(np.concatenate(rows), breaks[-1])
+
+
+def _edge_parameters(brep: Brep, grids: list[_Grid], tolerance: float) -> list[Array]:
+    """Return the parameters at which each edge is sampled, its ends among them.
+
+    Fine enough for the chord and for the cells of both faces.
+    """
+    probes = [span_parameters(edge.degree, edge.knots, 4 * PROBES) for edge in brep.edges]
+    steps = [_chord_steps(edge, t, tolerance) for edge, t in zip(brep.edges, probes, strict=True)]
+    for face, grid in zip(brep.faces, grids, strict=True):
+        for trim in face.trims:
+            if trim.edge is None or grid.scales is not None:
+                continue
+            t = probes[trim.edge]
+            run = grid.indexed(trim.curve.value(np.clip(t, *trim.curve.range)))
+            moved = np.abs(np.diff(run, axis=0)).reshape(-1, 4 * PROBES, 2).sum(axis=1).max(axis=1)
+            np.maximum(
+                steps[trim.edge], np.ceil(moved - 1e-6).astype(np.intp), out=steps[trim.edge]
+            )
+    return [
+        _lines(np.unique(edge.knots), np.clip(count, 1, MOST_DIVISIONS))
+        for edge, count in zip(brep.edges, steps, strict=True)
+    ]
+
+
+def _chord_steps(edge: Curve, at: Array, tolerance: float) -> Index:
+    """Return steps for every span of an edge after which chords are near enough."""
+    bent = np.linalg.norm(edge.derivative(at, 2), axis=1)
+    spans = np.diff(np.unique(edge.knots))
+    each = 4 * PROBES
+    most = np.maximum(
+        np.maximum.reduceat(bent[:-1], each * np.arange(len(spans))), bent[each::each]
+    )
+    steps = np.ceil(spans * np.sqrt(most / (8.0 * tolerance)))
+    return np.asarray(np.clip(steps, 1, MOST_DIVISIONS), np.intp)
+
+
+def _pole_parameters(ends: Array, grid: _Grid) -> Array:
+    """Return shares of the way along a pole's side at which it has corners."""
+    moved = np.abs(np.diff(grid.indexed(ends), axis=0)).max()
+    return np.linspace(0.0, 1.0, max(1, int(np.ceil(moved - 1e-6))) + 1)
