@@ -98,6 +98,22 @@ def sketches(tmp_path, monkeypatch):
     sys.modules.pop(package, None)
 
 
+@pytest.fixture
+def springs(tmp_path, monkeypatch):
+    """The modeler of balls that move, in a package of its own; `springs.package` is its name."""
+    from tests import spring
+
+    package = f"made_up_springs_{tmp_path.name.replace('-', '_')}"
+    spring.write_package(tmp_path / "packages", package)
+    monkeypatch.syspath_prepend(tmp_path / "packages")
+    importlib.invalidate_caches()
+    modeler = spring.Springs()
+    importlib.import_module(package).given.append(modeler)
+    modeler.package = package
+    yield modeler
+    sys.modules.pop(package, None)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def _collect_here():
     """No garbage is collected in a worker's thread: it would take Qt objects along.

@@ -253,6 +253,13 @@ class Files(Part):
     recorded = "open open_safely import_file"
 
 
+class Motion(Part):
+    """Nothing moves by itself."""
+
+    changed = Signal()
+    recorded = "play stop"
+
+
 class Shapes(Part):
     """Two modelers take shapes."""
 
@@ -345,6 +352,7 @@ class EmptySession(QObject):
         self.solver = Solver(calls, report={})
         self.notices = Notices(calls, hint="")
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
+        self.gestures.motion = Motion(calls, is_playing=False, can_play=False)
 
     def cancel_work(self) -> None:
         self.calls.made.append(("cancel_work", (), {}))

@@ -178,3 +178,41 @@ def test_no_pause_is_longer_than_a_person_notices(drawn, qapp):
     assert np.median(work) < BOUND + noise, (rest, work)
     tidier.deleteLater()
     gc.unfreeze()
+
+
+STEP_COST = 0.005
+"""How long one step of the tool takes, seconds."""
+
+STEPS = 55.0
+"""Steps that must be taken in a second."""
+
+
+@pytest.mark.parametrize("way", ["held", "playing"])
+def test_a_tool_that_moves_takes_sixty_steps_a_second(make_window, springs, settle, qtbot, way):
+    """The solver shows them as fast as it can; no step waits for a picture of the last one."""
+    window = make_window(springs.id, extra=[springs.package])
+    session = window.session
+    session.toolbox.take_tool("draw")
+    Stylus(window.canvas).draw([(400.0 + k, 300.0) for k in range(60)])
+    settle(session)
+    session.toolbox.take_tool("pull")
+    settle(session)
+    springs.takes = STEP_COST
+    shown = []
+    session.solver.changed.connect(lambda *_: shown.append(time.perf_counter()))
+    stylus = Stylus(window.canvas)
+    stylus.press((300.0, 300.0))
+    stylus.move((320.0, 300.0))
+    if way == "playing":
+        session.gestures.motion.play()
+    # A software renderer translates its shaders when they are first used.
+    qtbot.waitUntil(lambda: len(shown) > 20, timeout=20_000)
+    with Yardstick() as machine:
+        begun, before, frames = time.perf_counter(), len(springs.seen), len(shown)
+        qtbot.waitUntil(lambda: time.perf_counter() - begun > 1.5, timeout=10_000)
+        lasted = time.perf_counter() - begun
+    lasted *= machine.share
+    stylus.lift((320.0, 300.0))
+    session.gestures.motion.stop()
+    assert (len(springs.seen) - before) / lasted >= STEPS
+    assert len(shown) > frames

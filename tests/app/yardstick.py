@@ -8,6 +8,9 @@ import sys
 
 import numpy as np
 
+STRETCH = 0.005
+"""Seconds that it sleeps at a stretch."""
+
 SLEEPER = """
 import json, select, sys, time
 pauses, last = [], time.perf_counter()
@@ -48,6 +51,11 @@ class Yardstick:
     def longest(self) -> float:
         """The longest pause, s."""
         return float(self._pauses.max())
+
+    @property
+    def share(self) -> float:
+        """How much of the time it gets that it asks for, 0 … 1."""
+        return min(1.0, STRETCH * len(self._pauses) / float(self._pauses.sum()))
 
     def percentile(self, share: float) -> float:
         """A percentile of the pauses, s."""

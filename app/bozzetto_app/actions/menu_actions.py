@@ -229,6 +229,18 @@ def _object(window: Window) -> Iterator[Action]:
         on_sheet=True,
     )
     yield Action(
+        "object.play",
+        tr("Object", "&Play or stop"),
+        session.gestures.motion.play,
+        "play",
+        ("P",),
+        menu,
+        enabled=lambda: session.gestures.motion.can_play or session.gestures.motion.is_playing,
+        why_not=lambda: tr("Object", "Nothing moves here. Take a tool that moves an object."),
+        tip=tr("Object", "The tool in the hand moves the object on in time, until it is stopped"),
+        on_sheet=True,
+    )
+    yield Action(
         "object.ungroup",
         tr("Object", "&Ungroup"),
         session.parts.ungroup_chosen,

@@ -30,13 +30,14 @@ class _Host:
         self._modeler = modeler
         self._callbacks: list[Callable[[], None]] = []
         self._shown: Any = None
+        self._going = ""
 
     @property
     def state(self) -> Any | None:
         model = self._model
         return None if model is None else model.state
 
-    def change(self, state: Any, label: str) -> None:
+    def change(self, state: Any, label: str, *, going: bool = False) -> None:
         session, model = self._session, self._model
         try:
             if model is None:
@@ -47,9 +48,12 @@ class _Host:
         except (UserError, PluginFault) as problem:
             session.notices.complain(problem)
             return
-        session.drawing.commit(
-            label, session.drawing.document.with_model(replace(model, state=state))
-        )
+        key = f"panel {model.id} {label}"
+        document = session.drawing.document.with_model(replace(model, state=state))
+        session.drawing.commit(label, document, key if going or key == self._going else None)
+        if self._going and not going:
+            session.objects.end_drag()
+        self._going = key if going else ""
 
     def on_change(self, callback: Callable[[], None]) -> None:
         self._callbacks.append(callback)

@@ -106,16 +106,23 @@ class ToolRail(QWidget):
         for widget in (hairline(), self._count, self._finish, self._drop):
             waiting.addWidget(widget)
 
+        self._play = _RailButton("play", tr("ToolRail", "Play or stop"), key="P")
+        self._play.setObjectName("play")
+        self._play.clicked.connect(session.gestures.motion.play)
+
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(4, 8, 4, 8)
         self._column.setSpacing(4)
+        self._column.addWidget(self._play)
         self._column.addStretch(1)
         self._column.addWidget(self._waiting)
         session.toolbox.modeler_changed.connect(self.refresh)
         session.toolbox.tool_changed.connect(self._mark)
+        session.gestures.motion.changed.connect(self._show_play)
         session.drawing.waiting_changed.connect(self._show_waiting)
         self.refresh()
         self._show_waiting()
+        self._show_play()
 
     def refresh(self) -> None:
         """Show the tools that the active modeler has now."""
@@ -141,6 +148,11 @@ class ToolRail(QWidget):
     def _mark(self) -> None:
         for name, button in self._buttons.items():
             button.setChecked(name == self._session.toolbox.tool)
+
+    def _show_play(self) -> None:
+        motion = self._session.gestures.motion
+        self._play.set_source("stop" if motion.is_playing else "play")
+        self._play.setVisible(motion.can_play or motion.is_playing)
 
     def _show_waiting(self) -> None:
         count = len(self._session.drawing.pending)

@@ -40,6 +40,7 @@ from bozzetto_app.session.gesture_application import (
     ink_to_try,
 )
 from bozzetto_app.session.gesture_context import GestureContext
+from bozzetto_app.session.motion import Motion
 from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.selection import Selection
@@ -68,6 +69,8 @@ class Gestures(QObject):
     edits, previews : Channel
         The work on complete gestures, in their order, and on the newest preview. Other work
         on the document takes its turn in `edits`.
+    motion : Motion
+        What a tool moves, while it is held or plays.
     """
 
     def __init__(
@@ -79,6 +82,7 @@ class Gestures(QObject):
         solver: Solver,
         scene: SceneModel,
         context: GestureContext,
+        motion: Motion,
         notices: Notices,
         parent: QObject | None = None,
     ) -> None:
@@ -89,7 +93,7 @@ class Gestures(QObject):
         self.previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox, self._scene = toolbox, scene
-        self._context, self._notices = context, notices
+        self._context, self.motion, self._notices = context, motion, notices
         self._pen_is_down = False
         self._awaited = ""
         self._live: _LivePreview | None = None
@@ -130,6 +134,8 @@ class Gestures(QObject):
     def cancel(self) -> None:
         """Forget the gesture under way."""
         self._pen_is_down = False
+        if self.motion.is_held:
+            self.motion.cancel()
         self._clear_preview()
 
     def commit(self) -> None:
@@ -175,11 +181,13 @@ class Gestures(QObject):
 
     def restart(self) -> None:
         """Drop all work: another document comes, with ink of its own."""
+        self.motion.stop()
         self.edits.cancel()
         self.cancel()
 
     def stop(self) -> bool:
-        """Stop the work on gestures; return whether there is ink that waits, marked."""
+        """Stop motions and the work on gestures; return whether ink waits, marked."""
+        self.motion.stop()
         if not self.edits.busy:
             return False
         self.edits.cancel()
@@ -214,6 +222,11 @@ class Gestures(QObject):
 
     # -- taps and drags --
 
+    def hovered(self, tap: Tap) -> None:
+        """Show what a pen near the sheet would touch, for tools that want to know."""
+        self._preview(tap)
+        self._pen_is_down = False
+
     def tap_moved(self, tap: Tap) -> None:
         """Show the effect of a tap that is still being aimed."""
         self._preview(tap)
@@ -225,14 +238,21 @@ class Gestures(QObject):
             self._submit_at_once(tap, self._toolbox.tool_for("tap"), clear=aimed)
 
     def handle_moved(self, drag: Drag) -> None:
-        """Show the effect of dragging a handle so far."""
-        self._preview(drag)
+        """Show the effect of a drag so far, or let the tool move what it holds."""
+        tool = self._toolbox.tool_for("drag")
+        if self.motion.takes(tool):
+            self.motion.hold(drag, tool)
+        else:
+            self._preview(drag)
 
     def handle_released(self, drag: Drag) -> None:
         """Take the drag of a handle."""
         self._pen_is_down = False
-        if self._has_modeler():
-            self._submit_at_once(drag, self._toolbox.tool_for("drag"))
+        tool = self._toolbox.tool_for("drag")
+        if self.motion.takes(tool):
+            self.motion.hold(drag, tool, lifted=True)
+        elif self._has_modeler():
+            self._submit_at_once(drag, tool)
 
     def _submit_at_once(self, gesture: Gesture, tool: str, *, clear: bool = True) -> None:
         """Queue a gesture of which nothing is kept if it is refused."""

@@ -4,8 +4,8 @@ The session builds its parts and connects them. Each part is a module of its own
 them holds the session:
 
 * the state: `document_model`, `selection`, `view_state`, `toolbox`, `scene_model`;
-* the services that work on it: `gestures`, `object_edits`, `part_edits`, `modeler_commands`,
-  `from_shapes`, `pictures`, `files`, `solver`, `view_advice`, `tool_hints`;
+* the services that work on it: `gestures`, `motion`, `object_edits`, `part_edits`,
+  `modeler_commands`, `from_shapes`, `pictures`, `files`, `solver`, `view_advice`, `tool_hints`;
 * `notices`, which tells the person about it.
 
 Widgets read the parts, call their methods and listen to their signals; they never change a
@@ -29,6 +29,7 @@ from bozzetto_app.session.from_shapes import ShapeInput
 from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.gestures import Gestures
 from bozzetto_app.session.modeler_commands import ModelerCommands
+from bozzetto_app.session.motion import Motion
 from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.object_edits import ObjectEdits
 from bozzetto_app.session.part_edits import ObjectParts
@@ -92,8 +93,9 @@ class Session(QObject):
         self.context = context = GestureContext(
             bench, drawing, selection, view, toolbox, scene, advice
         )
+        motion = Motion(bench, drawing, selection, toolbox, solver, context, notices, self)
         self.gestures = gestures = Gestures(
-            bench, drawing, selection, toolbox, solver, scene, context, notices, self
+            bench, drawing, selection, toolbox, solver, scene, context, motion, notices, self
         )
         edits = gestures.edits
         self.objects = objects = ObjectEdits(bench, drawing, selection, solver, notices)
@@ -123,6 +125,7 @@ class Session(QObject):
         hidden: tuple[_Busy, ...] = (
             self.toolbox.channel,
             self.gestures.previews,
+            self.gestures.motion.channel,
             self.commands.channel,
             self.hints.channel,
             self.advice,
@@ -130,14 +133,16 @@ class Session(QObject):
         return any(work.busy for work in (*self._shown_work, *hidden))
 
     def escape(self) -> bool:
-        """Stop the work on gestures, or else take the waiting ink back (Esc).
+        """Stop a motion or the work on gestures, or else take the waiting ink back (Esc).
 
         Returns
         -------
         bool
             Whether there was anything to stop or to take back.
         """
-        if self.gestures.edits.busy:
+        if self.gestures.motion.is_moving:
+            self.gestures.motion.stop()
+        elif self.gestures.edits.busy:
             self.cancel_work()
         elif self.drawing.pending:
             self.gestures.clear()

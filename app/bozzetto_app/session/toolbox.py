@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.plugin.host.registry import ModelerInfo
 from bozzetto.plugin.job import Job
+from bozzetto.plugin.tool import Tool
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.notices import Notices
@@ -35,7 +36,12 @@ class ToolInfo:
     hint: str
     gesture: Literal["ink", "tap", "drag"]
     aims: bool = False
-    """Whether its positions must be met exactly; see `Tool.aims`."""
+    grabs: bool = False
+    plays: bool = False
+    hovers: bool = False
+    """These four: see `bozzetto.plugin.Tool`."""
+    moves: bool = False
+    """Whether it has a `Tool.step` of its own."""
 
 
 class Toolbox(QObject):
@@ -124,6 +130,10 @@ class Toolbox(QObject):
                     tool.hint,
                     tool.gesture,
                     tool.aims,
+                    tool.grabs,
+                    tool.plays,
+                    tool.hovers,
+                    type(tool).step is not Tool.step,
                 )
                 for tool in bench.tools(modeler_id)
             )

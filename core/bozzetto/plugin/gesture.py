@@ -42,13 +42,26 @@ class Ink:
 
 @dataclass(frozen=True)
 class Tap:
-    """A short touch at a canvas position (pixels)."""
+    """A short touch at a canvas position.
+
+    Parameters
+    ----------
+    x, y : float
+        Pixels.
+    camera : Camera
+        Through which it was seen.
+    shift, ctrl : bool
+        Keys held down.
+    pressure : float
+        The firmest of it, 0 … 1; 0.5 where the device does not tell.
+    """
 
     x: float
     y: float
     camera: Camera
     shift: bool = False
     ctrl: bool = False
+    pressure: float = 0.5
 
     def moved(self, placement: Placement) -> Tap:
         """Return the same touch in a world that was moved; see `Camera.moved`."""
@@ -65,7 +78,7 @@ class Drag:
     handle : str
         The `Handle.id` of the scene.
     path : Stroke
-        Where the pen went; its last sample is where the handle is now.
+        Where the pen went, with its pressure; the last sample is where the handle is now.
     """
 
     handle: str

@@ -17,10 +17,20 @@ class PanelHost(Protocol):
         """The selected object's state; None while none of this modeler is selected."""
         ...
 
-    def change(self, state: Any, label: str) -> None:
+    def change(self, state: Any, label: str, *, going: bool = False) -> None:
         """Put another state in its place, as one step of the history called `label`.
 
         What cannot be done is told to the person, and the state stays as it was.
+
+        Parameters
+        ----------
+        state : State
+            The new state.
+        label : str
+            Name of the step.
+        going : bool
+            Whether more of the same follows, as while a slider is dragged: all such changes of one
+            label and the one that ends them are one step.
         """
         ...
 

@@ -75,6 +75,13 @@ class Tool(Generic[State]):
         anywhere and take its time: the place is where it lifts, and a loupe shows what is under
         it until then. The preview gets the `Tap` as it would be now. The loupe is there, too,
         while a handle is dragged.
+    grabs : bool
+        Whether a drag may begin anywhere; beside all handles, its `Drag.handle` is "".
+    plays : bool
+        Whether its `step` goes on while nobody holds it, once a person has started it, until they
+        stop it.
+    hovers : bool
+        Whether the preview gets the `Tap` that a pen near the sheet would make.
     """
 
     id: str
@@ -83,6 +90,9 @@ class Tool(Generic[State]):
     hint: str
     gesture: Literal["ink", "tap", "drag"] = "ink"
     aims: bool = False
+    grabs: bool = False
+    plays: bool = False
+    hovers: bool = False
 
     # -- what a gesture makes of a state --
 
@@ -144,6 +154,33 @@ class Tool(Generic[State]):
         if gesture.erases:
             return self.erase(state, gesture, context)
         return self.draw(state, gesture, context)
+
+    # -- time --
+
+    def step(self, state: State, held: Drag | None, seconds: float, context: Context) -> State:
+        """Return the state a moment later.
+
+        A tool that overrides it moves what is held: it is called up to 60 times a second, in a
+        worker, from the touch to the lift of a drag, in the place of `preview` and `drag`, and
+        while the tool `plays`. All of that is one step of the history.
+
+        Parameters
+        ----------
+        state : State
+            The model as the last step left it.
+        held : Drag, optional
+            The drag so far; None while nobody holds anything.
+        seconds : float
+            Time since the last step, at most 0.05: where steps take longer, time runs slower.
+        context : Context
+            The world around.
+
+        Raises
+        ------
+        UserError
+            If it cannot go on; everything stays where it is.
+        """
+        return state
 
     # -- while the pen is down --
 

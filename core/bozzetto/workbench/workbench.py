@@ -20,7 +20,7 @@ from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cache import forget_all
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.context import Context
-from bozzetto.plugin.gesture import Gesture
+from bozzetto.plugin.gesture import Drag, Gesture
 from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
@@ -144,6 +144,34 @@ class Workbench:
     def preview(self, model: Model, tool: Tool[Any], gesture: Gesture, context: Context) -> Scene:
         """Return what a gesture shows while the pen is down, in the world; see `begin`."""
         return self.begin(model, tool, context).update(gesture)
+
+    def step(
+        self,
+        model: Model,
+        tool: Tool[Any],
+        held: Drag | None,
+        seconds: float,
+        context: Context,
+    ) -> Model:
+        """Return the model a moment later, by a tool that moves it; see `Tool.step`.
+
+        Parameters
+        ----------
+        model : Model
+            As the last step left it.
+        tool : Tool
+            One of its modeler's.
+        held : Drag, optional
+            The drag so far, in the world.
+        seconds : float
+            Time since the last step.
+        context : Context
+            The world around.
+        """
+        to_own, own = self._frame_of(model, context)
+        held = None if held is None else held.moved(to_own)
+        state = self.guarded(model).step(tool, model.state, held, seconds, own)
+        return model if state is model.state else replace(model, state=state)
 
     def next_step(self, model: Model, tool: Tool[Any]) -> NextStep:
         """Return what to do next with a tool, as the model is now; its place is in the world."""

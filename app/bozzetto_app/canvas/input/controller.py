@@ -7,6 +7,7 @@ event; everything else happens once per round of the event loop in `_drain`.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from time import perf_counter
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -42,11 +43,15 @@ from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
 
 if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
+    from bozzetto_app.session.toolbox import ToolInfo
 
 __all__ = ["Hand"]
 
 REPORT_INTERVAL: Final = 1.0 / 30.0
 """Least time between two reports of the stroke so far, seconds."""
+
+NO_PRESSURE: Final = 0.5
+"""Pressure of a tap where the device tells of none, 0 … 1."""
 
 _MOVE: Final = QEvent.Type.TabletMove
 _TIP_ALONE: Final = Qt.MouseButton.LeftButton
@@ -109,6 +114,8 @@ class Hand(QObject):
         self._tool: StrokeTool = "pen"
         self._reported = -math.inf
         self._due = False
+        self._hovers = False
+        self._firmest = NO_PRESSURE
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._drain)
         self._later = QTimer(self, singleShot=True)
@@ -126,6 +133,7 @@ class Hand(QObject):
             if self._recording and self.machine.owns("pen"):
                 self._keep(tablet_sample(event))
                 return
+            self._firmest = max(self._firmest, self.curve(event.pressure()))
         self.machine.see_pen(perf_counter())
         button = button_of(event.button())
         if kind == QEvent.Type.TabletPress and button is not None:
@@ -256,6 +264,7 @@ class Hand(QObject):
 
     def leave(self) -> None:
         """Show nothing under the pointer, which has left the canvas."""
+        self._tell_hover(None)
         self._overlay.set_hover(None)
         self._overlay.set_hot_handle(None)
 
@@ -284,10 +293,12 @@ class Hand(QObject):
             found[0].id if found is not None else "",
             takes,
             aims,
+            self._is(lambda tool: tool.grabs),
         )
         if not self.machine.begin(press):
             return
         self._keys = press.keys
+        self._firmest = self.curve(sample.pressure) if pointer == "pen" else NO_PRESSURE
         self._lasting = Clock()
         self._lasting(sample.stamp, sample.received)
         self._camera = self._session.view.camera
@@ -453,7 +464,9 @@ class Hand(QObject):
             return
         stroke = self._stroke(columns)
         if self.machine.mode is Mode.DRAGGING:
-            self._session.gestures.handle_moved(self._drag(press.handle, stroke))
+            # What begins beside all handles may yet be a tap.
+            if press.handle or self.machine.travel >= TAP_TRAVEL:
+                self._session.gestures.handle_moved(self._drag(press.handle, stroke))
         else:
             self._session.gestures.stroke_moved(stroke)
 
@@ -461,7 +474,8 @@ class Hand(QObject):
         return columns.stroke(self._camera, self._tool)
 
     def _tap(self, x: float, y: float, press: Press) -> Tap:
-        return Tap(x, y, self._session.view.camera, press.keys.shift, press.keys.ctrl)
+        camera, keys = self._session.view.camera, press.keys
+        return Tap(x, y, camera, keys.shift, keys.ctrl, self._firmest)
 
     def _drag(self, handle: str, path: Stroke) -> Drag:
         return Drag(handle, path, self._keys.shift, self._keys.ctrl)
@@ -480,6 +494,7 @@ class Hand(QObject):
 
     def _hover(self, x: float, y: float, *, eraser: bool) -> None:
         found = None if eraser else self._handle_under(x, y)
+        self._tell_hover(None if eraser else (x, y))
         if found is None:
             self._overlay.set_hot_handle(None)
             inks = eraser or self._takes() == "ink"
@@ -506,5 +521,20 @@ class Hand(QObject):
 
     def _aims(self) -> bool:
         """Return whether the active tool wants positions that are met exactly."""
+        return self._is(lambda tool: tool.aims)
+
+    def _is(self, question: Callable[[ToolInfo], bool]) -> bool:
+        """Return the answer to a question about the active tool; False while there is none."""
         tool = self._session.toolbox.active
-        return tool is not None and tool.aims
+        return tool is not None and question(tool)
+
+    def _tell_hover(self, place: tuple[float, float] | None) -> None:
+        """Tell a tool that wants to know it where the pen is near the sheet; None where it left."""
+        if place is not None and self._is(lambda tool: tool.hovers):
+            now = perf_counter()
+            if now - self._reported >= REPORT_INTERVAL:
+                self._reported, self._hovers = now, True
+                self._session.gestures.hovered(Tap(*place, self._session.view.camera))
+        elif self._hovers:
+            self._hovers = False
+            self._session.gestures.cancel()

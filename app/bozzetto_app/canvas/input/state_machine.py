@@ -141,6 +141,8 @@ class Press:
         What the active tool wants.
     aims : bool
         Whether its taps are where the pointer lifts, however long that takes.
+    grabs : bool
+        Whether its drags may begin beside all handles.
     """
 
     pointer: Pointer
@@ -153,6 +155,7 @@ class Press:
     handle: str = ""
     takes: Literal["ink", "tap", "drag"] = "ink"
     aims: bool = False
+    grabs: bool = False
 
 
 @dataclass
@@ -240,7 +243,8 @@ class GestureMachine:
         """End the gesture if this pointer and button made it; say what it was."""
         if not self.owns(pointer, button) or self.press is None:
             return Outcome.NOTHING
-        mode, travel, lasted, aims = self.mode, self.travel, t - self.press.t, self.press.aims
+        mode, travel, lasted = self.mode, self.travel, t - self.press.t
+        aims, grabs, handle = self.press.aims, self.press.grabs, self.press.handle
         self.cancel()
         if mode is Mode.INKING:
             return Outcome.STROKE if travel >= TAP_TRAVEL else Outcome.NOTHING
@@ -249,7 +253,8 @@ class GestureMachine:
         if mode is Mode.DRAGGING:
             # Places may be closer together than a handle reaches: a tap there is still a tap.
             quick = travel < TAP_TRAVEL and lasted < TAP_TIME
-            return Outcome.TAP if aims and (quick or travel < STILL) else Outcome.DROP
+            taps = aims or (grabs and not handle)
+            return Outcome.TAP if taps and (quick or travel < STILL) else Outcome.DROP
         if mode is Mode.AIMING:
             return Outcome.TAP
         if mode is Mode.TAPPING and travel < TAP_TRAVEL and lasted < TAP_TIME:
@@ -277,7 +282,7 @@ class GestureMachine:
             return Mode.NAVIGATING
         if press.eraser:
             return Mode.ERASING
-        if press.handle:
+        if press.handle or (press.grabs and press.takes == "drag"):
             return Mode.DRAGGING
         if press.takes == "ink":
             # Neither a mouse nor every pen has another end.

@@ -137,8 +137,9 @@ def sound_tools(tools: Any) -> tuple[Tool[Any], ...]:
         ids.add(tool.id)
         if tool.gesture not in ("ink", "tap", "drag"):
             raise Unsound(f'{type(tool).__name__}.gesture must be "ink", "tap" or "drag"')
-        if not isinstance(tool.aims, bool):
-            raise Unsound(f"{type(tool).__name__}.aims must be True or False")
+        for name in ("aims", "grabs", "plays", "hovers"):
+            if not isinstance(getattr(tool, name), bool):
+                raise Unsound(f"{type(tool).__name__}.{name} must be True or False")
     return tuple(tools)
 
 

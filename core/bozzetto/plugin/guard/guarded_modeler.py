@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from bozzetto.plugin.cautions import Caution
     from bozzetto.plugin.commands import Command
     from bozzetto.plugin.context import Context
-    from bozzetto.plugin.gesture import Gesture
+    from bozzetto.plugin.gesture import Drag, Gesture
     from bozzetto.plugin.job import Job
     from bozzetto.plugin.modeler import Modeler
     from bozzetto.plugin.next_step import NextStep
@@ -99,6 +99,12 @@ class GuardedModeler:
 
         world = (gesture, preview.state, preview.context)  # what the tool may not change
         return self._checked(f"{preview.tool.id}.preview", validation.sound_scene, update, *world)
+
+    def step(
+        self, tool: Tool[Any], state: Any, held: Drag | None, seconds: float, context: Context
+    ) -> Any:
+        """Return the state a moment later."""
+        return self._state(f"{tool.id}.step", tool.step, state, held, seconds, context)
 
     def next_step(self, state: Any, tool: Tool[Any]) -> NextStep:
         """Return what to do next with a tool."""
