@@ -11,7 +11,7 @@ from bozzetto.geometry import Patchwork
 from bozzetto.geometry.patches.patch import points_at
 from bozzetto.geometry.patches.ray_intersections import ray_hits
 from bozzetto.geometry.patches.tessellation import shaded
-from bozzetto.scene.renderer.zbuffer import blank, rasterize
+from bozzetto.scene.renderer.zbuffer import blank_buffer, rasterize
 from bozzetto.view import Camera
 from bozzetto_car.template.network import Network
 
@@ -203,7 +203,7 @@ def _rastered(
     """Depth, mm, and triangle of each pixel."""
     places, depth = camera.project(vertices)
     flat = camera.kind == "orthographic"
-    buffer = blank(int(camera.viewport[0]), int(camera.viewport[1]))
+    buffer = blank_buffer(int(camera.viewport[0]), int(camera.viewport[1]))
     rasterize(buffer, np.column_stack((places, -depth if flat else 1e4 / depth)), faces)
     shape = (buffer.height, buffer.width)
     near = buffer.nearness.reshape(shape).astype(float)

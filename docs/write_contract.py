@@ -1,22 +1,19 @@
-"""Write `contract.md`: everything that a plugin may use, read from the code.
+"""Write `contract.md`: everything between a plugin and the program, read from the code.
 
     python docs/write_contract.py
 
-`bozzetto.plugin` stands there as its source has it, without the bodies of functions; of the other
-public packages there are the names with their arguments.
+`bozzetto.plugin` stands there as its source has it, without the bodies of functions. The names of
+the other public packages stand in `toolkit.md`; see `write_toolkit.py`.
 """
 
 from __future__ import annotations
 
 import ast
-import dataclasses
 import importlib
 import inspect
-import textwrap
 from collections.abc import Iterator
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
-from types import MemberDescriptorType, ModuleType
 from typing import get_args
 
 from bozzetto.plugin import API_VERSION, hooks
@@ -42,15 +39,13 @@ CHAPTERS = {
 BESIDE = ("API_VERSION", "hookimpl", "override")
 """Names that a chapter explains in words."""
 
-ROOMS = ("ink", "view", "geometry", "scene", "errors")
-"""The other public packages."""
-
 HEAD = f"""# The contract
 
-Everything that a plugin may use, in version {API_VERSION[0]}.{API_VERSION[1]} \
+Everything between a plugin and the program, in version {API_VERSION[0]}.{API_VERSION[1]} \
 (`bozzetto.plugin.API_VERSION`). This page is
-written from the code by `python docs/write_contract.py`; the
-[guide](plugin-authors-guide.md) shows how the pieces go together.
+written from the code by `python docs/write_contract.py`. The [guide](plugin-authors-guide.md) shows
+how the pieces go together, and the [toolkit](toolkit.md) lists what else may be imported: strokes,
+geometry, scenes, cameras, errors.
 
 World coordinates are right-handed millimetres with Z up; canvas coordinates are pixels with y down.
 Arrays that are given are copied and made read-only; a wrong shape, a number that is not finite or
@@ -84,8 +79,6 @@ def page() -> str:
         parts += [_code(outline(PLUGIN, name)) for name in names if name in public]
     parts += [HOOKS, *(_code(outline(hooks.__name__, name)) for name in _hooks())]
     parts += [MANIFEST, *_manifest()]
-    for room in ROOMS:
-        parts += _room(importlib.import_module(f"bozzetto.{room}"))
     return "\n".join(parts)
 
 
@@ -199,75 +192,6 @@ def _attributes(text: str) -> dict[str, str]:
         for name in names if line.startswith(" ") else ():
             told[name] = f"{told.get(name, '')} {line.strip()}".strip()
     return told
-
-
-# -- the other packages ------------------------------------------------------------------------
-
-
-def _room(module: ModuleType) -> Iterator[str]:
-    yield f"## `{module.__name__}`\n\n{inspect.getdoc(module)}\n"
-    for name in sorted(module.__all__):
-        value = getattr(module, name)
-        if get_args(value):
-            yield f"* `{outline(module.__name__, name)}`"
-            continue
-        yield f"* `{name}{_arguments(value)}`: {_first_line(value)}"
-        if inspect.isclass(value) and not issubclass(value, Exception):
-            members = ", ".join(f"`{text}`" for text in _members(value))
-            if members:
-                yield textwrap.indent(f"Has {members}.", "  ")
-    yield ""
-
-
-def _arguments(value: object) -> str:
-    """Return names and plain defaults of arguments; "" for what is not called."""
-    if not (inspect.isclass(value) or inspect.isroutine(value)):
-        return ""
-    try:
-        parameters = inspect.signature(value).parameters.values()
-    except ValueError:
-        return ""
-    given = []
-    for parameter in parameters:
-        if parameter.name == "self":
-            continue
-        star = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
-        text = star + parameter.name
-        if parameter.kind is parameter.KEYWORD_ONLY and not any("*" in one for one in given):
-            given.append("*")
-        if parameter.default is not parameter.empty:
-            text += f"={_plain(parameter.default)}"
-        given.append(text)
-    return f"({', '.join(given)})"
-
-
-def _plain(default: object) -> str:
-    if isinstance(default, str):
-        return f'"{default}"'
-    atoms = (int, float, bool, type(None))
-    row = default if isinstance(default, tuple) else (default,)
-    return repr(default) if all(isinstance(one, atoms) for one in row) else "..."
-
-
-def _first_line(value: object) -> str:
-    told = inspect.getdoc(value) if getattr(value, "__module__", "").startswith("bozzetto.") else ""
-    return (told or "").partition("\n\n")[0].replace("\n", " ")
-
-
-def _members(kind: type) -> Iterator[str]:
-    """Yield public fields, properties and methods, those with arguments with them."""
-    fields = set()
-    if dataclasses.is_dataclass(kind):
-        fields = {field.name for field in dataclasses.fields(kind)}
-        yield from (field.name for field in dataclasses.fields(kind) if field.name[0] != "_")
-    for name in dir(kind):
-        value = inspect.getattr_static(kind, name)
-        if name.startswith("_") or name in fields:
-            continue
-        if isinstance(value, property | cached_property | MemberDescriptorType):
-            yield name
-        elif isinstance(value, staticmethod | classmethod) or inspect.isfunction(value):
-            yield f"{name}{_arguments(getattr(kind, name))}"
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ from bozzetto_car.state import CarState, Sketch, StylingCurve
 from bozzetto_car.styling.commands import styling_commands
 from bozzetto_car.tools import all_tools
 from bozzetto_car.view.scene import scene_of
-from bozzetto_car.view.view_advice import advice_on, view_after
+from bozzetto_car.view.view_advice import advice_following, advice_on, view_after
 
 NO_MARKS: Final = (
     "This file holds no marks of a car. Give a file with “views”, or drop a picture and mark it."
@@ -130,6 +130,13 @@ class Car(PartsModeler[CarState, Body]):
     def view_after(self, seen: CarState, state: CarState, camera: Camera) -> Camera | None:
         """Return the view through the sketch's new camera, for a view through an earlier one."""
         return view_after(seen, state, camera)
+
+    @override
+    def advice_on_result(
+        self, state: CarState, result: Body, camera: Camera, seen: Sequence[Body]
+    ) -> ViewAdvice:
+        """Return the same of a solved car, which may be a preview; nothing is solved for it."""
+        return advice_following(state, result, camera, seen)
 
     @override
     def with_parts(

@@ -9,8 +9,15 @@ from typing import Annotated, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry import Mesh, Shapes, Solid, frozen
-from bozzetto.geometry.wrap.shrink_wrap import LEVELS, curve_distances, shrink_wrap
+from bozzetto.geometry import (
+    SHRINK_WRAP_LEVELS,
+    Mesh,
+    Shapes,
+    Solid,
+    curve_distances,
+    frozen,
+    shrink_wrap,
+)
 from bozzetto.plugin import Job, Modeler, Parameter, override
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_skin.reading import polylines
@@ -53,7 +60,7 @@ class SkinState:
         int,
         Parameter(
             "Detail",
-            *LEVELS,
+            *SHRINK_WRAP_LEVELS,
             1,
             help="How fine the skin is; each step has four times as many faces.",
         ),

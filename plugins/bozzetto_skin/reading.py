@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.geometry import Curve, Shapes
-from bozzetto.geometry.curve_flattening import flattened
+from bozzetto.geometry import Curve, Shapes, flattened
 
 Array = NDArray[np.float64]
 

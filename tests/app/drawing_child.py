@@ -1,12 +1,14 @@
-"""A process that opens the window and draws until it is killed: for `test_keeping.py`.
+"""A process that opens the window and draws until it is killed: for `test_autosave.py`.
 
 Prints "began", then the number of strokes so far after the pen was lifted from each; none
-of them is one that could be refused.
+of them is one that could be refused. With "drag" as second argument it draws one stroke, drags a
+slider of what comes of it without a pause, and prints each value that it has set, and when.
 """
 
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
 
 from PySide6.QtCore import QTimer
@@ -21,7 +23,11 @@ PACE = 150
 """Time between two strokes, ms: quicker than a hand."""
 
 
-def main(recovery: str) -> int:
+VALUE, TICK, STEP = "inflation", 20, 1e-4
+"""The parameter that is dragged, the time between two values, ms, and their difference."""
+
+
+def main(recovery: str, what: str = "draw") -> int:
     app = application()
     session = Session(Registry())
     window = Window(session, Path(recovery))
@@ -48,8 +54,31 @@ def main(recovery: str) -> int:
     timer = QTimer(interval=PACE)
     timer.timeout.connect(draw)
 
-    def begin() -> None:
+    def drag() -> None:
+        nonlocal count
+        count += 1
+        session.parts.set_parameter(VALUE, 0.5 + STEP * count, dragging=True)
+        print(f"{count} {time.monotonic():.3f}", flush=True)
+
+    def begin_to_drag() -> None:
+        nonlocal count, timer
+        if session.busy or not len(session.drawing.document):
+            return
+        timer.stop()
+        count = 0
+        timer = QTimer(interval=TICK)
+        timer.timeout.connect(drag)
         print("began", flush=True)
+        timer.start()
+
+    def begin() -> None:
+        nonlocal timer
+        if what == "drag":
+            stylus.draw(circle(400.0, 300.0, 60.0, samples=40))
+            timer = QTimer(interval=TICK)
+            timer.timeout.connect(begin_to_drag)
+        else:
+            print("began", flush=True)
         timer.start()
 
     QTimer.singleShot(300, begin)
@@ -57,4 +86,4 @@ def main(recovery: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(*sys.argv[1:]))

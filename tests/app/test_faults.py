@@ -211,7 +211,7 @@ def test_a_misdeed_is_told_and_nothing_else_changes(
 ):
     heart, before = Heart(), session.drawing.document
     boxes.misdeeds[what] = MISDEEDS.get(misdeed, lambda *_: GARBAGE[what])
-    with caplog.at_level(logging.ERROR, "bozzetto.plugin"), Yardstick() as machine:
+    with caplog.at_level(logging.WARNING, "bozzetto.plugin"), Yardstick() as machine:
         reach(session, boxes, what, tmp_path, settle)
     told = faults(session)
     assert told, [n.text for n in session.heard]

@@ -6,10 +6,12 @@ the test says so: crashes, loads, questions, saves and failures come in any orde
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import shutil
 import tempfile
+from functools import partial
 from pathlib import Path
 from unittest import mock
 
@@ -57,13 +59,14 @@ def numbers(document):
 
 
 class Thread:
-    """A thread that does nothing by itself."""
+    """A thread that does nothing by itself, but to give back what nobody wants."""
 
-    def __init__(self, **_):
-        pass
+    def __init__(self, target=None, name="", args=(), **_):
+        self.given_back = partial(target, *args) if name == "bozzetto-unlock" else None
 
     def start(self):
-        pass
+        if self.given_back is not None:
+            self.given_back()
 
     def join(self, _=None):
         pass
@@ -88,6 +91,14 @@ class Loads:
         else:
             request.done(answer)
 
+    def stop(self, has_begun):
+        """The person stops it, before it has begun or while it is worked on."""
+        request = self.waiting.pop(0)
+        request.stopped()
+        if has_begun:
+            with contextlib.suppress(UserError):
+                request.dropped(request.work(Job(), request.inputs()))
+
 
 class FakeFiles(QObject):
     """Files without a disk; their questions wait for an answer of the test's."""
@@ -101,6 +112,8 @@ class FakeFiles(QObject):
         self.drawing = drawing
         self.question = None
         self.saving = None
+        self.loads = Loads()
+        self.read = self.loads.submit
 
     def claim(self, path, held):
         return Claim(None)
@@ -227,10 +240,15 @@ class Orders(RuleBasedStateMachine):
         if offered:
             self.keeper.recover(offered[which % len(offered)])
 
-    @precondition(lambda self: self.keeper._reads.waiting)
+    @precondition(lambda self: self.session.files.loads.waiting)
     @rule()
     def load_ends(self):
-        self.keeper._reads.turn()
+        self.session.files.loads.turn()
+
+    @precondition(lambda self: self.session.files.loads.waiting)
+    @rule(has_begun=st.booleans())
+    def load_is_stopped(self, has_begun):
+        self.session.files.loads.stop(has_begun)
 
     @precondition(lambda self: self.session.files.question is not None)
     @rule(answer=st.sampled_from(["cancel", "give up", "save"]))

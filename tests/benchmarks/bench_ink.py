@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from bozzetto.ink.merge import settle
+from bozzetto.ink import fit_spline, merge_strokes
 from tests.benchmarks.timing import Row, in_turn, median_ms
-from tests.spline_fits import fit_spline
 
 
 def wave(count: int, seed: int = 0) -> np.ndarray:
@@ -37,6 +36,8 @@ def rows() -> Iterator[Row]:
         )  # fmt: skip
         yield Row("ink", f"fit, {count} samples", ours, "ms", "< 5 ms", "splprep, raw ink", other)
     strokes = [wave(200, seed) + np.array([0.0, seed]) for seed in range(8)]
-    yield Row("ink", "settle 8 strokes", median_ms(lambda: settle(strokes)), "ms", "< 100 ms")
+    yield Row(
+        "ink", "settle 8 strokes", median_ms(lambda: merge_strokes(strokes)), "ms", "< 100 ms"
+    )
     turned = [spiral(stroke, number) for number, stroke in enumerate(strokes)]
-    yield Row("ink", "settle 8 spirals", median_ms(lambda: settle(turned)), "ms", "< 100 ms")
+    yield Row("ink", "settle 8 spirals", median_ms(lambda: merge_strokes(turned)), "ms", "< 100 ms")

@@ -14,9 +14,9 @@ from time import perf_counter
 
 import numpy as np
 
+from bozzetto.geometry.bvh import tree_of
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import LIGHT, Layer, Lines, Picture, Scene, Shaded
-from bozzetto.scene.bvh import tree_of
 from bozzetto.scene.picking import cast_rays
 from bozzetto.scene.renderer import render
 from bozzetto.view.camera import Camera

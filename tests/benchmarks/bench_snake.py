@@ -11,10 +11,10 @@ import numpy as np
 
 from bozzetto.geometry.curve_flattening import flattened
 from bozzetto.ink.curves.nearest import nearest_curve
-from bozzetto.ink.oversketch.lift import lifted
-from bozzetto.ink.oversketch.snake import modified
+from bozzetto.ink.oversketch.lift import lift_curve
+from bozzetto.ink.oversketch.snake import oversketch_curve
 from bozzetto.ink.stroke import Stroke
-from bozzetto.scene.ink_projection import project_stroke
+from bozzetto.scene import project_stroke
 from bozzetto.view.camera import Camera
 from tests.benchmarks.bench_scene import scene_of, view_of
 from tests.benchmarks.timing import Row, processor_ms
@@ -44,11 +44,13 @@ def rows() -> Iterator[Row]:
     curve = wave(NODES, 0.0)
     for count, budget in ((1, "≤ 60 ms"), (3, "≤ 60 ms"), (8, "≤ 60 ms")):
         ink = shaky(count)
-        took = processor_ms(lambda ink=ink: modified(curve, ink))
+        took = processor_ms(lambda ink=ink: oversketch_curve(curve, ink))
         yield Row("snake", f"{NODES} nodes modified by {count} strokes", took, budget=budget)
     again = [(wave(SAMPLES, 0.0), np.full(SAMPLES, 0.5))]
     yield Row(
-        "snake", "the same, a stroke drawn again", processor_ms(lambda: modified(curve, again))
+        "snake",
+        "the same, a stroke drawn again",
+        processor_ms(lambda: oversketch_curve(curve, again)),
     )
     many = [curve - (0, 3.0 * k) for k in range(100)]
     took = processor_ms(lambda: nearest_curve(many, wave(SAMPLES, 9.0)))
@@ -56,7 +58,7 @@ def rows() -> Iterator[Row]:
     camera = Camera(eye=(300, -700, 260))
     space = np.random.default_rng(2).uniform(-90, 90, (NODES, 3))
     pixels = camera.project(space)[0] + 5.0
-    took = processor_ms(lambda: lifted(space, camera, pixels))
+    took = processor_ms(lambda: lift_curve(space, camera, pixels))
     yield Row("snake", f"{NODES} nodes lifted", took)
     pieces = np.random.default_rng(3).uniform(-90, 90, (20, 4, 3))
     took = processor_ms(lambda: flattened(pieces, 0.25 / camera.pixels_per_mm))

@@ -8,7 +8,16 @@ from pathlib import Path
 
 import pytest
 
-LAZY = ("geometry", "ink", "plugin", "scene", "scene.renderer", "testing")
+LAZY = (
+    "geometry",
+    "geometry.patches",
+    "ink",
+    "plugin",
+    "scene",
+    "scene.renderer",
+    "testing",
+    "view",
+)
 
 
 def seen_by_type_checkers(package):

@@ -11,10 +11,11 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
-from bozzetto.plugin import Ink
+from bozzetto.plugin import Context, Ink
 from bozzetto.plugin.host.registry import Registry
-from bozzetto.scene import Lines
+from bozzetto.scene import Lines, Shaded, located
 from bozzetto.testing import Pen, Shell
+from tests.core.scene.shapes import scene_of, sphere
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "bozzetto_ribbon"
 
@@ -96,3 +97,18 @@ def test_ink_on_another_object_is_laid_on_its_surface(moved):
     assert np.linalg.norm(surface.mesh.vertices - start, axis=1).min() < 30.0
     hit = moved.context().surface_hit(moved.camera.rays([(600, 450)])).points[0]
     np.testing.assert_allclose(start, hit, atol=0.5)
+
+
+@pytest.mark.parametrize("placement", [TURNED, MIRRORED], ids=["turned", "mirrored"])
+def test_ink_is_projected_in_the_frame_of_the_model(placement):
+    """In a moved context the same ink lies on the same places of the same surfaces."""
+    world = Context(scene=scene_of(Shaded(sphere(60.0, 24)), owner="ball"))
+    frame = placement.inverse()
+    (run,) = world.moved(frame).project(stroke().moved(frame)).runs
+    now = located(run.places, world.scene)
+    assert now is not None
+    assert run.places.model == "ball"
+    np.testing.assert_allclose(placement.points(run.points), now.points, atol=1e-3)
+    drawn = [np.interp(run.at, np.arange(len(stroke())), column) for column in stroke().points.T]
+    pixels, _ = stroke().camera.project(now.points)
+    np.testing.assert_allclose(pixels, np.transpose(drawn), atol=1e-2)

@@ -134,6 +134,8 @@ class Stage:
 
         for _ in range(CLEARED):
             self.clear()
+            if not self.window.isVisible():  # it closed since the last action; it is over
+                self.open_window()
             self.window.showNormal()
             self.window.resize(*SIZE)
             yield PATIENCE

@@ -1,8 +1,8 @@
 """Recovery data: every change of the document goes to a journal at once.
 
-After a crash at most the stroke under the pen is lost. One thread writes, in order; of
-several snapshots that wait only the newest need be written. Nothing of a plugin's runs in
-it, so nothing can hold it up but the disk.
+After a crash at most the stroke under the pen is lost, and the last second of a drag. One
+thread writes, in order; of several snapshots that wait only the newest need be written. Nothing
+of a plugin's runs in it, so nothing can hold it up but the disk.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, QTimer
 
 from bozzetto.document.recovery.file_lock import FileLock
 from bozzetto.document.recovery.recovery import CrashedSession, Recovered, RecoveryStore
@@ -22,7 +22,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin.job import Job
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim
-from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot
+from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot, State
 from bozzetto_app.workers.channel import Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
@@ -34,8 +34,9 @@ __all__ = ["Keeper"]
 
 log = logging.getLogger(__name__)
 
-RECOVER_LIMIT = 60.0
-"""Seconds without progress after which bringing a drawing back counts as hung."""
+LATEST_IN_DRAG = 700
+"""How old a value of a drag may be before it is written down, ms; the disk may take the rest of a
+second. Other changes are written at once."""
 
 LAST_WRITES = 10.0
 """Seconds that the end of the program waits for the disk; later the data are found at the
@@ -95,8 +96,13 @@ class Keeper(QObject):
         self._tasks: queue.Queue[Callable[[], None] | None] = queue.Queue()
         self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
         self._thread.start()
-        self._reads = Channel("recover", keep_all=True, time_limit=RECOVER_LIMIT, parent=self)
+        tasks = self._tasks
+        self.destroyed.connect(lambda: tasks.put(None))  # whatever way the window ends
+        self._looks = Channel("recover", keep_all=True, parent=self)
+        self._in_drag = QTimer(self, singleShot=True, interval=LATEST_IN_DRAG)
+        self._in_drag.timeout.connect(self._record)
         session.drawing.changed.connect(self._record)
+        session.drawing.models_changed.connect(self._value_dragged)
         session.drawing.waiting_changed.connect(self._record)
         session.files.saved.connect(self._saved)
         session.files.given_up.connect(self._given_up)
@@ -105,8 +111,8 @@ class Keeper(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether something is being written or brought back."""
-        return self._tasks.unfinished_tasks > 0 or self._reads.busy
+        """Whether something is being written, looked for or discarded."""
+        return self._tasks.unfinished_tasks > 0 or self._looks.busy
 
     # -- what a crash left behind --
 
@@ -117,14 +123,15 @@ class Keeper(QObject):
             self._store.tidy()
             return self._store.crashed_sessions()
 
-        self._reads.submit(Request(work, found, self._complain))
+        self._looks.submit(Request(work, found, self._complain))
 
     def recover(
         self, crashed: CrashedSession, ended: Callable[[bool], None] = lambda shown: None
     ) -> None:
         """Bring a crashed drawing back onto the sheet, complete to its last stroke.
 
-        What is on the sheet by then is asked about first, if it is not saved.
+        What is on the sheet by then is asked about first, if it is not saved. If it takes long,
+        the person is told and may stop it, as with every file.
 
         Parameters
         ----------
@@ -174,7 +181,7 @@ class Keeper(QObject):
             def refused() -> None:
                 self._coming.discard(crashed.id)
                 files.leave(claim)
-                self._tasks.put(lambda: self._store.keep(crashed))
+                self._keep_soon(crashed)
                 ended(False)
 
             files.when_safe(show, refused)
@@ -184,7 +191,24 @@ class Keeper(QObject):
             self._notices.complain(problem)
             ended(False)
 
-        self._reads.submit(Request(work, arrived, failed, inputs=lambda: files.lock))
+        def dropped(answer: tuple[Recovered, Claim]) -> None:
+            files.leave(answer[1])
+            self._keep_soon(crashed)
+
+        def stopped() -> None:
+            self._coming.discard(crashed.id)
+            ended(False)
+
+        files.read(
+            Request(
+                work,
+                arrived,
+                failed,
+                inputs=lambda: files.lock,
+                dropped=dropped,
+                stopped=stopped,
+            )
+        )
 
     def discard(self, crashed: CrashedSession, ended: Callable[[bool], None]) -> None:
         """Delete what a crash left behind; the person said so.
@@ -201,7 +225,7 @@ class Keeper(QObject):
             self._notices.complain(problem)
             ended(False)
 
-        self._reads.submit(
+        self._looks.submit(
             Request(lambda job: self._store.discard(crashed), lambda _: ended(True), failed)
         )
 
@@ -216,8 +240,14 @@ class Keeper(QObject):
         """Wait for the last writes, at the end of the program."""
         self._thread.join(LAST_WRITES)
 
+    def _value_dragged(self) -> None:
+        """Write a drag down now and then: `changed` comes only when it ends or pauses."""
+        if self._drawing.is_dragging and not self._in_drag.isActive():
+            self._in_drag.start()
+
     def _record(self) -> None:
         """Write down the document as it is, with the ink that waits."""
+        self._in_drag.stop()
         drawing = self._drawing
         if drawing.history is not self._sheet.history:
             self._leave(self._sheet)
@@ -261,6 +291,7 @@ class Keeper(QObject):
             task = self._tasks.get()
             try:
                 if task is None:
+                    self._let_go()
                     return
                 task()
             except Exception as problem:
@@ -278,6 +309,11 @@ class Keeper(QObject):
             sheet.record.write(now)
             sheet.written = now
 
+    def _let_go(self) -> None:
+        """Leave a drawing that is still on the sheet to be offered again: nobody has answered."""
+        if self._sheet.record.state is not State.LEFT:
+            self._set_aside(self._sheet)
+
     def _set_aside(self, sheet: _OnSheet) -> None:
         """Leave a drawing to be offered again, with all that was not yet written of it."""
         try:
@@ -286,6 +322,15 @@ class Keeper(QObject):
             self._unwritten.append(sheet)  # its turn comes with the next write
             raise
         sheet.record.set_aside()
+
+    def _keep_soon(self, crashed: CrashedSession) -> None:
+        """Offer again what a crash left behind, without waiting for the disk.
+
+        In a thread of its own, for the one that writes may have ended.
+        """
+        threading.Thread(
+            target=self._store.keep, args=(crashed,), name="bozzetto-unlock", daemon=True
+        ).start()
 
     def _complain(self, problem: BaseException) -> None:
         if not isinstance(problem, UserError):

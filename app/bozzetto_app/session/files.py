@@ -207,6 +207,10 @@ class Files(QObject):
         """Give up the document: the program ends, and others may open it."""
         self._hold(None)
 
+    def read(self, request: Request) -> None:
+        """Have a document read in the row of this session's files, where it can be stopped."""
+        self._reads.submit(request)
+
     def tidy(self) -> None:
         """Drop recent documents that are gone, and what killed processes left; in a worker.
 
@@ -271,7 +275,15 @@ class Files(QObject):
             for warning in report.warnings:
                 self._notices.tell(warning)
 
-        self._reads.submit(Request(work, done, self._notices.complain, inputs=self._known))
+        self._reads.submit(
+            Request(
+                work,
+                done,
+                self._notices.complain,
+                inputs=self._known,
+                dropped=lambda answer: self.leave(answer[0]),
+            )
+        )
 
     def claim(self, path: Path, held: FileLock | None) -> Claim:
         """Keep others from a document, if nobody else has it; in a worker.
@@ -304,7 +316,7 @@ class Files(QObject):
             drawing.allow_saving()
             self._notices.tell(tr("Files", "“{name}” is yours to save now.", name=path.name))
 
-        self._reads.submit(Request(work, done, self._notices.complain))
+        self._reads.submit(Request(work, done, self._notices.complain, dropped=self._give_back))
 
     def show(
         self,
@@ -436,7 +448,15 @@ class Files(QObject):
 
             self.when_hindered(Hindrance(problem, target, go_on, keep_both, failed))
 
-        self._saves.submit(Request(work, done, hindered, inputs=self._known))
+        self._saves.submit(
+            Request(
+                work,
+                done,
+                hindered,
+                inputs=self._known,
+                dropped=lambda answer: self._give_back(answer[1]),
+            )
+        )
 
     def export(self, path: Path) -> None:
         """Export all visible objects to a file of another program."""
@@ -525,7 +545,8 @@ class Files(QObject):
 
     def _give_back(self, lock: FileLock | None) -> None:
         """Release a lock that is not needed, unless it is the one of the open document."""
-        self._known().give_back(lock, self._claims)
+        if lock is not None and lock is not self.lock:
+            self._claims.give_back(lock)
 
     def _known(self) -> _Known:
         return _Known(self.lock, recent_files())

@@ -18,9 +18,9 @@ new. A revision goes through the stages ``INK < PREVIEW < FINAL < REPORT``. The 
 3. An answer is shown if its model is still asked for and nothing newer of it, or of the
    same revision and further, was shown.
 4. While a drag goes on no final is begun: it would be abandoned at the next value.
-5. While a drag goes on in a window, no further preview is begun before the last one was
-   painted, unless a model has no picture: a preview that nobody sees takes the time that its
-   painting needs.
+5. While a drag goes on in a window, one preview is solved while the one before it is painted,
+   and no third is begun, unless a model has no picture: a preview that nobody sees takes the
+   time that painting needs.
 
 So what is shown never goes back, what is shown last is the last value, and a drag shows a
 frame for each preview that the worker can make. One lock guards the numbers: the window
@@ -38,7 +38,11 @@ from typing import Any
 
 from bozzetto.document.model import Model
 
-__all__ = ["Revisions", "Stage", "Task"]
+__all__ = ["MOST_AHEAD", "Revisions", "Stage", "Task"]
+
+MOST_AHEAD = 2
+"""Previews made in a drag and not painted yet, at which no further one is begun: one is being
+painted, the other is what will be painted next."""
 
 
 class Stage(IntEnum):
@@ -103,7 +107,8 @@ class Revisions:
         self._running: Task | None = None
         self._dragging = False
         self._paints = False
-        self._unpainted = False
+        self._untaken = 0
+        self._unpainted = 0
 
     # -- the window --
 
@@ -129,7 +134,8 @@ class Revisions:
             if selected != self._selected and selected in old:
                 old[selected].tell_again()
             self._selected, self._dragging = selected, dragging
-            self._unpainted = self._unpainted and dragging
+            if not dragging:
+                self._count_afresh()
             for model in models:
                 course = old.get(model.id)
                 if course is None:
@@ -148,20 +154,28 @@ class Revisions:
         """Say that a drag has ended; whether it was under way."""
         with self._lock:
             was, self._dragging = self._dragging, False
-            self._unpainted = False
+            self._count_afresh()
             return was
 
     def expect_paint(self, paints: bool) -> None:
         """Say whether a viewport paints what is shown, and calls `painted`."""
         with self._lock:
             self._paints = paints
-            self._unpainted = self._unpainted and paints
+            if not paints:
+                self._count_afresh()
 
-    def painted(self) -> bool:
-        """Note that what is shown was painted; return whether a preview had waited for that."""
+    def painted(self, behind: int = 0) -> bool:
+        """Note that a frame was painted; return whether a preview had waited for that.
+
+        Parameters
+        ----------
+        behind : int
+            How many scenes newer than the painted one the viewport was given.
+        """
         with self._lock:
-            was, self._unpainted = self._unpainted, False
-            return was
+            waited = self._is_far_ahead
+            self._unpainted = min(self._unpainted, behind)
+            return waited and not self._is_far_ahead
 
     def stop(self) -> None:
         """Note that what runs was abandoned."""
@@ -175,11 +189,14 @@ class Revisions:
             self._hopeless.clear()
             self._running = None
             self._dragging = False
-            self._unpainted = False
+            self._count_afresh()
 
     def show(self, task: Task) -> bool:
         """Whether an answer may be shown; it then counts as shown."""
         with self._lock:
+            if task.stage is Stage.PREVIEW and self._untaken:
+                self._untaken -= 1
+                self._unpainted += 1
             course = self._courses.get(task.model.id)
             if course is None or task.progress <= course.shown:
                 return False
@@ -219,8 +236,8 @@ class Revisions:
             if course is not None:
                 done = replace(task, stage=task.stage if stage is None else stage)
                 course.made = max(course.made, done.progress)
-                if done.stage is Stage.PREVIEW:
-                    self._unpainted = self._paints and self._dragging
+                if done.stage is Stage.PREVIEW and self._paints and self._dragging:
+                    self._untaken += 1
 
     def give_up(self, model: Model) -> None:
         """Do not try this state again."""
@@ -240,10 +257,19 @@ class Revisions:
 
     # -- the rules; the lock is held --
 
+    @property
+    def _is_far_ahead(self) -> bool:
+        """Whether a preview that was begun now would be seen late, if at all."""
+        return self._untaken + self._unpainted >= MOST_AHEAD
+
+    def _count_afresh(self) -> None:
+        """Wait for no painting of what was made before."""
+        self._untaken = self._unpainted = 0
+
     def _most_urgent(self) -> Task | None:
         courses = self._courses.values()
         waiting = [course for course in courses if course.lacks(Stage.PREVIEW)]
-        if self._unpainted:
+        if self._is_far_ahead:
             waiting = [course for course in waiting if not course.has_picture]
         if waiting:
             first = min(waiting, key=lambda c: (c.has_picture, c.served))

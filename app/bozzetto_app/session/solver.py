@@ -36,7 +36,7 @@ REST: Final = 300
 """Time without a change after which a drag gets its final result, ms, though it may go on."""
 
 LATEST_PAINT: Final = 250
-"""How long the next preview waits for the last one to be painted, ms: where nothing had to be
+"""How long the next preview waits for earlier ones to be painted, ms: where nothing had to be
 repainted, no viewport reports it."""
 
 
@@ -93,7 +93,7 @@ class Solver(QObject):
         self._rest = QTimer(self, singleShot=True, interval=REST)
         self._rest.timeout.connect(self.let_go)
         self._paint = QTimer(self, singleShot=True, interval=LATEST_PAINT)
-        self._paint.timeout.connect(self.frame_painted)
+        self._paint.timeout.connect(lambda: self.frame_painted())
         drawing.models_changed.connect(self._solve_changed)
         drawing.applied.connect(self._awaited.add)
         drawing.closing.connect(self.forget)
@@ -146,10 +146,19 @@ class Solver(QObject):
         """Note whether a viewport paints what is shown, and calls `frame_painted`."""
         self._revisions.expect_paint(paints)
 
-    def frame_painted(self) -> None:
-        """Note that the newest scene is on the screen: the next preview may begin."""
-        self._paint.stop()
-        if self._revisions.painted():
+    def frame_painted(self, behind: int = 0) -> None:
+        """Note that a frame is on the screen: the next preview may begin.
+
+        Parameters
+        ----------
+        behind : int
+            How many scenes newer than the painted one the viewport was given.
+        """
+        if behind:
+            self._paint.start()
+        else:
+            self._paint.stop()
+        if self._revisions.painted(behind):
             self._submit()
 
     def _solve_changed(self) -> None:

@@ -1,7 +1,8 @@
 """The active modeler's advice on the view, asked for while the view turns.
 
 One question at a time goes to a worker, ten in a second at most; replaced answers are not shown.
-While a value is dragged only a pinned view is asked about, and only if answers come quickly.
+While a value is dragged only a pinned view is asked about: with each preview where the modeler
+advises on results, else only if answers come quickly.
 """
 
 from __future__ import annotations
@@ -45,8 +46,9 @@ ADVICE_LIMIT = 10.0
 """Seconds a modeler may think about a view before it counts as hung."""
 
 
-Question = tuple[str, Model | None, Camera] | None
-"""Modeler, model (None for one that is still to be drawn) and view; None for nothing to ask."""
+Question = tuple[str, Model | None, Camera, Any] | None
+"""Modeler, model (None for one that is still to be drawn), view, and the result that the modeler
+advises on (None for one that does not); None for nothing to ask."""
 
 
 class ViewAdviser(QObject):
@@ -155,11 +157,21 @@ class ViewAdviser(QObject):
     def _look_at_frame(self) -> None:
         """Let a pinned view follow what is shown while a value is dragged.
 
-        Any other has time until the drag pauses, and so has one that takes long: the shape
-        comes first.
+        Any other has time until the drag pauses, and so has one for which the modeler would have
+        to solve: the shape comes first.
         """
-        if self._drawing.is_dragging and self._is_pinned and self._took <= QUICK:
+        if not self._is_pinned:
+            return
+        if self._advises_on_results:
+            self._ask()
+        elif self._drawing.is_dragging and self._took <= QUICK:
             self.look()
+
+    @property
+    def _advises_on_results(self) -> bool:
+        """Whether the advice is about what is shown, which may be a preview."""
+        modeler = self._toolbox.modeler
+        return self.about is not None and self._workbench.advises_on_results(modeler)
 
     def _question(self) -> Question:
         modeler = self._toolbox.modeler
@@ -170,7 +182,10 @@ class ViewAdviser(QObject):
         if model is not None and self._drawing.is_dragging:
             # What is shown has been solved; the newest value is not worth another solve.
             model = self._solver.shown(model.id) or model
-        return modeler, model, self._view.camera
+        result = None
+        if model is not None and self._advises_on_results:
+            result = self._workbench.best_result(model)
+        return modeler, model, self._view.camera, result
 
     def _ask(self) -> None:
         question = self._question()
@@ -185,8 +200,9 @@ class ViewAdviser(QObject):
         if self._channel.busy:
             return
         self._asked = question
-        modeler, model, camera = question
-        seen = self.seen(model)
+        modeler, model, camera, _ = question
+        # The model itself as well: what its preview showed has another camera in the final result.
+        seen = (*(() if model is None else (model,)), *self.seen(model))
         begun = perf_counter()
 
         def work(job: Job) -> ViewAdvice | None:
@@ -194,7 +210,7 @@ class ViewAdviser(QObject):
 
         def done(advice: ViewAdvice | None) -> None:
             self._took = perf_counter() - begun
-            if advice is None:
+            if advice is None and not self._workbench.advises(modeler):
                 self._silent.add(modeler)
             if self._toolbox.modeler == modeler:
                 self.about, self._seen = model, camera
@@ -210,8 +226,8 @@ class ViewAdviser(QObject):
         self._channel.submit(Request(work, done, failed, "preview"))
 
     def _remember(self, model: Model | None, advice: ViewAdvice | None) -> None:
-        """Remember the state of a model to which the view is pinned."""
-        pinned = advice is not None and advice.pinned and not advice.follow
+        """Remember the state of a model to which the view is pinned, or goes to be pinned."""
+        pinned = advice is not None and advice.pinned
         if pinned and model is not None and (not self._pinned or self._pinned[0] is not model):
             self._pinned.appendleft(model)
 
@@ -240,4 +256,5 @@ def _same(one: Question, other: Question) -> bool:
     """Return whether two questions are about the very same objects; states are not compared."""
     if one is None or other is None:
         return one is other
-    return one[0] == other[0] and one[1] is other[1] and one[2] == other[2]
+    same_objects = one[1] is other[1] and one[3] is other[3]
+    return same_objects and one[0] == other[0] and one[2] == other[2]

@@ -22,6 +22,7 @@ import weakref
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Any
 
@@ -88,6 +89,11 @@ class Request:
         Called on the window's thread when the turn of the request has come; `work` gets its
         answer as a second argument. So work in a queue starts from the newest state, and
         reads nothing that belongs to the window's thread.
+    dropped : callable
+        Called with an answer that nobody takes: the request was abandoned, or its channel is
+        gone. What the answer holds, such as a lock, is given back here; from any thread.
+    stopped : callable
+        Called on the window's thread when the channel is cancelled before there is an answer.
     """
 
     work: Callable[..., Any]
@@ -95,6 +101,8 @@ class Request:
     failed: Callable[[BaseException], None]
     quality: str = "final"
     inputs: Callable[[], Any] | None = None
+    dropped: Callable[[Any], None] = lambda answer: None
+    stopped: Callable[[], None] = lambda: None
     ticket: int = field(default_factory=lambda: next(_tickets))
     seen_alive: float = 0.0
     abandoned_at: float | None = None
@@ -247,9 +255,13 @@ class Channel(QObject):
 
     def cancel(self) -> None:
         """Drop what waits and abandon what runs; its answer will not be delivered."""
+        stopped = [*self._waiting]
         self._waiting.clear()
-        if self._running is not None:
+        if self._running is not None and not self._running.abandoned:
             self._running.abandon()
+            stopped.append(self._running)
+        for request in stopped:
+            request.stopped()
 
     def _start_next(self) -> None:
         if self._running is not None or not self._waiting:
@@ -295,15 +307,19 @@ class Channel(QObject):
                 answer = request.work(job, *arguments)
             except BaseException as problem:
                 error = problem
-            call_on_main_thread(self, self._deliver, request, answer, error)
+            drop = partial(_drop, request, answer, error)
+            call_on_main_thread(self, self._deliver, request, answer, error, otherwise=drop)
         except Overrun:
             log.debug("%s answered just when it was abandoned", self.name)
 
     def _deliver(self, request: Request, answer: Any, error: BaseException | None) -> None:
         if request is not self._running:
+            _drop(request, answer, error)
             return
         self._finish()
-        if not request.abandoned and not isinstance(error, Cancelled):
+        if request.abandoned:
+            _drop(request, answer, error)
+        elif not isinstance(error, Cancelled):
             if error is None:
                 request.done(answer)
             else:
@@ -368,3 +384,9 @@ class Channel(QObject):
 
     def _finish(self) -> None:
         self._running = None
+
+
+def _drop(request: Request, answer: Any, error: BaseException | None) -> None:
+    """Let go of an answer that nobody takes."""
+    if error is None:
+        request.dropped(answer)

@@ -49,14 +49,34 @@ def install() -> None:
         sys.setswitchinterval(min(sys.getswitchinterval(), SWITCH_INTERVAL))
 
 
-def call_on_main_thread(owner: QObject, function: Callable[..., None], *arguments: Any) -> None:
-    """Call a function on the window's thread, from any thread, unless its owner is gone."""
+def call_on_main_thread(
+    owner: QObject,
+    function: Callable[..., None],
+    *arguments: Any,
+    otherwise: Callable[[], None] = lambda: None,
+) -> None:
+    """Call a function on the window's thread, from any thread, unless its owner is gone.
+
+    Parameters
+    ----------
+    owner : QObject
+        Whose function it is.
+    function : callable
+        Called with the arguments.
+    *arguments
+        What it is called with.
+    otherwise : callable
+        Called if the owner is gone, or the program ends.
+    """
 
     def call() -> None:
         if isValid(owner):
             function(*arguments)
+        else:
+            otherwise()
 
     try:
         _receivers[0].called.emit(call)
     except RuntimeError:
         log.debug("the program ended before %s could answer", type(owner).__name__)
+        otherwise()

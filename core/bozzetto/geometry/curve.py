@@ -13,6 +13,7 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.refinement import refined
 
 Color = tuple[int, int, int]
+"""Red, green and blue, 0 … 255, sRGB."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,7 +42,7 @@ def elevated(degree: int, knots: Array, points: Array) -> tuple[Array, Array]:
     Parameters
     ----------
     degree, knots, points
-        As in `refined`.
+        As in `refined`; the knots are clamped.
 
     Returns
     -------
@@ -61,7 +61,9 @@ def elevated(degree: int, knots: Array, points: Array) -> tuple[Array, Array]:
         _blossom(degree, knots, points, home, np.delete(arguments, left, axis=1))
         for left in range(degree + 1)
     ]
-    return new_knots, np.asarray(np.mean(each, axis=0))
+    made = np.mean(each, axis=0)
+    made[[0, -1]] = points[[0, -1]]  # without the rounding of a mean
+    return new_knots, np.asarray(made)
 
 
 def _home(degree: int, knots: Array, new_knots: Array, new_degree: int) -> Index:

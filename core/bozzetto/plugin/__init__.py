@@ -1,7 +1,8 @@
 """The public contract: everything that a plugin may use beside the other rooms of the core.
 
 A plugin imports from here, from `bozzetto.ink`, `bozzetto.view`, `bozzetto.geometry`,
-`bozzetto.scene` and `bozzetto.errors`; nothing else of the program is promised to stay.
+`bozzetto.scene` and `bozzetto.errors`, each exactly at that level; nothing else of the program is
+promised to stay. (`bozzetto.geometry.patches` and `bozzetto.view.calibration` are doors too.)
 """
 
 from __future__ import annotations

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.images.stored_picture import Picture
+from bozzetto.ink.stroke import Stroke
 from bozzetto.scene.display_list import Image, Layer, Scene
+from bozzetto.scene.ink_projection import ProjectedInk, project_stroke
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera, Rays
 from bozzetto.view.rotations import triple
@@ -70,6 +72,23 @@ class Context:
     def surface_hit(self, rays: Rays) -> Hits:
         """Find where rays first meet a visible surface, whoever made it."""
         return cast_rays(self.scene, rays)
+
+    def project(
+        self, stroke: Stroke, *, models: Collection[str] | None = None, bridge: float = 0.0
+    ) -> ProjectedInk:
+        """Project a stroke on the visible surfaces under it, whoever made them.
+
+        Parameters
+        ----------
+        stroke : Stroke
+            As a gesture brings it, with the camera that it was drawn through.
+        models : collection of str, optional
+            Ids of the models whose surfaces count; default all.
+        bridge : float
+            Longest way beside the surface, px, over which the ink is continued in its tangent
+            plane; see `bozzetto.scene.project_stroke`.
+        """
+        return project_stroke(stroke, self.scene, models=models, bridge=bridge)
 
     def moved(self, placement: Placement) -> Context:
         """Return the world as it is seen from a frame in which everything is moved."""

@@ -198,6 +198,30 @@ class Modeler(ABC, Generic[State, Result]):
         """
         return None
 
+    def advice_on_result(
+        self, state: State, result: Result, camera: Camera, seen: Sequence[Result]
+    ) -> ViewAdvice | None:
+        """Return advice on a view that follows from a solved model, at whatever quality.
+
+        A modeler that overrides it is asked this, instead of `view_advice` and `view_after`, where
+        a result is known: while a value is dragged only previews are known, and to solve for the
+        advice would take longer than to show.
+
+        Parameters
+        ----------
+        state : State
+            The model.
+        result : Result
+            What `solve` made of it, as a preview or finally.
+        camera : Camera
+            The view now.
+        seen : sequence of Result
+            Results to which the view was pinned a moment ago, newest first. Where what the view
+            showed of one has another camera now, the advice is on the view through that one,
+            which is `ViewAdvice.better`, and says `ViewAdvice.follow`.
+        """
+        return None
+
     def view_after(self, seen: State, state: State, camera: Camera) -> Camera | None:
         """Return the view that shows of a state what another view showed of an earlier one.
 

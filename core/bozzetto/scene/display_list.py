@@ -21,8 +21,11 @@ from bozzetto.geometry.placement import Placement
 from bozzetto.scene.palette import ROLES, Color
 
 Paint = str | Color
+"""A role of the theme, such as "ink" or "accent", or a colour of its own."""
+
 Finish = Literal["clay", "zebra"]
 Hidden = Literal["hide", "faint", "dashed", "show"]
+"""How parts of lines and dots behind surfaces appear."""
 
 MOST_FRAMED = 100_000
 """Points that are looked at when a scene is framed; a mesh of more has edges so short that
@@ -182,6 +185,7 @@ class Handle:
 
 
 Item = Shaded | Lines | Points | Label | Image | Handle
+"""Whatever a layer can hold."""
 
 
 @dataclass(frozen=True, eq=False)

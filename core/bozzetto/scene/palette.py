@@ -55,6 +55,7 @@ LIGHT = Palette(
     grid=(0xDE, 0xDA, 0xD1),
     warning=(0xB8, 0x74, 0x00),
 )
+"""The colours of the light theme."""
 
 DARK = Palette(
     name="dark",
@@ -69,3 +70,4 @@ DARK = Palette(
     grid=(0x30, 0x33, 0x38),
     warning=(0xE2, 0xB0, 0x4A),
 )
+"""The colours of the dark theme."""

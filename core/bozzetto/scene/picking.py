@@ -3,13 +3,38 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto.scene.bvh import first_hits, tree_of
+from bozzetto.geometry.bvh import first_hits, tree_of
+from bozzetto.geometry.mesh_places import closest_on_triangles
 from bozzetto.scene.display_list import Scene, Shaded
+from bozzetto.scene.surface_places import SurfacePlaces, topology_of
 from bozzetto.view.camera import Rays
+
+
+class SceneSurface(NamedTuple):
+    """A surface of a scene that rays can meet.
+
+    Attributes
+    ----------
+    model : str
+        Id of the model that shows it.
+    layer : str
+        Name of its layer.
+    number : int
+        Which item of that layer it is.
+    item : Shaded
+        The item itself.
+    """
+
+    model: str
+    layer: str
+    number: int
+    item: Shaded
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,25 +49,94 @@ class Hits:
         Unit face normals turned towards the eye; NaN where nothing was hit.
     distance : (n,) float
         Along the ray, mm; inf where nothing was hit.
-    owners : tuple of str
-        Id of the model hit; "" where none.
-    items : tuple of Shaded or None
-        What was hit; None where nothing was.
     faces : (n,) int
         Which face of its mesh; -1 where nothing was hit.
+    weights : (n, 3) float
+        Barycentric coordinates within that face; NaN where nothing was hit.
+    on : (n,) int
+        Which of `surfaces` was hit; -1 where none was.
+    surfaces : tuple of SceneSurface
+        All surfaces of the scene that could have been hit.
     """
 
     points: Array
     normals: Array
     distance: Array
-    owners: tuple[str, ...]
-    items: tuple[Shaded | None, ...]
     faces: Index
+    weights: Array
+    on: Index
+    surfaces: tuple[SceneSurface, ...]
 
     @property
     def hit(self) -> Flags:
         """Rays that met a surface, as flags (n,)."""
         return np.isfinite(self.distance)
+
+    @property
+    def owners(self) -> tuple[str, ...]:
+        """Id of the model that each ray met; "" where none."""
+        return tuple(self.surfaces[k].model if k >= 0 else "" for k in self.on.tolist())
+
+    @property
+    def items(self) -> tuple[Shaded | None, ...]:
+        """What each ray met; None where nothing was."""
+        return tuple(self.surfaces[k].item if k >= 0 else None for k in self.on.tolist())
+
+    def taken(self, which: ArrayLike) -> Hits:
+        """Return some of the rays, by numbers or flags."""
+        rows = np.asarray(which)
+        return Hits(
+            self.points[rows],
+            self.normals[rows],
+            self.distance[rows],
+            self.faces[rows],
+            self.weights[rows],
+            self.on[rows],
+            self.surfaces,
+        )
+
+    def joined(self, other: Hits) -> Hits:
+        """Return these rays followed by others that were cast into the same scene."""
+        return Hits(
+            np.concatenate((self.points, other.points)),
+            np.concatenate((self.normals, other.normals)),
+            np.concatenate((self.distance, other.distance)),
+            np.concatenate((self.faces, other.faces)),
+            np.concatenate((self.weights, other.weights)),
+            np.concatenate((self.on, other.on)),
+            self.surfaces,
+        )
+
+    def places(self, which: ArrayLike) -> SurfacePlaces:
+        """Return what some rays met as places that a document keeps (see `SurfacePlaces`).
+
+        Parameters
+        ----------
+        which : array_like of int or bool
+            Rays that met one and the same surface, by numbers or flags.
+
+        Raises
+        ------
+        ValueError
+            If there is none, one met nothing, or they met several surfaces.
+        """
+        rows = np.asarray(which)
+        on = np.unique(self.on[rows])
+        if len(on) != 1 or on[0] < 0:
+            raise ValueError("places are wanted of rays that do not meet one surface")
+        model, layer, number, item = self.surfaces[on[0]]
+        mesh = topology_of(item.mesh)
+        return SurfacePlaces(model, layer, number, mesh, self.faces[rows], self.weights[rows])
+
+
+def surfaces_of(scene: Scene) -> tuple[SceneSurface, ...]:
+    """Return the surfaces of a scene that ink can be laid on, in the order of its layers."""
+    return tuple(
+        SceneSurface(layer.owner, layer.name, number, item)
+        for layer in scene.layers
+        for number, item in enumerate(layer.items)
+        if isinstance(item, Shaded) and item.pickable and item.opacity > 0
+    )
 
 
 def cast_rays(scene: Scene, rays: Rays) -> Hits:
@@ -72,16 +166,13 @@ def cast_rays(scene: Scene, rays: Rays) -> Hits:
     starts = origins[usable]
     towards = directions[usable] / length[usable, None]
 
-    count = len(origins)
-    points, normals = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
-    distance, owners = np.full(count, np.inf), [""] * count
-    items: list[Shaded | None] = [None] * count
-    faces = np.full(count, -1, np.intp)
+    count, surfaces = len(origins), surfaces_of(scene)
+    points, normals, weights = (np.full((count, 3), np.nan) for _ in range(3))
+    distance = np.full(count, np.inf)
+    faces, on = np.full(count, -1, np.intp), np.full(count, -1, np.intp)
     nearest = np.full(len(usable), np.inf)
-    for layer, item in scene.items():
-        if not isinstance(item, Shaded) or not item.pickable or item.opacity <= 0:
-            continue
-        mesh = item.mesh
+    for number, surface in enumerate(surfaces):
+        mesh = surface.item.mesh
         along, face = first_hits(tree_of(mesh), starts, towards)
         nearer = np.flatnonzero(along < nearest)
         if not len(nearer):
@@ -97,6 +188,6 @@ def cast_rays(scene: Scene, rays: Rays) -> Hits:
         normals[where] = normal
         distance[where] = along[nearer]
         faces[where] = face[nearer]
-        for ray in where.tolist():
-            owners[ray], items[ray] = layer.owner, item
-    return Hits(points, normals, distance, tuple(owners), tuple(items), faces)
+        weights[where] = closest_on_triangles(points[where], corners)
+        on[where] = number
+    return Hits(points, normals, distance, faces, weights, on, surfaces)

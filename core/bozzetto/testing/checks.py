@@ -18,6 +18,7 @@ from bozzetto.document.model import Model
 from bozzetto.document.storage.state_codec import decode_state, encode_state, state_digest
 from bozzetto.errors import Cancelled, Unfinished, UserError
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
+from bozzetto.geometry.brep.tessellation import brep_mesh
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.parameters import Field, parameter_fields
 from bozzetto.plugin.guard.guard import PluginFault
@@ -83,6 +84,11 @@ def _check_solids(shapes: Shapes) -> None:
             bounds_volume(solid.mesh),
             f"the solid {solid.name!r} is open, inside out or flat, and no program would "
             "take it; hand over a closed mesh, or a Surface",
+        )
+    for brep in shapes.breps:
+        ensure(
+            not brep.is_closed or bounds_volume(brep_mesh(brep)),
+            f"the closed brep {brep.name!r} is inside out or flat; turn it over",
         )
 
 

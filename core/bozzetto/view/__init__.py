@@ -2,6 +2,24 @@
 
 from __future__ import annotations
 
-from bozzetto.view.camera import Camera, Rays
+from typing import TYPE_CHECKING
 
-__all__ = ["Camera", "Rays"]
+from bozzetto.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera as Camera
+    from bozzetto.view.camera import Rays as Rays
+    from bozzetto.view.eye_fixed_motion import FOV_LIMITS as FOV_LIMITS
+    from bozzetto.view.navigation import fit_points as fit_points
+    from bozzetto.view.navigation import turn as turn
+    from bozzetto.view.rotations import triple as triple
+else:
+    __getattr__, __all__ = lazy_names(
+        __name__,
+        {
+            "bozzetto.view.camera": "Camera Rays",
+            "bozzetto.view.eye_fixed_motion": "FOV_LIMITS",
+            "bozzetto.view.navigation": "fit_points turn",
+            "bozzetto.view.rotations": "triple",
+        },
+    )

@@ -24,6 +24,7 @@ from bozzetto.plugin.gesture import Drag, Gesture
 from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
+from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.tool import Tool
 from bozzetto.plugin.view_advice import ViewAdvice
@@ -232,18 +233,46 @@ class Workbench:
         """
         modeler = self.guarded(model)
         own = camera.moved(model.placement.inverse())
+        result = self.best_result(model)
+        if result is not None and self.advises_on_results(model.modeler):
+            earlier = self._results_of(seen, model.placement, result)
+            advice = modeler.advice_on_result(model.state, result, own, earlier)
+            return None if advice is None else self._in_world(model, advice)
         along = self._view_after(modeler, model, own, seen)
         advice = modeler.view_advice(model.state, along or own)
         if advice is None:
             return None
         if along is not None:
             advice = replace(advice, better=along, pinned=True, follow=True)
+        return self._in_world(model, advice)
+
+    def _in_world(self, model: Model, advice: ViewAdvice) -> ViewAdvice:
         better = advice.better
         return replace(
             advice,
             better=None if better is None else better.moved(model.placement),
             scene=scene_in_world(advice.scene, model),
         )
+
+    def advises(self, modeler_id: str) -> bool:
+        """Whether a modeler may have advice on a view."""
+        kind = type(self.registry.modeler(modeler_id))
+        return kind.view_advice is not Modeler.view_advice or self.advises_on_results(modeler_id)
+
+    def advises_on_results(self, modeler_id: str) -> bool:
+        """Whether a modeler's advice on a view follows from results, which may be previews."""
+        kind = type(self.registry.modeler(modeler_id))
+        return kind.advice_on_result is not Modeler.advice_on_result
+
+    def _results_of(self, seen: Iterable[Model], placement: Placement, now: Any) -> tuple[Any, ...]:
+        """Return the results of earlier states that are still known, but for that of now."""
+        known = (
+            self.result(model, quality)
+            for model in seen
+            if model.placement == placement
+            for quality in ("final", "preview")
+        )
+        return tuple(result for result in known if result is not None and result is not now)
 
     @staticmethod
     def _view_after(

@@ -10,10 +10,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.coons import coons_nets
-from bozzetto.geometry.patches.crease import crease_angles
-from bozzetto.geometry.patches.patch import extent
-from bozzetto.geometry.patches.patchwork import Patchwork
+from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, extent
 from bozzetto.plugin import Memory
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect

@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.geometry.patches.crease import locked
+from bozzetto.geometry.patches import locked
 from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import Chain
 from bozzetto_car.template.network import (

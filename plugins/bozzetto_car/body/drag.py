@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.ink.checked_points import places_on_sheet
+from bozzetto.ink import places_on_sheet
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.chain_smoothing import smooth_chains

@@ -18,10 +18,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.geometry.patches.patch import bernstein
-from bozzetto.ink.checked_points import is_on_sheet
-from bozzetto.ink.curves.resample import arc_length, distinct
-from bozzetto.ink.oversketch.lift import lifted
+from bozzetto.geometry.patches import bernstein
+from bozzetto.ink import arc_length, distinct, is_on_sheet, lift_curve
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
@@ -169,7 +167,7 @@ def paper_cubic(control_points: ArrayLike, stroke: ArrayLike, camera: Camera) ->
     places = np.asarray(stroke, float)
     along = arc_length(places)
     goal = [np.interp(share * along[-1], along, places[:, axis]) for axis in (0, 1)]
-    inner = lifted(bernstein(INNER) @ old, camera, np.column_stack(goal))
+    inner = lift_curve(bernstein(INNER) @ old, camera, np.column_stack(goal))
     return four_point_cubic((old[0], *inner, old[3]))
 
 

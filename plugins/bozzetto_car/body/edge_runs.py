@@ -11,10 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.ink.checked_points import FARTHEST, places_on_sheet
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import arc_length, distinct, resample
-from bozzetto.ink.oversketch.ordered_feet import ordered_feet
+from bozzetto.ink import (
+    FARTHEST,
+    arc_length,
+    distances_to_polyline,
+    distinct,
+    ordered_feet,
+    places_on_sheet,
+    resample,
+)
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.body.edge_fit import edge_pictures

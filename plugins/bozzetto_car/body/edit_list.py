@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bozzetto.view.rotations import triple
+from bozzetto.view import triple
 from bozzetto_car.state import BentEdge, MovedNode, TracedEdges, Treatment
 
 Edit = TracedEdges | MovedNode | BentEdge | Treatment

@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.patch import bernstein
-from bozzetto.ink.checked_points import FARTHEST
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.geometry.patches import bernstein
+from bozzetto.ink import FARTHEST, arc_length, distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.body.chain_smoothing import smooth_chains

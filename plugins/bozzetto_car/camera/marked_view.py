@@ -10,9 +10,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
 from bozzetto.view import Camera
-from bozzetto.view.calibration.levenberg_marquardt import CROPPED, freedom
-from bozzetto.view.calibration.normalization import Framing
-from bozzetto.view.calibration.pose import NEAREST, PARAMETERS, Poses
+from bozzetto.view.calibration import CROPPED, NEAREST, PARAMETERS, Framing, Poses, freedom
 from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.template.model import Template
 

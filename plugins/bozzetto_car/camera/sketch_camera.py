@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.scene import Image, Picture
-from bozzetto.view import Camera
-from bozzetto.view.eye_fixed_motion import FOV_LIMITS
-from bozzetto.view.rotations import triple
+from bozzetto.view import FOV_LIMITS, Camera, triple
 from bozzetto_car.array_types import Array
 
 SHEET: Final = 6000.0

@@ -8,15 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry.patches.coons import coons_nets
-from bozzetto.geometry.patches.patchwork import Patchwork
-from bozzetto.geometry.patches.tessellation import shaded
+from bozzetto.geometry.patches import Patchwork, coons_nets, shaded
 from bozzetto.plugin import Memory
-from bozzetto.scene import Layer, Palette, Scene, Shaded
-from bozzetto.scene.renderer import render
-from bozzetto.view import Camera
-from bozzetto.view.navigation import fit_points
-from bozzetto.view.rotations import triple
+from bozzetto.scene import Layer, Palette, Scene, Shaded, render
+from bozzetto.view import Camera, fit_points, triple
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.wheels import wheel_meshes
 from bozzetto_car.template.model import Template, ViewHint

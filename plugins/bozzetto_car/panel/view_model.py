@@ -8,9 +8,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from bozzetto.geometry.patches.patch import bernstein
-from bozzetto.view import Camera
-from bozzetto.view.rotations import triple
+from bozzetto.geometry.patches import bernstein
+from bozzetto.view import Camera, triple
 from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.camera.visibility import facing

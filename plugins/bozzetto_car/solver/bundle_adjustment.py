@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.view.calibration.pose import Poses
+from bozzetto.view.calibration import Poses
 from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Reprojection
 from bozzetto_car.dimensions import NONE_BEYOND, Dimensions, Locks, Overlap

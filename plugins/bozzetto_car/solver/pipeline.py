@@ -16,8 +16,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.coons import coons_nets
-from bozzetto.geometry.patches.patch import extent
+from bozzetto.geometry.patches import coons_nets, extent
 from bozzetto.plugin import Memory
 from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView

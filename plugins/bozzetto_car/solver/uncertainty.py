@@ -16,8 +16,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from bozzetto.view import Camera
-from bozzetto.view.rotations import triple
+from bozzetto.view import Camera, triple
 from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import MarkedView, Reprojection
 from bozzetto_car.camera.visibility import facing

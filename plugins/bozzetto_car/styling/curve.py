@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.geometry.patches.patch import Places, points_at
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.geometry.patches import Places, points_at
+from bozzetto.ink import arc_length
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.geometry import Curve
-from bozzetto.geometry.patches.patch import Places, points_at
-from bozzetto.geometry.spline import DEGREE, Spline
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.geometry import DEGREE, Curve, Spline
+from bozzetto.geometry.patches import Places, points_at
+from bozzetto.ink import arc_length
 from bozzetto_car.array_types import Array
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths

@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.patch import Places
-from bozzetto.ink import Stroke
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import resample
+from bozzetto.geometry.patches import Places
+from bozzetto.ink import Stroke, distances_to_polyline, resample
 from bozzetto.plugin import PartsState
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array

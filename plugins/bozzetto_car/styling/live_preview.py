@@ -7,10 +7,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.ink.curves.resample import steps_along
+from bozzetto.ink import steps_along
+from bozzetto.scene import unbroken_runs
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
-from bozzetto_car.styling.project_on_body import Seen, runs_of, seen_on_body
+from bozzetto_car.styling.project_on_body import Seen, seen_on_body
 from bozzetto_car.styling.stroke_line import STEP
 
 MOST_AT_ONCE: Final = 24
@@ -53,7 +54,7 @@ class Growing:
             return []
         # The tip of the pen is between two steps.
         seen = self._extended(np.vstack((places[whole:], ink[-1:])))
-        return [seen.points[run] for run in runs_of(seen) if len(run) > 1]
+        return [seen.points[run] for run in unbroken_runs(seen.hit, seen.breaks) if len(run) > 1]
 
     def _extended(self, places: Array) -> Seen:
         seen = seen_on_body(self._nets, places, self._camera)

@@ -9,12 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.closest_points import foot_points
-from bozzetto.geometry.patches.patch import Places, normals_at, points_at
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import arc_length, resample
-from bozzetto.ink.curves.smooth import smooth
-from bozzetto.ink.oversketch.snake import modified
+from bozzetto.geometry.patches import Places, foot_points, normals_at, points_at
+from bozzetto.ink import arc_length, distances_to_polyline, oversketch_curve, resample, smooth
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
@@ -149,7 +145,7 @@ def oversketch(curve: StylingCurve, body: Body, stroke: ArrayLike, camera: Camer
         raise UserError("The curve is not seen here. Turn the view, then draw over it.")
     along = arc_length(picture.pixels)
     nodes = resample(picture.pixels, spacing=NODES)
-    bent = modified(nodes, [(line, np.ones(len(line)))])
+    bent = oversketch_curve(nodes, [(line, np.ones(len(line)))])
     if np.linalg.norm(bent.points - nodes, axis=1).max() < UNCHANGED:
         return given
     moved = np.flatnonzero(bent.moved)

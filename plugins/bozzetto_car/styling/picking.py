@@ -8,11 +8,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from bozzetto.geometry.patches.patch import normals_at, points_at
-from bozzetto.geometry.patches.ray_intersections import ray_hits
-from bozzetto.ink.checked_points import FARTHEST
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import resample
+from bozzetto.geometry.patches import normals_at, points_at, ray_hits
+from bozzetto.ink import FARTHEST, distances_to_polyline, resample
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body

@@ -13,11 +13,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.closest_points import foot_points
-from bozzetto.geometry.patches.patch import Places, normals_at, points_at
-from bozzetto.geometry.patches.ray_intersections import ray_hits
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.geometry.patches import Places, foot_points, normals_at, points_at, ray_hits
+from bozzetto.ink import arc_length, distances_to_polyline
+from bozzetto.scene import depth_breaks, unbroken_runs
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.styling.surface_path import connect_places, join_paths
@@ -25,10 +23,6 @@ from bozzetto_car.template.model import Template
 
 FINEST: Final = 0.25
 """Distance, px, to which the rim of the body and its breaks are located."""
-
-BROKEN: Final = 5.0
-"""Difference in depth per distance across the line of sight by which the step between neighbours
-must differ from the slopes of the body at both, for one to lie behind the other."""
 
 EDGE_ON: Final = 1e-6
 """Least cosine between normal and line of sight at which the body counts as seen."""
@@ -70,6 +64,12 @@ class Seen:
     def hit(self) -> Flags:
         """Whether the body is seen, (n,)."""
         return self.places.patches >= 0
+
+    @property
+    def breaks(self) -> Flags:
+        """Whether the body cannot lead from one neighbour to the next, (n − 1,)."""
+        broken = depth_breaks(self.points, self.normals, self.sight)
+        return np.asarray(broken & self.hit[1:] & self.hit[:-1])
 
     def extended(self, other: Seen) -> Seen:
         """Return these places followed by those of another."""
@@ -164,7 +164,7 @@ def project_line(template: Template, nets: Array, line: Array, camera: Camera) -
 def _unclear(seen: Seen) -> Flags:
     """Whether a break or a rim must be located between neighbours, (n − 1,)."""
     patches = seen.places.patches
-    return np.asarray((patches[1:] != patches[:-1]) | _breaks(seen))
+    return np.asarray((patches[1:] != patches[:-1]) | seen.breaks)
 
 
 def _far(seen: Seen) -> Flags:
@@ -175,36 +175,11 @@ def _far(seen: Seen) -> Flags:
     return np.asarray(both & (far | ((patches[1:] == patches[:-1]) & (step > COARSE))))
 
 
-def _breaks(seen: Seen) -> Flags:
-    """Whether the body cannot lead from one neighbour to the next, (n − 1,).
-
-    On one surface, the step in depth lies between those on the tangent planes of both.
-    """
-    step = np.diff(seen.points, axis=0)
-    sight = seen.sight[:-1]
-    depth = (step * sight).sum(axis=1)
-    across = step - depth[:, None] * sight
-    slack = BROKEN * np.linalg.norm(across, axis=1)
-    ways = []
-    for normals in (seen.normals[:-1], seen.normals[1:]):
-        facing = np.minimum((normals * sight).sum(axis=1), -EDGE_ON)
-        ways.append(-(normals * across).sum(axis=1) / facing)
-    broken = (depth < np.minimum(*ways) - slack) | (depth > np.maximum(*ways) + slack)
-    return np.asarray(broken & seen.hit[1:] & seen.hit[:-1])
-
-
-def runs_of(seen: Seen) -> list[Index]:
-    """Return runs of neighbours that are seen on one unbroken surface."""
-    hits = np.flatnonzero(seen.hit)
-    cut = (np.diff(hits) > 1) | _breaks(seen)[hits[:-1]]
-    return [run for run in np.split(hits, np.flatnonzero(cut) + 1) if len(run)]
-
-
 def _bridged(nets: Array, seen: Seen, way: Array, line: Array, camera: Camera) -> list[Part]:
     """Return the unbroken parts of a line, joined over gaps that the body can bridge."""
     parts: list[Part] = []
     last = -1
-    for run in runs_of(seen):
+    for run in unbroken_runs(seen.hit, seen.breaks):
         part = Part(way[run], seen.places[run], seen.sight[run])
         bridge = None if last < 0 else _bridge(nets, seen, (last, int(run[0])), way, line, camera)
         if bridge is None:

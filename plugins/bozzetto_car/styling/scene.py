@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.geometry.patches.patch import points_at
+from bozzetto.geometry.patches import points_at
 from bozzetto.plugin import Memory
 from bozzetto.scene import Item, Lines, Paint
 from bozzetto_car.array_types import Array, Index
@@ -37,8 +37,12 @@ def shown_styling(state: CarState) -> tuple[StylingCurve, ...]:
 
 
 def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
-    """Return the items of the visible styling curves; mirror images in the second colour."""
+    """Return the items of the visible styling curves; mirror images in the second colour.
+
+    All mirror images come first, below the curves: neighbours of one style are drawn at once.
+    """
     made: list[Item] = []
+    images: list[Item] = []
     curves = shown_styling(state)
     row = _lines.recall((curves, body), lambda: tuple(_laid_out(own, body) for own in curves))
     for curve, lines in zip(curves, row, strict=True):
@@ -51,8 +55,8 @@ def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
         width = CHOSEN_WIDTH if chosen else WIDTH
         made.append(_line(points, starts, paint, width))
         if curve.both:
-            made.append(_line(points * MIRROR, starts, "second", width))
-    return tuple(made)
+            images.append(_line(points * MIRROR, starts, "second", width))
+    return (*images, *made)
 
 
 def _line(points: Array, starts: Index, paint: Paint, width: float) -> Lines:

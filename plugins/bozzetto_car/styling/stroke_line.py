@@ -14,11 +14,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke
-from bozzetto.ink.checked_points import places_on_sheet
-from bozzetto.ink.curves.closing import close_stroke, end_gap, is_closed_gesture
-from bozzetto.ink.curves.resample import arc_length, distinct, resample
-from bozzetto.ink.merge import fading, settle
+from bozzetto.ink import (
+    Stroke,
+    arc_length,
+    close_stroke,
+    distinct,
+    end_gap,
+    is_closed_gesture,
+    merge_strokes,
+    places_on_sheet,
+    resample,
+    stroke_weights,
+)
 from bozzetto_car.array_types import Array
 
 STEP: Final = 6.0
@@ -72,7 +79,7 @@ def one_stroke(strokes: Sequence[Stroke]) -> Array:
     ink = [stroke for stroke in strokes if arc_length(stroke.points)[-1] >= SHORTEST]
     if len(ink) < 2:
         return np.asarray((ink or strokes)[0].points, float)
-    line = settle([stroke.points for stroke in ink], fading(ink)).points
+    line = merge_strokes([stroke.points for stroke in ink], stroke_weights(ink)).points
     first = ink[0].points
     against = (first[-1] - first[0]) @ (line[-1] - line[0]) < 0.0
     return np.asarray(line[::-1] if against else line)

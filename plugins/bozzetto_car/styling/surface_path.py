@@ -13,8 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.geometry.patches.coons import sides_of
-from bozzetto.geometry.patches.patch import Places, bernstein, points_at
+from bozzetto.geometry.patches import Places, bernstein, points_at, sides_of
 from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import Template
 

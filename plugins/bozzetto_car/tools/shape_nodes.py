@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, Tool, override
 from bozzetto.scene import Scene
-from bozzetto.view.rotations import triple
+from bozzetto.view import triple
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.body.drag import drag_handle, drag_node

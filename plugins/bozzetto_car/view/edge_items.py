@@ -8,13 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.geometry.patches.crease import SMOOTH
-from bozzetto.geometry.patches.patch import bernstein
+from bozzetto.geometry.patches import SMOOTH, bernstein
 from bozzetto.plugin import Memory
-from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Points
-from bozzetto.scene.display_list import Hidden
-from bozzetto.view import Camera
-from bozzetto.view.rotations import triple
+from bozzetto.scene import Handle, Hidden, Item, Label, Layer, Lines, Paint, Points
+from bozzetto.view import Camera, triple
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.visibility import facing

@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import distances_to_polyline, resample
 from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.edge_fit import edge_pictures, project_points

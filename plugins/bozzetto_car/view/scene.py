@@ -8,7 +8,7 @@ from functools import partial
 from typing import Final
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.tessellation import shaded
+from bozzetto.geometry.patches import shaded
 from bozzetto.plugin import Memory
 from bozzetto.scene import Image, Item, Layer, Scene, Shaded
 from bozzetto.view import Camera

@@ -7,7 +7,7 @@ They follow to the same window of the picture, so that only the car moves.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final, Literal
 
@@ -69,6 +69,37 @@ def view_after(seen: CarState, state: CarState, camera: Camera) -> Camera | None
     if now is None or now.is_seen_through(camera):
         return None
     return now.windowed(camera.viewport, before.window(camera))
+
+
+def advice_following(
+    state: CarState, body: Body, camera: Camera, seen: Sequence[Body]
+) -> ViewAdvice:
+    """Return advice on a view that goes along with the sketch if that has another camera now.
+
+    Parameters
+    ----------
+    state : CarState
+        The car.
+    body : Body
+        The car as it is shown.
+    camera : Camera
+        The view.
+    seen : sequence of Body
+        The car as it was shown a moment ago, newest first.
+    """
+    sketch = state.sketch
+    now = None if sketch is None else body.sketch_cameras.get(sketch.id)
+    if sketch is None or now is None or now.is_seen_through(camera):
+        return advice_on(state, body, camera)
+    for earlier in seen:
+        before = earlier.sketch_cameras.get(sketch.id)
+        if before is None or before.camera.viewport != now.camera.viewport:
+            continue
+        if before.is_seen_through(camera):
+            along = now.windowed(camera.viewport, before.window(camera))
+            advice = advice_on(state, body, along)
+            return replace(advice, better=along, pinned=True, follow=True)
+    return advice_on(state, body, camera)
 
 
 def _camera_before(sketch: Sketch, state: CarState) -> SketchCamera | None:

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.geometry import Mesh
-from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto.scene.picking import cast_rays
+from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Rays
 from bozzetto_silhouette.arrays import Faces, Floats, Indices
 

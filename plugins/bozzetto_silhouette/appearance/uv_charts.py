@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
+from bozzetto.scene import DepthBuffer, blank_buffer, rasterize
 from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 
@@ -57,7 +57,7 @@ class Layout(NamedTuple):
     places: Floats
     size: tuple[int, int]
     density: float
-    texels: Buffer
+    texels: DepthBuffer
 
 
 def laid_out(vertices: Floats, faces: Faces, axes: Floats, density: float) -> Layout:
@@ -150,7 +150,7 @@ def _packed(flat: Floats, chart: Index, density: float) -> Layout:
             most *= 2
     corner, size = shelves
     places = (flat - low[chart][:, None]) * density + (corner[chart] + PADDING + 0.5)[:, None]
-    return Layout(places, size, density, blank(*size))
+    return Layout(places, size, density, blank_buffer(*size))
 
 
 def _extents(spans: Floats, density: float) -> Index:
@@ -196,7 +196,7 @@ def _hidden(layout: Layout, corners: Floats, label: Index) -> Index:
     places = np.concatenate([layout.places, depth[..., None]], axis=2).reshape(-1, 3)
     faces = np.arange(len(places), dtype=np.int32).reshape(-1, 3)
     rasterize(layout.texels, places, faces)
-    behind = blank(*layout.size)
+    behind = blank_buffer(*layout.size)
     rasterize(behind, places * (1.0, 1.0, -1.0), faces)
     differs = behind.triangle != layout.texels.triangle
     return np.unique(behind.triangle[differs]).astype(np.int64)

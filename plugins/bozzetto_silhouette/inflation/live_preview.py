@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.geometry import Mesh
-from bozzetto.ink.curves.closing import signed_area
-from bozzetto.ink.curves.intersections import self_crossings
+from bozzetto.ink import self_crossings, signed_area
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.membrane import Membrane

@@ -11,9 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.ink.curves.closing import close_stroke, is_closed_gesture, signed_area
-from bozzetto.ink.curves.intersections import crossings
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink import arc_length, close_stroke, crossings, is_closed_gesture, signed_area
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.jitter_filter import filtered
 from bozzetto_silhouette.ink.ring_smoothing import softened

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.ink.curves.resample import arc_length, resample
+from bozzetto.ink import arc_length, resample
 from bozzetto_silhouette.arrays import Flags, Floats, Indices
 
 SPACING = 2e-3

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto.ink.curves.closing import signed_area
-from bozzetto.ink.curves.intersections import self_crossings
+from bozzetto.ink import self_crossings, signed_area
 from bozzetto_silhouette.arrays import Floats, Indices
 
 SMALL_LOOP = 6e-3

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.geometry import ring_links
 from bozzetto_silhouette.arrays import Flags, Floats, Indices
-from bozzetto_silhouette.outline.signed_distance import ring_links
 
 _Ring = tuple[Floats, Floats, Indices, float]
 """Points on a ring, their arc length, their vertex number or -1, and the ring's length."""

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.ink.curves.smooth import smooth
+from bozzetto.ink import smooth
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut
 from bozzetto_silhouette.model.view_rays import view_rays_through

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.geometry import Triangulation, ring_links, triangulate
 from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.triangle_circles import circumcircles, incircles, side_lengths
 from bozzetto_silhouette.outline.outline import Outline
-from bozzetto_silhouette.outline.signed_distance import RimDistance, ring_links
-from bozzetto_silhouette.outline.triangulation import Triangulation, constrained_delaunay
+from bozzetto_silhouette.outline.signed_distance import RimDistance
 
 STUB = 0.06
 """A leaf is pruned when its disc sticks out of a larger one by less than this share of the
@@ -169,7 +169,7 @@ def chordal_axis(outline: Outline) -> Skeleton:
     parts, links, offset = [], [], 0
     for outer in outline.outers:
         holes = tuple(outline.rings[j] for j in outline.holes_of(outer))
-        mesh = constrained_delaunay(outline.rings[outer], holes)
+        mesh = triangulate(outline.rings[outer], holes)
         after, _ = ring_links([len(r) for r in (outline.rings[outer], *holes)])
         centre, radius = _centres(mesh, RimDistance(mesh.points, after))
         closer = COINCIDENT * float(np.ptp(mesh.points, axis=0).max())

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.ink.curves.closing import signed_area
+from bozzetto.ink import signed_area
 from bozzetto_silhouette.arrays import Floats
 
 if TYPE_CHECKING:

@@ -14,24 +14,6 @@ _CANDIDATES = 4
 the lengths of neighbouring segments change gradually."""
 
 
-def ring_links(counts: list[int]) -> tuple[Indices, Indices]:
-    """Return successor and predecessor of every vertex of rings stored one after another.
-
-    Parameters
-    ----------
-    counts : list of int
-        Number of vertices of each ring.
-    """
-    after = np.arange(sum(counts), dtype=np.intp) + 1
-    start = 0
-    for count in counts:
-        after[start + count - 1] = start
-        start += count
-    before = np.empty_like(after)
-    before[after] = np.arange(len(after))
-    return after, before
-
-
 @dataclass(frozen=True)
 class ClosestPoints:
     """Closest points on the rim, one for each query.

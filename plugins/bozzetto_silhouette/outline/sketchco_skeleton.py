@@ -15,12 +15,12 @@ import heapq
 
 import numpy as np
 
+from bozzetto.geometry import Triangulation, ring_links, triangulate
 from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.numerics.triangle_circles import circumcircles, covered_share, incircles
 from bozzetto_silhouette.outline.medial_axis import Skeleton, with_lone_balls
 from bozzetto_silhouette.outline.outline import Outline
-from bozzetto_silhouette.outline.signed_distance import RimDistance, ring_links
-from bozzetto_silhouette.outline.triangulation import Triangulation, constrained_delaunay
+from bozzetto_silhouette.outline.signed_distance import RimDistance
 
 REDUNDANT = 0.85
 """Share of a disc that a neighbour's has to cover for the centre to be dropped."""
@@ -37,7 +37,7 @@ def paper_skeleton(outline: Outline) -> Skeleton:
     nodes, links, offset = [], [], 0
     for outer in outline.outers:
         rings = [outline.rings[outer], *(outline.rings[j] for j in outline.holes_of(outer))]
-        mesh = constrained_delaunay(rings[0], tuple(rings[1:]))
+        mesh = triangulate(rings[0], tuple(rings[1:]))
         after, _ = ring_links([len(ring) for ring in rings])
         balls = _balls(mesh, RimDistance(mesh.points, after))
         kept, edges = _without_redundant(balls, mesh.across)

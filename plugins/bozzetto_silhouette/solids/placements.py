@@ -16,8 +16,7 @@ from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Memory
 from bozzetto.plugin import Part as AnyPart
-from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto.scene.picking import cast_rays
+from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.curves.closing import is_closed_gesture
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import Stroke, Strokes, is_closed_gesture, resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import sheet_under

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bozzetto.geometry import Mesh
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import resample
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.model.state import Cut

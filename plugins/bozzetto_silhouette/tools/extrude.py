@@ -12,9 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.curves.closing import close_stroke, is_closed_gesture
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import Stroke, Strokes, close_stroke, is_closed_gesture, resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto.view import Camera, Rays

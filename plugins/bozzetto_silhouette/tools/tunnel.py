@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import Stroke, Strokes, resample
 from bozzetto.plugin import Context, Gesture, Ink
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import Sheet, sheet_under

@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import Memory
-from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto.scene.picking import Hits, cast_rays
+from bozzetto.scene import Hits, Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
@@ -83,6 +82,6 @@ def touched_part(state: SilhouetteState, x: float, y: float, camera: Camera) -> 
     hits = touch.under([(x, y)], camera)
     if not hits.hit[0]:
         return None
-    away = ((touch.body.vertices - hits.points[0]) ** 2).sum(axis=1)
-    source = touch.body.sources[touch.body.origins[int(away.argmin())]]
+    corner = touch.body.faces[hits.faces[0], hits.weights[0].argmax()]
+    source = touch.body.sources[touch.body.origins[corner]]
     return next((part for part in state.parts if part.id == source), None)

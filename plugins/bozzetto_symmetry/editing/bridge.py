@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.spline import DEGREE, Spline
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.geometry import DEGREE, Spline
+from bozzetto.ink import arc_length
 from bozzetto_symmetry.editing.trim import piece
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.geometry.spline import DEGREE, Spline
+from bozzetto.geometry import DEGREE, Spline
 from bozzetto_symmetry.fitting.half_curve import Halves, halves_of, symmetrize
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.spline import Spline
+from bozzetto.geometry import Spline
 from bozzetto_symmetry.editing.bridge import bridge, chain, close_chain, close_with_bridge
 from bozzetto_symmetry.editing.trim import piece
 from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize

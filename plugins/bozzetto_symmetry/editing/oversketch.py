@@ -15,12 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.spline import Spline
-from bozzetto.ink import Stroke
-from bozzetto.ink.checked_points import is_on_sheet
-from bozzetto.ink.curves.resample import arc_length
-from bozzetto.ink.oversketch.lift import lifted
-from bozzetto.ink.oversketch.snake import LOCATION, PRESSURE, RESTITUTION, modified
+from bozzetto.geometry import Spline
+from bozzetto.ink import (
+    SNAKE_LOCATION,
+    SNAKE_PRESSURE,
+    SNAKE_RESTITUTION,
+    Stroke,
+    arc_length,
+    is_on_sheet,
+    lift_curve,
+    oversketch_curve,
+)
 from bozzetto_symmetry.editing.displacement import displace
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.polyline import runs
@@ -47,9 +52,9 @@ little about it: the plane is seen within three degrees of its edge then."""
 class Forces:
     """Weights of what pulls and what resists; see `bozzetto.ink.oversketch.snake.modified`."""
 
-    restitution: float = RESTITUTION
-    location: float = LOCATION
-    pressure: float = PRESSURE
+    restitution: float = SNAKE_RESTITUTION
+    location: float = SNAKE_LOCATION
+    pressure: float = SNAKE_PRESSURE
 
 
 def oversketch(
@@ -93,7 +98,7 @@ def oversketch(
     image = MIRROR if mirrored and curve.reading == "pair" else np.ones(3)
     at, points, whole = _nodes(curve.spline, stereo, image)
     pixels = stereo.project(points)
-    bent = modified(
+    bent = oversketch_curve(
         pixels,
         [(stroke.points, stroke.pressure) for stroke in strokes],
         closed=whole,
@@ -106,7 +111,7 @@ def oversketch(
     if curve.reading == "plane":
         goal = _in_plane(stereo, bent.points, points, pixels)
     else:
-        goal = lifted(points, stereo.camera, bent.points)
+        goal = lift_curve(points, stereo.camera, bent.points)
     shifts = np.where(bent.moved[:, None], (goal - points) * image, 0.0)
     unit = pixel_size(stereo.camera, points)
     spline = displace(curve.spline, at, shifts, unit, symmetric=curve.reading == "self")

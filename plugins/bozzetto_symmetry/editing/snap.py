@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.spline import DEGREE, Spline
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.geometry import DEGREE, Spline
+from bozzetto.ink import arc_length
 from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.spline import Spline
+from bozzetto.geometry import Spline
 from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.ink import distances_to_polyline
 from bozzetto_symmetry.fitting.initial_guess import approximate, half_of, stations_of
 from bozzetto_symmetry.fitting.normal_equations import Fit, Problem
 from bozzetto_symmetry.fitting.reprojection import Ink, match_ink

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.geometry.spline import DEGREE, Spline
+from bozzetto.geometry import DEGREE, Spline
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.oversketch.ordered_feet import ordered_feet
+from bozzetto.ink import ordered_feet
 from bozzetto_symmetry.fitting.initial_guess import trusted_steps
 from bozzetto_symmetry.ink.polyline import interpolate
 

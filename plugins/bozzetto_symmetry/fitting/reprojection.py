@@ -9,8 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.ink.curves.resample import arc_length, resample
-from bozzetto.ink.oversketch.ordered_feet import LAPS, ordered_feet
+from bozzetto.ink import FEET_LAPS, arc_length, ordered_feet, resample
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
@@ -288,7 +287,7 @@ def _passed_parameters(
     lengths = 0.5 * (steps + np.roll(steps, 1))
     nodes = ordered_feet(place[chosen], length / count, image, lengths, closed=closed)
     step = float(at[1] - at[0])
-    numbered = at[0] + step * np.arange(len(at) * (LAPS if closed else 1))
+    numbered = at[0] + step * np.arange(len(at) * (FEET_LAPS if closed else 1))
     return np.asarray(np.interp(np.arange(len(place)), chosen, numbered[nodes]))
 
 

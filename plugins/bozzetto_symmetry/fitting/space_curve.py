@@ -8,9 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.geometry import Curve
-from bozzetto.geometry.shapes import Color
-from bozzetto.geometry.spline import DEGREE, Spline, uniform_knots
+from bozzetto.geometry import DEGREE, Color, Curve, Spline, uniform_knots
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
 Array = NDArray[np.float64]

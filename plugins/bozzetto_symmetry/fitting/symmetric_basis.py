@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.geometry.spline import DEGREE, Spline, derived_points
+from bozzetto.geometry import DEGREE, Spline, derived_points
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve, across
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink import arc_length
 
 Array = NDArray[np.float64]
 

@@ -10,10 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import resample
-from bozzetto.ink.merge import fading, settle
+from bozzetto.ink import Stroke, distances_to_polyline, merge_strokes, resample, stroke_weights
 from bozzetto.plugin import Memory
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.stroke_grouping import any_drawn_over, bonds_between, group_strokes
@@ -133,7 +130,7 @@ def _side(strokes: tuple[Stroke, ...]) -> Side:
         lines = [_line(stroke) for stroke in strokes]
         places = [pen_down(stroke) for stroke in strokes]
         if len(lines) > 1 and any_drawn_over([line.pixels for line in lines]):
-            return _settled(places, fading(list(strokes)), ())
+            return _settled(places, stroke_weights(list(strokes)), ())
         line = lines[0] if len(lines) == 1 else smooth_line(_chained(places))
         return Side(line.pixels, line.closed, line.noise, ())
 
@@ -173,7 +170,7 @@ def _members(one: Side, other: Side) -> tuple[int, ...]:
 
 def _settled(places: Sequence[Array], weights: Array, members: tuple[int, ...]) -> Side:
     """Return lines over one another merged into one, in the sense of the first."""
-    found = settle(places, weights)
+    found = merge_strokes(places, weights)
     line = found.points
     closed = found.closed
     if closed:

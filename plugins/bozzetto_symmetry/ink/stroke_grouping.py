@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import resample
 from bozzetto_symmetry.ink.polyline import length_of
 
 Array = NDArray[np.float64]

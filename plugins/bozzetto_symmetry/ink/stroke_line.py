@@ -9,10 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke
-from bozzetto.ink.curves.closing import END_SHARE, close_stroke, end_gap, is_closed_gesture
-from bozzetto.ink.curves.preprocess import prepare
-from bozzetto.ink.curves.resample import arc_length, distinct, resample
+from bozzetto.ink import (
+    END_SHARE,
+    Stroke,
+    arc_length,
+    close_stroke,
+    distinct,
+    end_gap,
+    is_closed_gesture,
+    prepare_curve,
+    resample,
+)
 from bozzetto_symmetry.ink.polyline import interpolate, length_of
 
 Array = NDArray[np.float64]
@@ -197,7 +204,7 @@ def _lengths(points: Array, closed: bool) -> Array:
 
 def _smoothed_lengths(points: Array, closed: bool) -> Array:
     """Return the same as `_lengths`, measured on the smoothed line."""
-    made = prepare(points, np.ones(len(points)), pixel=1.0, closed=closed)
+    made = prepare_curve(points, np.ones(len(points)), pixel=1.0, closed=closed)
     along = np.append(made.along, 1.0) if closed else made.along
     return np.asarray(np.maximum.accumulate(along) * _lengths(made.points, closed)[-1])
 

@@ -10,7 +10,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink import arc_length
 from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, strays
 from bozzetto_symmetry.stereo.correspondence import Pairing

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import resample
 from bozzetto_symmetry.stereo.correspondence import Pairing, pairing_of
 from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, at_stations, differences, spread

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink import arc_length
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side, gap_between
 from bozzetto_symmetry.ink.stroke_grouping import bonds_between

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.ink import distances_to_polyline
 from bozzetto_symmetry.ink.sides import Side, gap_between, join_ends, merge_alongside
 from bozzetto_symmetry.interpretation.candidate import Candidate, Read
 from bozzetto_symmetry.interpretation.pair import as_pair, overdrawn

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.view.rotations import triple
+from bozzetto.view import triple
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import AskedReading, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane

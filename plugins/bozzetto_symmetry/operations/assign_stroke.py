@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
 from bozzetto.view import Camera
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas

@@ -15,12 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke
-from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import Context
 from bozzetto.scene import Layer, Lines
-from bozzetto.view import Camera
-from bozzetto.view.rotations import triple
+from bozzetto.view import Camera, triple
 from bozzetto_symmetry.model.axes import AXES, along
 from bozzetto_symmetry.model.grid import clip_to_box
 from bozzetto_symmetry.model.perspective import focal_length, pixel_size, toward_vanishing

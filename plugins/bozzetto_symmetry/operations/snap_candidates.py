@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
-from bozzetto.view import Camera
-from bozzetto.view.rotations import triple
+from bozzetto.view import Camera, triple
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.model.state import Snap, SymmetryState

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import Context
-from bozzetto.view import Camera
-from bozzetto.view.rotations import triple
+from bozzetto.view import Camera, triple
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
 from bozzetto_symmetry.model.state import SymmetryState

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink import arc_length
 from bozzetto.plugin import Context
-from bozzetto.view.rotations import triple
+from bozzetto.view import triple
 from bozzetto_symmetry.editing.snap import FADE, LEAST_FADE
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Snap, SymmetryState, Trim

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.spline import Spline
-from bozzetto.ink import Stroke
-from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.geometry import Spline
+from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import Memory
 from bozzetto_symmetry.editing.replay import apply_edits
 from bozzetto_symmetry.fitting.bundle_adjustment import Controls, Sight, adjust_bundle

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink.checked_points import FARTHEST
-from bozzetto.ink.curves.nearest import distances_to_polyline, nearest_curve
+from bozzetto.ink import FARTHEST, distances_to_polyline, nearest_curve
 from bozzetto.plugin import Memory
 from bozzetto.view import Camera
 from bozzetto_symmetry.fitting.half_curve import halves_of

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink import arc_length
 from bozzetto.plugin import Context, Gesture, Ink, Memory, NextStep, Tool, override
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas

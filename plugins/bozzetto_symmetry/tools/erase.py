@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import resample
+from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.split import Stretch, replace_by_pieces, without_stretch

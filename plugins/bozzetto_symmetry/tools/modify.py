@@ -8,8 +8,7 @@ from typing import Final, Literal
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, Strokes
-from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.ink import Stroke, Strokes, distances_to_polyline
 from bozzetto.plugin import Context, Gesture, Ink, Tool
 from bozzetto.scene import Layer, Scene
 from bozzetto_symmetry.editing.replay import apply_edit

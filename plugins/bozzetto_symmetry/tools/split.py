@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.ink.curves.intersections import crossings
+from bozzetto.ink import crossings
 from bozzetto.plugin import Context, Gesture, Ink, Tap, Tool
 from bozzetto.scene import Layer, Points, Scene
 from bozzetto.view import Camera

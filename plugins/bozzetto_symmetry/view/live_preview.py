@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.ink.curves.resample import resample, steps_along
+from bozzetto.ink import resample, steps_along
 from bozzetto_symmetry.stereo.correspondence import ASTRAY, Heights
 from bozzetto_symmetry.stereo.dynamic_time_warping import first_row, next_row
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, at_stations, differences, spread

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry.curve_flattening import FLATNESS, flattened
-from bozzetto.ink.curves.resample import resample
+from bozzetto.geometry import FLATNESS, flattened
+from bozzetto.ink import resample
 from bozzetto.plugin import Memory
 from bozzetto.scene import Layer, Lines, Paint, Scene
 from bozzetto.view import Camera

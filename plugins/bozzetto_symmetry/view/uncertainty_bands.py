@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.curves.resample import arc_length
+from bozzetto.ink import arc_length
 from bozzetto.scene import Lines, Paint
 from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.stereo.uncertainty import heat

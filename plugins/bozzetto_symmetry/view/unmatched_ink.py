@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.curves.nearest import distances_to_polyline
+from bozzetto.ink import distances_to_polyline
 from bozzetto.plugin import Memory
 from bozzetto_symmetry.ink.polyline import length_of, runs
 from bozzetto_symmetry.solve.curve_solver import Trace, View

@@ -10,8 +10,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.view import Camera
-from bozzetto.view.navigation import turn
+from bozzetto.view import Camera, turn
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 from bozzetto_symmetry.stereo.degeneracies import CAUSES, REMEDIES, Case, special_case
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo

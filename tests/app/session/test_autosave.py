@@ -7,11 +7,13 @@ import random
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
 from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
+from shiboken6 import delete
 
 from bozzetto.document.recovery.recovery import RecoveryStore
 from bozzetto.document.waiting_ink import WaitingStroke
@@ -20,11 +22,15 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.dialogs.recovery import RecoveryDialog
 from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.drawing_record import State
+from tests.app import drawing_child
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER
 
 ROOT = Path(__file__).parents[3]
 DEFAULT_KILLS, MANY_KILLS = 2, 30
+
+MACHINE = 1.0
+"""Seconds that a machine which others use as well may need more, for the thread that writes."""
 
 
 @pytest.fixture
@@ -120,6 +126,27 @@ def test_at_no_moment_is_a_stroke_in_neither_place(keep, settle, monkeypatch):
     assert totals[-1] == 6
 
 
+def test_a_drag_is_kept_while_it_goes_on(keep, folder, settle, qtbot):
+    """Nothing rests, so there is no other time to write it down."""
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    sizes = iter(range(20, 100_000))
+
+    def kept_size():
+        session.objects.set_parameter("size", 1e-3 * next(sizes) + 20.0, dragging=True)
+        written = keeper._sheet.written
+        return next(iter(written.document)).state.size
+
+    qtbot.waitUntil(lambda: kept_size() > 20.0)
+    assert session.drawing.is_dragging
+    keeper._tasks.join()
+    crash(keeper)
+    store = RecoveryStore(folder)
+    (crashed,) = store.crashed_sessions()
+    (model,) = store.recover(crashed, session.registry).document
+    assert model.state.size > 20.0
+
+
 def test_a_live_session_is_not_offered_to_others(keep, folder, settle):
     one, first = keep()
     two, second = keep()
@@ -154,6 +181,40 @@ def test_what_leaves_the_sheet_without_an_answer_is_offered_again(keep, folder, 
     keeper.wait()
     assert sorted(kept_strokes(folder, session.registry)) == [1, 2]
     assert any("is kept" in notice.text for notice in session.heard)
+
+
+def test_a_window_that_ends_in_any_way_lets_go_of_its_drawing(keep, folder, settle):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    delete(keeper)  # as its window does when it is deleted without being closed
+    keeper.wait()
+    assert kept_strokes(folder, session.registry) == [1]
+
+
+def test_a_drawing_that_comes_back_when_its_window_is_gone_is_offered_again(
+    keep, folder, settle, qtbot, monkeypatch
+):
+    session, keeper = keep()
+    draw(session, settle, keeper)
+    crash(keeper)
+    (crashed,) = RecoveryStore(folder).crashed_sessions()
+    other, second = keep()
+    begun, gate, recover = threading.Event(), threading.Event(), RecoveryStore.recover
+
+    def slow(store, *arguments):
+        answer = recover(store, *arguments)
+        begun.set()
+        gate.wait(10)
+        return answer
+
+    with monkeypatch.context() as patch:
+        patch.setattr(RecoveryStore, "recover", slow)
+        second.recover(crashed)
+        assert begun.wait(10)
+        assert RecoveryStore(folder).crashed_sessions() == []
+        delete(other.files)
+        gate.set()
+        qtbot.waitUntil(lambda: RecoveryStore(folder).crashed_sessions() == [crashed])
 
 
 def test_what_could_not_be_written_when_it_left_is_written_later(keep, folder, settle, monkeypatch):
@@ -250,6 +311,35 @@ def test_two_drawings_opened_in_one_breath_are_both_kept(offered, folder, settle
     assert second.isEnabled()
     crash(window.keeper)
     assert kept_strokes(folder, window.session.registry) == [1, 1]
+
+
+def test_a_slow_recovery_is_told_waited_for_and_can_be_stopped(
+    offered, folder, settle, qtbot, monkeypatch
+):
+    window, dialog = offered(1)
+    said, gate, recover = [], threading.Event(), RecoveryStore.recover
+    window.session.notices.noticed.connect(said.append)
+    window.session.files._reads.time_limit = 0.05
+
+    def slow(store, crashed, states, progress):
+        while not gate.wait(0.3):
+            progress()
+        return recover(store, crashed, states, progress)
+
+    monkeypatch.setattr(RecoveryStore, "recover", slow)
+    (button,) = buttons(dialog, "Open")
+    button.click()
+    assert not button.isEnabled()
+    qtbot.waitUntil(lambda: any(notice.kind == "slow" for notice in said))
+    assert window.session.files.busy, "it goes on"
+    window.session.cancel_work()
+    assert button.isEnabled()
+    assert button.text() == "Open"
+    settle(window.session, window.keeper)
+    gate.set()
+    button.click()
+    qtbot.waitUntil(lambda: bool(len(window.session.drawing.document)))
+    assert not [notice for notice in said if notice.kind == "error"]
 
 
 def test_strokes_drawn_while_a_recovery_loads_are_asked_about(offered, folder, settle, qtbot):
@@ -380,9 +470,9 @@ def test_a_full_disk_is_told_and_drawing_goes_on(keep, settle, monkeypatch):
 class Child:
     """A window in a process of its own that draws until it is killed."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, *what):
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "tests.app.drawing_child", str(folder)],
+            [sys.executable, "-m", "tests.app.drawing_child", str(folder), *what],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -393,10 +483,13 @@ class Child:
 
     def kill_after(self, seconds):
         """Kill it; how many strokes it had said to be on the sheet by then."""
+        said = self.said_until_killed_after(seconds)
+        return int(said[-1]) if said else 0
+
+    def said_until_killed_after(self, seconds):
         time.sleep(seconds)
         self.process.send_signal(signal.SIGKILL)
-        said = self.process.communicate()[0].split()
-        return int(said[-1]) if said else 0
+        return self.process.communicate()[0].splitlines()
 
 
 def killed_once(folder, seconds):
@@ -413,6 +506,20 @@ def test_a_killed_window_loses_at_most_the_stroke_under_the_pen(tmp_path):
     seeds = random.Random(1)
     drawn = [killed_once(tmp_path / str(k), seeds.uniform(0.7, 1.2)) for k in range(DEFAULT_KILLS)]
     assert max(drawn) >= 2
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
+def test_a_window_killed_in_a_drag_loses_the_last_second_of_it(tmp_path):
+    said = Child(tmp_path, "drag").said_until_killed_after(4.0)
+    times = {int(count): float(moment) for count, moment in map(str.split, said)}
+    store = RecoveryStore(tmp_path)
+    (crashed,) = store.crashed_sessions()
+    (model,) = store.recover(crashed, Registry()).document
+    (part,) = model.state.parts
+    kept = round((getattr(part, drawing_child.VALUE) - 0.5) / drawing_child.STEP)
+    lost = max(times.values()) - times[kept]
+    assert lost <= 1.0 + MACHINE, f"{lost:.2f} s of {len(times)} values"
 
 
 @pytest.mark.kill

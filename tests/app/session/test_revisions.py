@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bozzetto.document.model import Model
-from bozzetto_app.session.revisions import Revisions, Stage, Task
+from bozzetto_app.session.revisions import MOST_AHEAD, Revisions, Stage, Task
 
 
 class Value:
@@ -244,38 +244,80 @@ def test_answers_of_a_document_that_was_left_are_not_shown():
     assert bench.shown["a"][-1][0] == bench.number
 
 
-@given(st.lists(st.sampled_from(["value", "work", "take", "paint"]), max_size=60))
-def test_in_a_drag_no_preview_begins_before_the_last_is_painted(acts):
-    bench = Bench()
+class Painter:
+    """A viewport that paints one scene at a time, and then the newest that it was given."""
+
+    def __init__(self) -> None:
+        self.given = self.begun = self.done = 0
+
+    def begin(self) -> None:
+        if self.begun == self.done:
+            self.begun = self.given
+
+    def end(self) -> int:
+        """What is told when a frame is painted: how many newer scenes there are."""
+        self.done = self.begun
+        return self.given - self.done
+
+
+@given(st.lists(st.sampled_from(["value", "work", "take", "begin", "end"]), max_size=100))
+@example(["value", "work", "work", "take", "begin"] * 3)
+def test_in_a_drag_one_preview_is_made_while_the_last_is_painted_and_no_more(acts):
+    bench, painter = Bench(), Painter()
     bench.rules.expect_paint(True)
     bench.ask("a")
     bench.settle()
-    unpainted = False
+    made = 0
     for act in acts:
         if act == "value":
             bench.ask("a", dragging=True)
         elif act == "take":
-            bench.take()
-        elif act == "paint":
-            bench.rules.painted()
-            unpainted = False
+            painter.given += bench.take()
+        elif act == "begin":
+            painter.begin()
+        elif act == "end":
+            bench.rules.painted(painter.end())
         else:
-            before = len(bench.underway)
-            was_idle = bench.working is None
+            unpainted = made - painter.done
+            was_idle, before = bench.working is None, len(bench.underway)
             bench.work(cost=2)
-            if was_idle and unpainted:
-                assert bench.working is None
-            unpainted = unpainted or len(bench.underway) > before
-    if bench.dragging:
-        bench.rules.let_go()
+            if was_idle and bench.working is not None:
+                assert unpainted < MOST_AHEAD, "nobody would see it for long"
+            made += len(bench.underway) - before
+    # In whatever state this stopped: once all is painted, the newest value is worked on.
+    bench.ask("a", dragging=True)
+    for _ in range(4):
+        bench.work()
+        painter.given += bench.take()
+        painter.begin()
+        bench.rules.painted(painter.end())
+    assert bench.shown["a"][-1][0] == bench.number
+    bench.rules.let_go()
     bench.tell()
     bench.settle()
     assert bench.shown["a"][-1][0] == bench.number, "the last value is shown all the same"
 
 
+def test_a_preview_is_made_while_the_one_before_is_painted():
+    bench = Bench()
+    bench.rules.expect_paint(True)
+    for _ in range(MOST_AHEAD):
+        bench.ask("a", dragging=True)
+        bench.work()
+        assert bench.take()
+    bench.ask("a", dragging=True)
+    assert bench.rules.next() is None
+    assert not bench.rules.painted(MOST_AHEAD), "a frame of what was shown before"
+    assert bench.rules.next() is None
+    assert bench.rules.painted(1), "the older of both is on the screen"
+    assert bench.rules.next() is not None
+
+
 def test_a_model_without_a_picture_waits_for_no_paint():
     bench = Bench()
     bench.rules.expect_paint(True)
+    bench.ask("a", dragging=True)
+    bench.work()
     bench.ask("a", dragging=True)
     bench.work()
     bench.ask("b", dragging=True)

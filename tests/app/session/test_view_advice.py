@@ -168,6 +168,41 @@ def test_the_view_goes_along_at_once(followed, marks, settle):
     assert not session.advice.advice.follow
 
 
+def test_in_a_drag_advice_is_on_the_previews_that_are_shown(followed, marks, settle, qtbot):
+    """Who advises on results is asked with each of them, and never has to solve."""
+    session, asked = followed.session, []
+
+    def on_result(state, result, camera, seen):
+        asked.append((state, result, camera, seen))
+        where = beside(home, 10.0 * state.box)
+        if camera.eye == where.eye:
+            return ViewAdvice("good", "Through the picture", pinned=True)
+        return ViewAdvice("good", "It moved", better=where, pinned=True, follow=True)
+
+    home = session.view.camera
+    marks.advice_on_result = on_result
+    marks.solve = lambda state, job: (state.box, job.quality)
+    marks.curves = lambda state, result: ()
+    draw(session, settle)
+    asked.clear()
+    by_state = marks.asked
+    for number in range(1, 6):
+        model = session.selection.model
+        changed = replace(model, state=replace(model.state, box=float(number)))
+        session.drawing.commit("Box", session.drawing.document.with_model(changed), "drag")
+        goal = beside(home, 10.0 * number).eye
+        qtbot.waitUntil(lambda goal=goal: session.view.camera.eye == goal)
+        assert session.drawing.is_dragging
+    assert {result for _, result, _, _ in asked} == {(float(n), "preview") for n in range(1, 6)}
+    assert all(state.box == result[0] for state, result, _, _ in asked)
+    newest = next(seen for state, _, _, seen in asked if state.box == 4.0)
+    assert newest[0] == (3.0, "preview"), "to which the view had gone"
+    session.solver.let_go()
+    settle(session)
+    assert asked[-1][1] == (5.0, "final")
+    assert marks.asked == by_state
+
+
 def test_it_waits_for_the_hand(followed, marks, settle):
     """What is drawn belongs to the view in which it is drawn."""
     session, canvas = followed.session, followed.canvas

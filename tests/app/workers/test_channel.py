@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import threading
 import time
+from dataclasses import replace
 
 import pytest
+from shiboken6 import delete
 
 from bozzetto.errors import Cancelled
 from bozzetto_app.workers.channel import Channel, Hung, Request
@@ -123,6 +125,39 @@ def test_cancelling_a_request_that_does_not_listen_frees_the_channel(qtbot, hear
     channel.submit(heard.request(lambda job: "alive"))
     qtbot.waitUntil(lambda: heard.answers == ["alive"], timeout=5000)
     gate.set()
+
+
+@pytest.mark.parametrize("how", ["cancelled", "left behind", "channel deleted"])
+def test_an_answer_that_nobody_takes_is_handed_back(qtbot, heard, how, monkeypatch):
+    """It may hold a lock, for instance."""
+    monkeypatch.setattr("bozzetto_app.workers.channel.GRACE", 0.1)
+    channel = Channel("test")
+    begun, gate, back = threading.Event(), threading.Event(), []
+
+    def work(job):
+        begun.set()
+        gate.wait(30)
+        return "held"
+
+    channel.submit(replace(heard.request(work), dropped=back.append))
+    assert begun.wait(5)
+    if how == "channel deleted":
+        delete(channel)
+    else:
+        channel.cancel()
+    if how == "left behind":
+        qtbot.waitUntil(lambda: not channel.busy)
+    gate.set()
+    qtbot.waitUntil(lambda: back == ["held"])
+    assert heard.answers == []
+
+
+def test_an_answer_that_was_taken_or_failed_is_not_handed_back(qtbot, heard):
+    channel, back = Channel("test", keep_all=True), []
+    channel.submit(replace(heard.request(lambda job: "taken"), dropped=back.append))
+    channel.submit(replace(heard.request(lambda job: 1 / 0), dropped=back.append))
+    qtbot.waitUntil(lambda: not channel.busy)
+    assert (heard.answers, back) == (["taken"], [])
 
 
 def test_progress_of_the_running_request_is_heard(qtbot, heard):

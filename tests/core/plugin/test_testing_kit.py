@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import Cancelled, Unfinished, UserError
-from bozzetto.geometry import Mesh, Shapes, Solid, Surface
+from bozzetto.geometry import Mesh, Shapes, Solid, Surface, cylinder
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Job
 from bozzetto.plugin.guard.guard import PluginFault
@@ -108,6 +108,12 @@ def open_solid(state, result):
     return Shapes(solids=(Solid(Mesh(np.eye(3), [[0, 1, 2]])),))
 
 
+def inside_out(state, result):
+    if not len(state.strokes):
+        return Shapes()
+    return Shapes(breps=(cylinder((0, 0, 0), (0, 0, 9), 2.0).turned_over(),))
+
+
 def open_at_the_end(state, result):
     """A tetrahedron, of which a face is missing where the size is the largest."""
     if not len(state.strokes):
@@ -141,6 +147,7 @@ WRONG = {
     "a gesture that fails": ("apply", lambda: lambda s, g, c: 1 / 0, {"odd_gestures", "drawing"}),
     "unfinished for ever": ("apply", lambda: never_enough, {"odd_gestures"}),
     "an open solid": ("shapes", lambda: open_solid, {"drawing"}),
+    "a closed brep that is inside out": ("shapes", lambda: inside_out, {"drawing"}),
     "an end of a range": ("solve", lambda: narrow, {"parameters"}),
     "a solid that opens at an end of a range": ("shapes", lambda: open_at_the_end, {"ranges"}),
     "an answer that was remembered": ("preview", remembering, {"forgetting"}),

@@ -142,7 +142,7 @@ def test_the_tree_of_a_mesh_dies_with_it():
 
 def test_the_tree_of_a_mesh_holds_each_corner_once():
     """Trees are kept with every mesh that is shown: they are not to hold what they do not use."""
-    from bozzetto.scene.bvh import tree_of
+    from bozzetto.geometry.bvh import tree_of
 
     mesh = sphere()
     tree = tree_of(mesh)

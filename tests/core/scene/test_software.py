@@ -14,7 +14,7 @@ from bozzetto.scene.picking import cast_rays
 from bozzetto.scene.renderer import SHADINGS, render
 from bozzetto.scene.renderer.triangle_soup import gather
 from bozzetto.scene.renderer.view_transform import view_transform
-from bozzetto.scene.renderer.zbuffer import blank, rasterize
+from bozzetto.scene.renderer.zbuffer import blank_buffer, rasterize
 from bozzetto.scene.snapshot import picture, thumbnail
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit, turn
@@ -61,7 +61,7 @@ def test_the_z_buffer_sees_what_rays_hit(seed, kind, count):
     camera = Camera(kind, tuple(eye), height=30, fov_y=60, viewport=(80, 60))
     sight = view_transform(camera, 60, 80, (0, 0, 80, 60))
     triangles = gather([mesh], [None], sight)
-    buffer = blank(80, 60)
+    buffer = blank_buffer(80, 60)
     rasterize(buffer, triangles.places, triangles.faces)
     near = buffer.nearness.reshape(60, 80).astype(float)
     depth = camera.distance / near if kind == "perspective" else camera.distance - near
@@ -354,6 +354,24 @@ def test_handles_and_labels_lie_on_top():
     image = shot(scene)
     np.testing.assert_array_equal(image[50, 60, :3], LIGHT.accent)
     assert (np.abs(image - shot(scene_of(WALL, Handle("h", (0, 0, 0)))))[45:70, 35:55] > 60).any()
+
+
+@given(st.lists(st.tuples(st.integers(-40, 40), st.integers(-30, 30), st.booleans()), max_size=9))
+@settings(max_examples=25, deadline=None)
+def test_handles_drawn_at_once_look_as_if_drawn_one_by_one(found):
+    scene = scene_of(
+        *(
+            Handle("h", (0.7 * x, 0.0, 0.7 * z), "accent" if own else "second")
+            for x, z, own in found
+        )
+    )
+    at_once = shot(scene)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            "bozzetto.scene.renderer.renderer._drawn_at_once",
+            lambda places, colors, gap: (slice(k, k + 1) for k in range(len(places))),
+        )
+        np.testing.assert_array_equal(at_once, shot(scene))
 
 
 @pytest.mark.parametrize("behind", [Lines(LINE, width=7), Points([(0.0, 0.0, 0.25)], size=9)])

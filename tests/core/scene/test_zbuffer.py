@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
-from bozzetto.scene.renderer.zbuffer import blank, rasterize
+from bozzetto.scene.renderer.zbuffer import blank_buffer, rasterize
 
 WIDTH, HEIGHT = 60, 40
 
@@ -17,7 +17,7 @@ def cover_counts(places, faces):
     """How many triangles own each pixel, each drawn alone."""
     counts = np.zeros(WIDTH * HEIGHT, int)
     for face in faces:
-        buffer = blank(WIDTH, HEIGHT)
+        buffer = blank_buffer(WIDTH, HEIGHT)
         rasterize(buffer, places, face[None])
         counts += buffer.triangle >= 0
     return counts.reshape(HEIGHT, WIDTH)
@@ -42,7 +42,7 @@ def test_a_triangulated_sheet_has_neither_cracks_nor_overlaps(seed, count, on_la
 def test_a_rectangle_owns_the_pixel_centres_in_it(x, y, width, height):
     corners = np.array([(x, y), (x + width, y), (x + width, y + height), (x, y + height)])
     places = np.column_stack((corners, np.ones(4)))
-    buffer = blank(WIDTH, HEIGHT)
+    buffer = blank_buffer(WIDTH, HEIGHT)
     rasterize(buffer, places, np.array([(0, 1, 2), (0, 2, 3)], np.int32))
     columns, rows = (np.arange(n) + 0.5 for n in (WIDTH, HEIGHT))
     inside = ((rows >= y) & (rows < y + height))[:, None] & (columns >= x) & (columns < x + width)
@@ -57,7 +57,7 @@ def test_nearness_lies_on_the_plane_and_within_the_corners(seed):
     if seed % 3 == 0:  # a sliver
         corners[2] = corners[0] + 0.37 * (corners[1] - corners[0]) + 1e-7
     near = random.uniform(-5, 5, 3)
-    buffer = blank(WIDTH, HEIGHT)
+    buffer = blank_buffer(WIDTH, HEIGHT)
     rasterize(buffer, np.column_stack((corners, near)), np.array([(0, 1, 2)], np.int32))
     drawn = np.flatnonzero(buffer.triangle >= 0)
     values = buffer.nearness[drawn]
@@ -79,7 +79,7 @@ def test_the_order_of_drawing_does_not_matter(seed):
     spread = random.choice([2, 6, 20], (count, 1, 1)) * (1, 1, 0.1)
     places = (center + random.normal(0, 1, (count, 3, 3)) * spread).reshape(-1, 3)
     faces = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
-    plain, hinted = blank(WIDTH, HEIGHT), blank(WIDTH, HEIGHT)
+    plain, hinted = blank_buffer(WIDTH, HEIGHT), blank_buffer(WIDTH, HEIGHT)
     rasterize(plain, places, faces)
     rasterize(hinted, places, faces, random.random(count) < 0.5)
     np.testing.assert_array_equal(plain.nearness, hinted.nearness)
@@ -97,7 +97,7 @@ def test_what_is_hidden_at_its_corners_alone_is_still_seen():
         [corner for side in frame for corner in quad(*side, 5.0)] + quad(1, 1, 59, 39, 1.0)
     )
     faces = np.concatenate([np.array([(0, 1, 2), (0, 2, 3)]) + 4 * k for k in range(5)])
-    buffer = blank(WIDTH, HEIGHT)
+    buffer = blank_buffer(WIDTH, HEIGHT)
     rasterize(buffer, places, faces.astype(np.int32), np.arange(10) < 8)
     seen = buffer.nearness.reshape(HEIGHT, WIDTH)
     np.testing.assert_array_equal(seen[16:24, 16:44], 1.0)
@@ -109,7 +109,7 @@ def test_working_in_small_portions_changes_nothing(monkeypatch, chunk):
     random = np.random.default_rng(3)
     places = random.uniform((-20, -20, 0), (80, 60, 5), (60, 3))
     faces = np.arange(60, dtype=np.int32).reshape(-1, 3)
-    whole, parts = blank(WIDTH, HEIGHT), blank(WIDTH, HEIGHT)
+    whole, parts = blank_buffer(WIDTH, HEIGHT), blank_buffer(WIDTH, HEIGHT)
     rasterize(whole, places, faces)
     monkeypatch.setattr("bozzetto.scene.renderer.zbuffer.SPANS_AT_ONCE", chunk)
     monkeypatch.setattr("bozzetto.scene.renderer.zbuffer.FRAGMENTS_AT_ONCE", chunk)
@@ -119,7 +119,7 @@ def test_working_in_small_portions_changes_nothing(monkeypatch, chunk):
 
 
 def test_what_is_far_outside_or_flat_draws_nothing():
-    buffer = blank(WIDTH, HEIGHT)
+    buffer = blank_buffer(WIDTH, HEIGHT)
     places = np.array(
         [(-1e12, 5, 1), (-1e9, 1e12, 1), (-1e9, -1e12, 1), (5, 5, 1), (9, 9, 1), (13, 13, 1.0)]
     )
@@ -128,7 +128,7 @@ def test_what_is_far_outside_or_flat_draws_nothing():
 
 
 def test_a_huge_triangle_around_the_window_fills_it():
-    buffer = blank(WIDTH, HEIGHT)
+    buffer = blank_buffer(WIDTH, HEIGHT)
     places = np.array([(-1e9, -1e9, 1), (3e9, -1e9, 1), (-1e9, 3e9, 1.0)])
     rasterize(buffer, places, np.array([(0, 1, 2)], np.int32))
     assert (buffer.triangle == 0).all()

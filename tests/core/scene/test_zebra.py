@@ -13,7 +13,7 @@ from bozzetto.scene.renderer import render
 from bozzetto.scene.renderer.shading import fragments
 from bozzetto.scene.renderer.triangle_soup import gather
 from bozzetto.scene.renderer.view_transform import view_transform
-from bozzetto.scene.renderer.zbuffer import blank, rasterize
+from bozzetto.scene.renderer.zbuffer import blank_buffer, rasterize
 from bozzetto.scene.renderer.zebra import TUBES, stripes
 from bozzetto.view.camera import Camera
 from tests.core.scene.shapes import scene_of, sphere
@@ -26,7 +26,7 @@ def light_on(mesh, camera):
     width, height = SIZE
     sight = view_transform(camera, height, width, (0, 0, width, height))
     triangles = gather([mesh], [None], sight)
-    buffer = blank(width, height)
+    buffer = blank_buffer(width, height)
     rasterize(buffer, triangles.places, triangles.faces)
     seen = fragments(buffer.triangle, triangles, sight, tinted=False)
     picture = np.full(height * width, np.nan)

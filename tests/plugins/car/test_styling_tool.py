@@ -236,7 +236,7 @@ def test_curves_are_shown_with_their_mirror_images() -> None:
     one, other = styled(body), replace(styled(body, number="n2"), both=False, color=(1, 2, 3))
     items = styling_items(CarState(nodes=(one, other), selected="n1"), body)
     assert all(isinstance(item, Lines) for item in items)
-    chosen, image, plain = (item for item in items if isinstance(item, Lines))
+    image, chosen, plain = (item for item in items if isinstance(item, Lines))
     assert (chosen.color, image.color, plain.color) == ("accent", "second", (1, 2, 3))
     assert chosen.width > plain.width
     assert np.array_equal(chosen.points * np.array([1, -1, 1], np.float32), image.points)

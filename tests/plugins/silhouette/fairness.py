@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 
+from bozzetto.geometry import ring_links
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
-from bozzetto_silhouette.outline.signed_distance import RimDistance, ring_links
+from bozzetto_silhouette.outline.signed_distance import RimDistance
 from tests.plugins.silhouette import outlines as o
 
 STEP = 0.1

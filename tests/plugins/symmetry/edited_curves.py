@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from bozzetto.geometry.spline import Spline
+from bozzetto.ink import fit_spline
 from bozzetto_symmetry.fitting.half_curve import halves_of
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve, across
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import scenes
-from tests.spline_fits import fit_spline
 
 Array = NDArray[np.float64]
 

@@ -74,12 +74,12 @@ class SoftwareViewport(QWidget):
     -------
     first_painted
         The widget has been painted once.
-    painted
-        The newest frame is painted; none is on its way.
+    painted : int
+        A frame is painted; how many newer scenes are on their way.
     """
 
     first_painted = Signal()
-    painted = Signal()
+    painted = Signal(int)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -94,6 +94,7 @@ class SoftwareViewport(QWidget):
         self._frame = QImage()
         self._frame_time = 0.0
         self._asked = 0
+        self._scenes = self._scenes_shown = 0
         self._was_overtaken = False
         self._was_painted = False
         self._channel = Channel("frames", parent=self)
@@ -113,6 +114,7 @@ class SoftwareViewport(QWidget):
             self._wait_for_rest(DRAG_REST)
         if scene is not self._scene:
             self._scene = scene
+            self._scenes += 1
             self._ask()
 
     def set_live(self, scene: Scene) -> None:
@@ -173,8 +175,7 @@ class SoftwareViewport(QWidget):
             self._was_painted = True
             self.first_painted.emit()
             self._ask()
-        if not self._channel.busy:
-            self.painted.emit()
+        self.painted.emit(self._scenes - self._scenes_shown)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         self._ask()
@@ -189,14 +190,16 @@ class SoftwareViewport(QWidget):
         coarse = self._rest.isActive() and self._frame_time > FAST_ENOUGH
         self._asked += 1
         share = coarseness(self._frame_time) if coarse else 1.0
-        work = self._work(share * scale, None if coarse else self._asked)
-        begun = perf_counter()
+        work = self._work(
+            share * scale, antialias=not coarse, number=None if coarse else self._asked
+        )
+        begun, scenes = perf_counter(), self._scenes
 
         def done(pixels: NDArray[np.uint8]) -> None:
             if not coarse:
                 self._frame_time = perf_counter() - begun
                 self._was_overtaken = False
-            self._frame = to_image(pixels, 1.0)
+            self._frame, self._scenes_shown = to_image(pixels, 1.0), scenes
             self.update()
 
         self._channel.submit(Request(work, done, self._failed))
@@ -210,7 +213,9 @@ class SoftwareViewport(QWidget):
         self._was_overtaken = False
         self._ask()
 
-    def _work(self, scale: float, number: int | None = None) -> Callable[[Job], NDArray[np.uint8]]:
+    def _work(
+        self, scale: float, *, antialias: bool = True, number: int | None = None
+    ) -> Callable[[Job], NDArray[np.uint8]]:
         """Return a function for a worker that renders what is set now.
 
         A frame with a number is abandoned if it takes long and a later one is asked for.
@@ -246,6 +251,7 @@ class SoftwareViewport(QWidget):
                 size=size,
                 scale=scale,
                 shading=shading,
+                antialias=antialias,
                 checkpoint=checkpoint,
             )
 

@@ -11,8 +11,8 @@ import msgspec
 from numpy.typing import NDArray
 
 from bozzetto.document.model import OpaqueState
-from bozzetto.document.storage.side_tables import Aside
-from bozzetto.document.storage.type_forms import form_of
+from bozzetto.document.storage.side_tables import Aside, Refusal
+from bozzetto.document.storage.type_forms import DataclassForm, form_of
 from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.ink.stroke import Stroke
 from bozzetto.json_size import MAX_VALUES, json_values
@@ -55,8 +55,18 @@ class EncodedState:
     arrays: tuple[NDArray[Any], ...] = ()
 
 
-def check_encodable(state_type: type[Any], state: object) -> None:
+def check_encodable(state_type: type[Any], state: object, before: object = None) -> None:
     """Make sure that a state can be stored and will be read back.
+
+    Parameters
+    ----------
+    state_type : type
+        The modeler's frozen dataclass.
+    state : object
+        The state.
+    before : object, optional
+        A state that can be stored. Where only numbers and switches of `state` are others, only
+        these are looked at: a slider that is dragged makes many such states.
 
     Raises
     ------
@@ -69,7 +79,27 @@ def check_encodable(state_type: type[Any], state: object) -> None:
     """
     if type(state) is not state_type:
         raise TypeError(f"a {type(state).__name__} where a {state_type.__name__} belongs")
-    encode_state(state)
+    if type(before) is not state_type or not _only_numbers_differ(state, before):
+        encode_state(state)
+
+
+def _only_numbers_differ(state: Any, before: Any) -> bool:
+    """Whether all but numbers and switches are the very same objects; these are checked then."""
+    form = form_of(type(state))
+    if not isinstance(form, DataclassForm):
+        return False
+    changed = [name for name in form.fields if getattr(state, name) is not getattr(before, name)]
+    if not all(type(getattr(state, name)) in (bool, int, float) for name in changed):
+        return False
+    aside = Aside()
+    for name in changed:
+        try:
+            form.fields[name][0].write(getattr(state, name), aside)
+        except Refusal as refusal:
+            refusal.where.append(f".{name}")
+            raise
+    _check_parameters(state)
+    return True
 
 
 def encode_state(state: Any) -> EncodedState:

@@ -177,7 +177,7 @@ class _Tuple(Form):
 
 
 @dataclass
-class _Dataclass(Form):
+class DataclassForm(Form):
     """A frozen dataclass; `tagged` with its name where a union holds several."""
 
     type: type[Any]
@@ -204,9 +204,11 @@ class _Dataclass(Form):
         return found
 
     def takes(self, value: Any) -> bool:
+        """Whether a value is of this very class."""
         return type(value) is self.type
 
     def reads(self, raw: Any) -> bool:
+        """Whether a JSON value is an object of this class, by its tag where there is one."""
         return type(raw) is dict and (not self.tagged or raw.get("$type") == self.type.__name__)
 
     def _write(self, value: Any, aside: Aside) -> Any:
@@ -392,20 +394,20 @@ def _made(hint: Hashable) -> Form:
     if isinstance(hint, type) and dataclasses.is_dataclass(hint):
         if not hint.__dataclass_params__.frozen:  # type: ignore[attr-defined]
             raise TypeError(f"{hint.__name__} is a dataclass that is not frozen")
-        return _Dataclass(hint)
+        return DataclassForm(hint)
     raise TypeError(f"{hint} cannot be kept in a document")
 
 
 def _union_of(members: tuple[Any, ...]) -> Form:
     forms = tuple(form_of(member) for member in members)
-    names = [str(form) for form in forms if isinstance(form, _Dataclass)]
+    names = [str(form) for form in forms if isinstance(form, DataclassForm)]
     if len(set(names)) < len(names):
         raise TypeError(f"two classes in a union are called alike: {', '.join(names)}")
     several = len(names) > 1
     return _Union(
         tuple(
             dataclasses.replace(form, tagged=True)
-            if several and isinstance(form, _Dataclass)
+            if several and isinstance(form, DataclassForm)
             else form
             for form in forms
         )

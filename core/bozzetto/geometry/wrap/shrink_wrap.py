@@ -18,15 +18,16 @@ from numpy.typing import ArrayLike, NDArray
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.mesh_places import closest_on_mesh
 from bozzetto.geometry.wrap.anchors import choose_anchors, flip_to_links
-from bozzetto.geometry.wrap.closest_on_mesh import closest_on_mesh, closest_on_triangles
+from bozzetto.geometry.wrap.closest_on_icosphere import closest_on_icosphere
 from bozzetto.geometry.wrap.icosphere import Icosphere, icosphere
 from bozzetto.geometry.wrap.thin_plate import even_energy, hold_at, pull_towards, true_energy
 from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe, wireframe
 
 Checkpoint = Callable[[float, str], None]
 
-LEVELS: Final = (3, 6)
+SHRINK_WRAP_LEVELS: Final = (3, 6)
 """Fewest and most subdivisions of the icosahedron that can be asked for: 642 to 40,962 vertices."""
 
 START: Final = 3
@@ -66,9 +67,6 @@ REACHED: Final = 1.2
 EDGE: Final = 0.56
 """Usual length of an edge of the icosahedron about curves, per diagonal of their box; on each
 level it is half of that before."""
-
-NEIGHBOURS: Final = 24
-"""Triangles that are looked at for the one nearest to a place."""
 
 
 def _nobody(fraction: float, step: str) -> None:
@@ -117,7 +115,11 @@ def shrink_wrap(
     ValueError
         If a parameter is out of range.
     """
-    if not (LEVELS[0] <= level <= LEVELS[1] and 0 <= tightness <= 1 and 0 <= smoothing <= 1):
+    if not (
+        SHRINK_WRAP_LEVELS[0] <= level <= SHRINK_WRAP_LEVELS[1]
+        and 0 <= tightness <= 1
+        and 0 <= smoothing <= 1
+    ):
         raise ValueError("a level, a tightness or a smoothing that there is not")
     checkpoint(0.0, "Reading the curves")
     frame = wireframe(curves).every(2 ** max(0, FINE - level))
@@ -142,23 +144,15 @@ def curve_distances(curves: Sequence[ArrayLike], mesh: Mesh) -> Array:
     curves : sequence of (n, 3) array_like
         As for `shrink_wrap`, mm.
     mesh : Mesh
-        A mesh of triangles that are not much longer than wide.
+        With at least one face.
 
     Returns
     -------
     (n,) float
         mm; of symmetric curves for one side.
     """
-    from scipy.spatial import cKDTree
-
     frame = wireframe(curves)
-    places = frame.places * frame.size + frame.centre
-    triangles = mesh.vertices[mesh.faces].astype(np.float64)
-    count = min(NEIGHBOURS, len(triangles))
-    near = cKDTree(triangles.mean(axis=1)).query(places, k=np.arange(1, count + 1))[1]
-    weights = closest_on_triangles(places[:, None], triangles[near])
-    feet = np.einsum("nkc,nkcx->nkx", weights, triangles[near])
-    return np.asarray(np.linalg.norm(feet - places[:, None], axis=2).min(axis=1))
+    return closest_on_mesh(mesh, frame.places * frame.size + frame.centre).distances
 
 
 def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoint) -> Array:
@@ -173,7 +167,7 @@ def _shrunk(frame: Wireframe, level: int, tightness: float, checkpoint: Checkpoi
         rounds = FIRST_ROUNDS if now == start else NEXT_ROUNDS
         for done in range(1, rounds + 1):
             checkpoint(0.5 * (now - start + done / rounds) / (level - start), "Shrinking")
-            feet = closest_on_mesh(sphere, vertices, points)
+            feet = closest_on_icosphere(sphere, vertices, points)
             share = done / rounds if now == start else 1.0
             limit = _edge(now) + share * tightness * DEEPEST
             pulling = (feet.distances <= limit) | feet.outside(vertices, points)
@@ -194,7 +188,9 @@ def _anchored(
     energy = even_energy(level, 1.0, HOLD)
     for done in range(ANCHOR_ROUNDS):
         checkpoint(0.55 + 0.1 * done, "Anchoring")
-        reached = closest_on_mesh(sphere, vertices, frame.places).distances < REACHED * _edge(level)
+        reached = closest_on_icosphere(sphere, vertices, frame.places).distances < REACHED * _edge(
+            level
+        )
         anchors = choose_anchors(sphere, vertices, frame, reached)
         held = hold_at(energy, anchors.vertices, anchors.places)
         vertices = _evened(sphere, held, frame)

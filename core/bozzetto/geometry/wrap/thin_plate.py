@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.geometry.wrap.closest_on_mesh import MeshPoints
+from bozzetto.geometry.wrap.closest_on_icosphere import MeshPoints
 from bozzetto.geometry.wrap.icosphere import icosphere
 
 if TYPE_CHECKING:

@@ -26,6 +26,12 @@ SLIDE: Final = 0.1
 GAIN: Final = 0.03
 """Share of the deviation that a round must take away for another one to follow."""
 
+ENOUGH: Final = 1.2
+"""Distance (rms, pixels) at which more control points are of no use: below the pen's width."""
+
+NOISE_FACTOR: Final = 1.3
+"""`ENOUGH` as a multiple of the ink's own noise: what lies within is not meant."""
+
 FEWEST: Final = 7
 """Control points of the first adaptive fit (Bae, Kijima & Kim 2004 always take seven)."""
 

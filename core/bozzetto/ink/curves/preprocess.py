@@ -46,7 +46,7 @@ LARGEST: Final = 1e12
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
+class PreparedCurve:
     """Ink ready for fitting.
 
     Attributes
@@ -92,9 +92,9 @@ def checked_points(points: ArrayLike, pixel: float) -> Array:
     return place
 
 
-def prepare(
+def prepare_curve(
     points: Array, weights: Array, *, pixel: float, closed: bool = False, spacing: float = SPACING
-) -> Prepared:
+) -> PreparedCurve:
     """Smooth a curve along its own length as much as its noise asks, and space it equally.
 
     The Gaussian runs in the arc length of the *smoothed* curve, found in a few rounds: the
@@ -136,7 +136,7 @@ def prepare(
     count = max(1, round(length / step)) + 1 if length > 0 else 1
     stations = np.linspace(0.0, length, count)[: count - 1 if closed and count > 1 else count]
     own = np.interp(arc_length(points), arc_length(place), along)
-    return Prepared(
+    return PreparedCurve(
         points_along(soft, along, stations),
         np.interp(stations, along, weight),
         own / length if length > 0 else np.zeros(len(points)),

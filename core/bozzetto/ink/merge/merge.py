@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.geometry.spline import DEGREE, Spline
-from bozzetto.ink.curves.least_squares import MORE, MOST, approximate, approximate_adaptively
+from bozzetto.ink.curves.least_squares import (
+    ENOUGH,
+    MORE,
+    MOST,
+    NOISE_FACTOR,
+    approximate,
+    approximate_adaptively,
+)
 from bozzetto.ink.curves.resample import arc_length, points_along
 from bozzetto.ink.merge.order_by_longest import order_by_longest
 from bozzetto.ink.merge.order_by_mst import order_by_mst
@@ -21,12 +28,6 @@ from bozzetto.ink.merge.resample_all import Ordering, ResampledInk, resample_all
 
 Strategy = Literal["principal", "spanning", "following", "strip"]
 Way = Callable[[ResampledInk], Ordering | None]
-
-ENOUGH: Final = 1.2
-"""Distance (rms, pixels) at which more control points are of no use: below the pen's width."""
-
-NOISE_FACTOR: Final = 1.3
-"""`ENOUGH` as a multiple of the ink's own noise: what lies within is not meant."""
 
 GOOD: Final = 3.0
 """Score (pixels) of a quick strategy that makes the strip, which is slow, superfluous."""
@@ -86,7 +87,7 @@ SHOWN: Final = 400
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class MergedStrokes:
     """One curve from many strokes.
 
     Attributes
@@ -114,9 +115,9 @@ class Settled:
     sure: bool
 
 
-def settle(
+def merge_strokes(
     strokes: Sequence[ArrayLike], weights: ArrayLike | None = None, *, pixel: float = 1.0
-) -> Settled:
+) -> MergedStrokes:
     """Make one curve of strokes drawn over one another, in any order and direction.
 
     Parameters
@@ -124,7 +125,7 @@ def settle(
     strokes : sequence of (n, 2) array_like
         Their samples, canvas pixels.
     weights : (strokes,) array_like, optional
-        What each stroke counts (`fading`); not negative.
+        What each stroke counts (`stroke_weights`); not negative.
     pixel : float
         Length of a pixel in the units of the points.
 
@@ -171,7 +172,7 @@ class _Tried:
 
     order: Ordering
     noise: float
-    curve: Settled
+    curve: MergedStrokes
 
 
 class _Judge:
@@ -208,7 +209,7 @@ class _Judge:
         )
         return _Tried(order, noise, self._settled(name, order, noise, made.spline))
 
-    def detailed(self, tried: _Tried) -> Settled:
+    def detailed(self, tried: _Tried) -> MergedStrokes:
         """Refine a result with more control points, where they bring the curve nearer to the ink.
 
         The scatter of wide scribbles hides small curls from the first fit. Control points
@@ -229,7 +230,7 @@ class _Judge:
             best = best if vain else finer
         return best if best.score <= GOOD * ink.pixel else self._calmed(tried, best)
 
-    def _calmed(self, tried: _Tried, best: Settled) -> Settled:
+    def _calmed(self, tried: _Tried, best: MergedStrokes) -> MergedStrokes:
         """Refine a result with less weight for ink far off, where that brings the curve nearer.
 
         Reweighted least squares with Cauchy's weights: the curve runs along most strokes
@@ -247,12 +248,14 @@ class _Judge:
         calmed = self._settled(best.strategy, order, tried.noise, spline)
         return calmed if calmed.score < WORTH * best.score else best
 
-    def _settled(self, name: Strategy, order: Ordering, noise: float, spline: Spline) -> Settled:
+    def _settled(
+        self, name: Strategy, order: Ordering, noise: float, spline: Spline
+    ) -> MergedStrokes:
         line, pixel = self._polyline(spline), self.ink.pixel
         score = self._score(line)
         broad = min(BROAD * float(np.linalg.norm(np.ptp(line, axis=0))), HONEST * noise)
         sure = score <= max(UNSURE * pixel, broad)
-        return Settled(line, spline, order.closed, score, name, sure)
+        return MergedStrokes(line, spline, order.closed, score, name, sure)
 
     def _polyline(self, spline: Spline) -> Array:
         length = float(arc_length(spline.sampled(ROUGHLY))[-1])
@@ -266,7 +269,7 @@ class _Judge:
         to_ink = self.tree.query(fine)[0]
         return float(np.sqrt(self.weights @ to_curve**2) + np.percentile(to_ink, 95))
 
-    def _lap(self, made: Settled) -> float:
+    def _lap(self, made: MergedStrokes) -> float:
         """Return the parameter at which an open curve passes its start again; 0 where it does not.
 
         Above 1 where there is a gap between the ends, below 1 where the ends overlap.

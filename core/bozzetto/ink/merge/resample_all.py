@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
-from bozzetto.ink.curves.preprocess import checked_points, prepare
+from bozzetto.ink.curves.preprocess import checked_points, prepare_curve
 from bozzetto.ink.curves.resample import arc_length, points_along
 
 FINEST: Final = 1.5
@@ -107,7 +107,7 @@ def resample_all(strokes: Sequence[ArrayLike], weights: Array, pixel: float) -> 
     # The curve must not depend on the order in which equally heavy strokes were drawn.
     places.sort(key=lambda row: (*row[0][0], *row[0][-1], row[1]))
     # Lengths are measured on smoothed ink: the raw length depends on the sampling rate.
-    soft = [prepare(place, np.ones(len(place)), pixel=pixel).points for place, _ in places]
+    soft = [prepare_curve(place, np.ones(len(place)), pixel=pixel).points for place, _ in places]
     lengths = np.array([arc_length(points)[-1] for points in soft])
     if not lengths.max() > 0:
         raise UserError("The ink is a dot: draw a curve.")

@@ -17,7 +17,7 @@ LEAST_SHARE: Final = 0.5
 """Weight of the faintest stroke; the mean pressure (0 … 1) is added."""
 
 
-def fading(strokes: Sequence[Stroke]) -> NDArray[np.float64]:
+def stroke_weights(strokes: Sequence[Stroke]) -> NDArray[np.float64]:
     """Return the weights of strokes in the order in which they were drawn.
 
     Stroke k of n weighs ``0.7 ** (n - k) * (0.5 + mean pressure)``. The ink can be shown

@@ -16,7 +16,7 @@ NEAREST: Final = 1e-4
 target. Nearer than that nothing is shown."""
 
 
-def lifted(curve: ArrayLike, camera: Camera, pixels: ArrayLike) -> NDArray[np.float64]:
+def lift_curve(curve: ArrayLike, camera: Camera, pixels: ArrayLike) -> NDArray[np.float64]:
     """Find the curve nearest to an old one that is seen where it now has to be.
 
     Of all curves that look like the new one, a person expects the one that changed least.
@@ -33,7 +33,7 @@ def lifted(curve: ArrayLike, camera: Camera, pixels: ArrayLike) -> NDArray[np.fl
         Through which it was changed, perspective or orthographic.
     pixels : (n, 2) array_like
         Where its nodes now have to be seen, px; not far along the curve from where each of
-        them was, as `snake.modified` gives them.
+        them was, as `oversketch_curve` gives them.
 
     Returns
     -------

@@ -8,7 +8,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 
-LAPS: Final = 3
+FEET_LAPS: Final = 3
 """Rounds of a closed curve that are laid out: a stroke may start anywhere and go round
 nearly twice."""
 
@@ -42,12 +42,12 @@ def ordered_feet(
     (m,) int
         Not decreasing if the stroke runs along the curve, not increasing if against it,
         whichever fits better. On a closed curve node k in lap l is ``k + l n``, with l
-        below `LAPS`.
+        below `FEET_LAPS`.
     """
     offset = stroke[:, None] - nodes
     squares = np.einsum("mnk,mnk->mn", offset, offset)
     if closed:
-        squares, lengths = np.tile(squares, (1, LAPS)), np.tile(lengths, LAPS)
+        squares, lengths = np.tile(squares, (1, FEET_LAPS)), np.tile(lengths, FEET_LAPS)
     passed = np.cumsum(squares * lengths, axis=1)
     squares *= step
     along, forward = _cheapest(squares, passed)

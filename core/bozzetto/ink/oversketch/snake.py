@@ -24,13 +24,13 @@ from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 from bozzetto.ink.oversketch.bending_energy import Bending
 from bozzetto.ink.oversketch.stroke_forces import Pull, Trace, lengthened, pulls_of, trace_of
 
-RESTITUTION: Final = 0.30
+SNAKE_RESTITUTION: Final = 0.30
 """Default resistance of the displacement to bending (Kara & Shimada)."""
 
-LOCATION: Final = 0.40
+SNAKE_LOCATION: Final = 0.40
 """Default preference for the nearest of several strokes (Kara & Shimada)."""
 
-PRESSURE: Final = 0.30
+SNAKE_PRESSURE: Final = 0.30
 """Default preference for the firmest of several strokes (Kara & Shimada)."""
 
 RESTITUTION_RANGE: Final = (1e-3, 1e3)
@@ -69,7 +69,7 @@ MOVED: Final = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Modified:
+class Oversketched:
     """A curve after oversketching.
 
     Attributes
@@ -87,15 +87,15 @@ class Modified:
     steps: int
 
 
-def modified(
+def oversketch_curve(
     curve: ArrayLike,
     strokes: Sequence[tuple[ArrayLike, ArrayLike]],
     *,
     closed: bool = False,
-    restitution: float = RESTITUTION,
-    location: float = LOCATION,
-    pressure: float = PRESSURE,
-) -> Modified:
+    restitution: float = SNAKE_RESTITUTION,
+    location: float = SNAKE_LOCATION,
+    pressure: float = SNAKE_PRESSURE,
+) -> Oversketched:
     """Bend a curve on the sheet towards the strokes drawn over it.
 
     Strokes over a part of the curve change that part and a short stretch beyond. A stroke
@@ -131,7 +131,7 @@ def modified(
     if not np.isfinite(weights).all() or min(weights) < 0:
         raise UserError("The weights of a modification must be finite and not below 0.")
     if not ink or location + pressure == 0.0:
-        return Modified(nodes, np.zeros(len(nodes), bool), 0)
+        return Oversketched(nodes, np.zeros(len(nodes), bool), 0)
 
     arc = arc_length(nodes)
     ring = _ring(nodes, arc) if closed else None
@@ -151,7 +151,7 @@ def modified(
         along, shift = np.append(along, ring), np.vstack((shift, shift[:1]))
     shift = points_along(shift, along, arc)
     moved = np.linalg.norm(shift, axis=1) > MOVED
-    return Modified(np.where(moved[:, None], nodes + shift, nodes), moved, steps)
+    return Oversketched(np.where(moved[:, None], nodes + shift, nodes), moved, steps)
 
 
 def _pressures(values: ArrayLike) -> Array:

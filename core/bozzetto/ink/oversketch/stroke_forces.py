@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.ink.curves.resample import arc_length, distinct, points_along, resample
 from bozzetto.ink.oversketch.bending_energy import lengths_of
-from bozzetto.ink.oversketch.ordered_feet import LAPS, ordered_feet
+from bozzetto.ink.oversketch.ordered_feet import FEET_LAPS, ordered_feet
 
 SPACING: Final = 3.0
 """Longest way between the samples of a stroke, px: others are put between its own."""
@@ -277,7 +277,7 @@ def pulls_of(trace: Trace, stations: Array, ring: float | None) -> Iterator[Pull
         Length of a closed curve; None for an open one.
     """
     begin, end = trace.stations[0], trace.stations[-1]
-    for lap in range(1 if ring is None else LAPS):
+    for lap in range(1 if ring is None else FEET_LAPS):
         at = stations + lap * (ring or 0.0)
         nodes = np.flatnonzero((at >= begin) & (at <= end))
         if len(nodes):

@@ -43,11 +43,19 @@ class PluginFault(Exception):
         The traceback, for the log and the plugin's author.
     """
 
+    said = "made a mistake"
+
     def __init__(self, plugin: str, what: str, details: str = "") -> None:
-        super().__init__(f"The plugin {plugin} made a mistake: {what}.")
+        super().__init__(f"The plugin {plugin} {self.said}: {what}.")
         self.plugin = plugin
         self.what = what
         self.details = details
+
+
+class PluginSlow(PluginFault):
+    """A plugin gave no answer in time; that may be the machine, and does not count as a fault."""
+
+    said = "is slow"
 
 
 class Overrun(BaseException):
@@ -113,7 +121,7 @@ class Guard:
         except Overrun as overrun:
             # Not counted here: the one who waited for the answer says so (`blame`).
             before.restore()
-            raise PluginFault(
+            raise PluginSlow(
                 plugin, f"{what} did not answer in time", _traceback_of(overrun)
             ) from None
         except BaseException as problem:
@@ -153,6 +161,9 @@ class Guard:
         check : callable
             Returns it, or raises where it cannot be used.
 
+        A state of the document that it was made from, `before`, saves time; see
+        `check_encodable`.
+
         Raises
         ------
         PluginFault
@@ -174,14 +185,14 @@ class Guard:
         """Record a fault that was seen from outside, such as a call that never answers."""
         return self._fault(self._plugin_of(modeler_id), what.rstrip("."), details)
 
-    def suspect(self, modeler_id: str, what: str, details: str = "") -> PluginFault:
+    def suspect(self, modeler_id: str, what: str, details: str = "") -> PluginSlow:
         """Tell of a call that gave no answer in time, without counting it as a fault.
 
         A slow machine is nobody's fault, and from outside it cannot be told from a plugin that
         hangs; only what a plugin did counts towards switching it off.
         """
-        found = PluginFault(self._plugin_of(modeler_id), what.rstrip("."), _last(details))
-        log.error("%s\n%s", found, found.details)
+        found = PluginSlow(self._plugin_of(modeler_id), what.rstrip("."), _last(details))
+        log.warning("%s\n%s", found, found.details)
         return found
 
     def faults(self, plugin_id: str) -> int:

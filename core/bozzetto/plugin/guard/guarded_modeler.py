@@ -167,6 +167,15 @@ class GuardedModeler:
             "view_advice", validation.sound_advice, self._modeler.view_advice, state, camera
         )
 
+    def advice_on_result(
+        self, state: Any, result: Any, camera: Camera, seen: tuple[Any, ...]
+    ) -> ViewAdvice | None:
+        """Return advice on a view that follows from a result; None where it does not matter."""
+        return self._checked(
+            "advice_on_result", validation.sound_advice, self._modeler.advice_on_result,
+            state, result, camera, seen,
+        )  # fmt: skip
+
     def view_after(self, seen: Any, state: Any, camera: Camera) -> Camera | None:
         """Return the view that a pinned view becomes; None where it may stay."""
         return self._checked(
@@ -224,10 +233,11 @@ class GuardedModeler:
 
     def _state(self, what: str, function: Callable[..., Any], *arguments: Any) -> Any:
         state = self._guard.call(self.id, what, function, *arguments)
-        self.check_state(state, what)
+        before = arguments[0] if isinstance(arguments[0], self._modeler.state_type) else None
+        self.check_state(state, what, before)
         return state
 
-    def check_state(self, state: Any, what: str) -> None:
+    def check_state(self, state: Any, what: str, before: Any = None) -> None:
         """Refuse a state of another type, or one that a document could not store.
 
         Parameters
@@ -236,6 +246,8 @@ class GuardedModeler:
             What was given as a state.
         what : str
             Who gave it, for the message.
+        before : object, optional
+            The state that it was made from, which saves time; see `check_encodable`.
 
         Raises
         ------
@@ -243,7 +255,8 @@ class GuardedModeler:
         """
         from bozzetto.document.storage.state_codec import check_encodable
 
-        self._guard.check(self.id, what, lambda: check_encodable(self._modeler.state_type, state))
+        kind = self._modeler.state_type
+        self._guard.check(self.id, what, lambda: check_encodable(kind, state, before))
 
     def _checked(
         self,

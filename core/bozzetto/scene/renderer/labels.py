@@ -32,12 +32,11 @@ def draw_label(canvas: Canvas, item: Label, palette: Palette) -> None:
     reach = TALLEST * LONGEST
     if not (-reach < x < canvas.sight.width + reach and -reach < y < canvas.sight.height + reach):
         return
-    wide = _mask(item.text[:LONGEST], size, 0)[0].shape[1]
-    x = beginning(x, wide, canvas.sight.width, OFFSET[0] * canvas.scale)
-    y += OFFSET[1] * canvas.scale
     halo = max(1, round(HALO * canvas.scale))
-    for width, color in ((halo, palette.paper), (0, palette.color(item.color))):
-        mask, left, top = _mask(item.text[:LONGEST], size, width)
+    rim, letters = (_mask(item.text[:LONGEST], size, width) for width in (halo, 0))
+    x = beginning(x, letters[0].shape[1], canvas.sight.width, OFFSET[0] * canvas.scale)
+    y += OFFSET[1] * canvas.scale
+    for (mask, left, top), color in ((rim, palette.paper), (letters, palette.color(item.color))):
         _cover(canvas, mask, round(x) + left, round(y) + top, np.array(color, float))
 
 
@@ -77,7 +76,7 @@ def _mask(text: str, size: float, rim: int) -> tuple[NDArray[np.float32], int, i
 def _cover(
     canvas: Canvas, mask: NDArray[np.float32], left: int, top: int, color: NDArray[np.float64]
 ) -> None:
-    row, column = np.nonzero(mask)
+    row, column = np.nonzero(mask > 0)
     share = mask[row, column]
     row, column = row + top, column + left
     width, height = canvas.sight.width, canvas.sight.height

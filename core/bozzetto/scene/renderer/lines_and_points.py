@@ -95,7 +95,7 @@ class Canvas:
         first = int(pixel.min())
         coverage = np.zeros(int(pixel.max()) + 1 - first, np.float32)
         np.maximum.at(coverage, pixel - first, share)
-        touched = np.flatnonzero(coverage)
+        touched = np.flatnonzero(coverage > 0)
         alpha = (coverage[touched] * np.float32(opacity))[:, None]
         touched += first
         paint = np.append(np.asarray(color, np.float32), np.float32(1))

@@ -10,7 +10,17 @@ import numpy as np
 
 from bozzetto.arrays import Array, Bytes, Floats
 from bozzetto.errors import UserError
-from bozzetto.scene.display_list import Handle, Image, Item, Label, Lines, Points, Scene, Shaded
+from bozzetto.scene.display_list import (
+    Handle,
+    Image,
+    Item,
+    Label,
+    Lines,
+    Paint,
+    Points,
+    Scene,
+    Shaded,
+)
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.image_layers import apart, blend_pictures, place_picture
 from bozzetto.scene.renderer.labels import draw_label
@@ -277,8 +287,7 @@ def _draw_marks(canvas: Canvas, items: Sequence[Item], palette: Palette) -> None
         for item in batch:
             if isinstance(item, Points):
                 draw_points(canvas, item, color)
-    for handle in (item for item in items if isinstance(item, Handle)):
-        _draw_handle(canvas, handle, palette)
+    _draw_handles(canvas, [item for item in items if isinstance(item, Handle)], palette)
     for label in (item for item in items if isinstance(item, Label)):
         draw_label(canvas, label, palette)
 
@@ -288,12 +297,29 @@ def _style(item: Lines | Points) -> tuple[str | tuple[int, int, int], float, str
     return item.color, item.opacity, item.hidden, isinstance(item, Lines)
 
 
-def _draw_handle(canvas: Canvas, item: Handle, palette: Palette) -> None:
-    seen = canvas.sight.seen([item.point])
-    if seen[0, 2] < canvas.sight.near:
+def _draw_handles(canvas: Canvas, items: Sequence[Handle], palette: Palette) -> None:
+    """Draw discs with dark rims, each over those before it."""
+    if not items:
         return
-    places = canvas.sight.placed(seen)
+    seen = canvas.sight.seen([item.point for item in items])
+    shown = np.flatnonzero(seen[:, 2] >= canvas.sight.near)
+    places = canvas.sight.placed(seen[shown])
+    colors = [items[k].color for k in shown.tolist()]
     radius, rim = HANDLE_RADIUS * canvas.scale, HANDLE_RIM * canvas.scale
     dark = np.array(min(palette.ink, palette.paper, key=sum), float)
-    draw_discs(canvas, places, radius, dark, 1.0)
-    draw_discs(canvas, places, radius - rim, np.array(palette.color(item.color), float), 1.0)
+    for group in _drawn_at_once(places, colors, 2.0 * radius + 2.0):
+        draw_discs(canvas, places[group], radius, dark, 1.0)
+        color = np.array(palette.color(colors[group.start]), float)
+        draw_discs(canvas, places[group], radius - rim, color, 1.0)
+
+
+def _drawn_at_once(places: Array, colors: Sequence[Paint], gap: float) -> Iterator[slice]:
+    """Split places (n, 2 or more) into runs of one colour that lie at least a gap apart, px."""
+    begin = 0
+    for k in range(1, len(places)):
+        away = np.abs(places[begin:k, :2] - places[k, :2]).max(axis=1)
+        if colors[k] != colors[begin] or away.min() < gap:
+            yield slice(begin, k)
+            begin = k
+    if len(places):
+        yield slice(begin, len(places))

@@ -6,7 +6,7 @@ import numpy as np
 
 from bozzetto.arrays import Floats
 from bozzetto.scene.renderer.view_transform import ViewTransform
-from bozzetto.scene.renderer.zbuffer import Buffer
+from bozzetto.scene.renderer.zbuffer import DepthBuffer
 
 STRIDE = 4
 """Pixels (at one sample each) between the places where hollows are measured."""
@@ -34,7 +34,7 @@ OUTER, INNER = 0.62, 0.26
 """Strength of contours and of inner edges."""
 
 
-def _depth(buffer: Buffer, sight: ViewTransform) -> Floats:
+def _depth(buffer: DepthBuffer, sight: ViewTransform) -> Floats:
     """Return depth in pixel sizes at the target; infinite where nothing is seen."""
     near = buffer.nearness.reshape(buffer.height, buffer.width)
     if not sight.perspective:
@@ -45,7 +45,7 @@ def _depth(buffer: Buffer, sight: ViewTransform) -> Floats:
     return np.asarray(depth, np.float32)
 
 
-def cavities(buffer: Buffer, sight: ViewTransform, normal: Floats, fineness: int) -> Floats:
+def cavities(buffer: DepthBuffer, sight: ViewTransform, normal: Floats, fineness: int) -> Floats:
     """Return how much light hollows keep out, shape (h, w), 0 … 1.
 
     The depth buffer is compared with its own blurred copy: what lies deeper than its
@@ -119,7 +119,7 @@ def _enlarged(image: Floats, stride: int, height: int, width: int) -> Floats:
     return result
 
 
-def contours(buffer: Buffer, sight: ViewTransform, normal: Floats, fineness: int) -> Floats:
+def contours(buffer: DepthBuffer, sight: ViewTransform, normal: Floats, fineness: int) -> Floats:
     """Return the strength of contour lines at each pixel, shape (h, w), 0 … 1.
 
     A contour runs along the nearer side where depth jumps by more than the slope

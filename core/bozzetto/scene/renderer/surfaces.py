@@ -24,7 +24,7 @@ from bozzetto.scene.renderer.shading import (
 )
 from bozzetto.scene.renderer.triangle_soup import Soup, gather
 from bozzetto.scene.renderer.view_transform import ViewTransform
-from bozzetto.scene.renderer.zbuffer import Buffer, blank, rasterize
+from bozzetto.scene.renderer.zbuffer import DepthBuffer, blank_buffer, rasterize
 from bozzetto.scene.renderer.zebra import with_zebra
 
 Samples = Index
@@ -108,7 +108,7 @@ class Pictures:
     paper: Floats
     offset: tuple[int, int]
 
-    def in_front(self, buffer: Buffer, glass: Sequence[Sheet], fineness: int) -> Samples:
+    def in_front(self, buffer: DepthBuffer, glass: Sequence[Sheet], fineness: int) -> Samples:
         """Return the samples at which some picture is in front of some mesh."""
         if not self.hung:
             return np.zeros(0, np.intp)
@@ -125,7 +125,7 @@ class Pictures:
         return np.flatnonzero(found)
 
     def _nearness(
-        self, picture: PlacedPicture, buffer: Buffer, fineness: int
+        self, picture: PlacedPicture, buffer: DepthBuffer, fineness: int
     ) -> tuple[tuple[slice, slice], Floats]:
         """Return the samples in a picture's box, and the nearness of its plane there."""
         ends = []
@@ -168,7 +168,7 @@ def draw_surfaces(
     """
     shaded = [i for i in items if len(i.mesh.faces) and i.opacity > 0]
     solid = [i for i in shaded if not see_through(i, style.shading)]
-    buffer = blank(sight.width, sight.height)
+    buffer = blank_buffer(sight.width, sight.height)
     if solid:
         _draw_opaque(pixels, solid, buffer, sight, style)
         style.checkpoint()
@@ -225,7 +225,7 @@ def _gathered(items: Sequence[Shaded], sight: ViewTransform, style: Style) -> tu
 
 
 def _draw_opaque(
-    pixels: Floats, items: Sequence[Shaded], buffer: Buffer, sight: ViewTransform, style: Style
+    pixels: Floats, items: Sequence[Shaded], buffer: DepthBuffer, sight: ViewTransform, style: Style
 ) -> None:
     soup, tinted = _gathered(items, sight, style)
     rasterize(buffer, soup.places, soup.faces, soup.doubled_areas() > 0)
@@ -239,7 +239,7 @@ def _draw_opaque(
         cavity = cavities(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
     rgb = _colors_of(seen, soup, items, tinted, sight, style, cavity)
     line = contours(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
-    drawn = np.flatnonzero(line)
+    drawn = np.flatnonzero(line > 0)
     ink = np.array(style.palette.ink, np.float32)
     rgb[drawn] += line[drawn, None] * (ink - rgb[drawn])
     pixels[seen.pixel, :3] = rgb
@@ -268,7 +268,7 @@ def _colors_of(
     )
 
 
-def _spread_normals(seen: Fragments, buffer: Buffer) -> Floats:
+def _spread_normals(seen: Fragments, buffer: DepthBuffer) -> Floats:
     normal = np.zeros((3, buffer.height * buffer.width), np.float32)
     normal[:, seen.pixel] = seen.normal
     return normal.reshape(3, buffer.height, buffer.width)
@@ -281,7 +281,7 @@ def _mesh_sheets(item: Shaded, sight: ViewTransform, style: Style) -> list[Sheet
     sheets = []
     for side in (~front, front):
         half = soup.only(side)
-        buffer = blank(sight.width, sight.height)
+        buffer = blank_buffer(sight.width, sight.height)
         rasterize(buffer, half.places, half.faces)
         seen = fragments(buffer.triangle, half, sight, tinted=bool(tinted.any()))
         rgb = _colors_of(seen, half, [item], tinted, sight, style)

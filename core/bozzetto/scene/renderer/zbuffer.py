@@ -28,7 +28,7 @@ TILE = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Buffer:
+class DepthBuffer:
     """The nearest triangle at each pixel, row by row.
 
     Attributes
@@ -46,9 +46,9 @@ class Buffer:
     triangle: NDArray[np.int32]
 
 
-def blank(width: int, height: int) -> Buffer:
+def blank_buffer(width: int, height: int) -> DepthBuffer:
     """Return an empty buffer."""
-    return Buffer(
+    return DepthBuffer(
         width,
         height,
         np.full(width * height, -np.inf, np.float32),
@@ -57,7 +57,7 @@ def blank(width: int, height: int) -> Buffer:
 
 
 def rasterize(
-    buffer: Buffer, places: Array, faces: NDArray[np.int32], first: Flags | None = None
+    buffer: DepthBuffer, places: Array, faces: NDArray[np.int32], first: Flags | None = None
 ) -> None:
     """Draw triangles into a buffer.
 
@@ -83,7 +83,7 @@ def rasterize(
     _draw(buffer, places, faces[others], names[others])
 
 
-def _may_be_seen(buffer: Buffer, places: Array, faces: NDArray[np.int32]) -> Flags:
+def _may_be_seen(buffer: DepthBuffer, places: Array, faces: NDArray[np.int32]) -> Flags:
     """Return which triangles are not surely behind everything drawn where they lie."""
     across, down = -(-buffer.width // TILE), -(-buffer.height // TILE)
     full = np.full((down * TILE, across * TILE), np.inf, np.float32)
@@ -127,7 +127,7 @@ def _centers_before(value: NDArray[np.floating], size: int) -> NDArray[np.int64]
 
 
 def _draw(
-    buffer: Buffer, places: Array, faces: NDArray[np.int32], names: NDArray[np.int32]
+    buffer: DepthBuffer, places: Array, faces: NDArray[np.int32], names: NDArray[np.int32]
 ) -> None:
     x, y = (_columns(places[:, axis], faces) for axis in (0, 1))
     top = _centers_before(_least(y), buffer.height)
@@ -161,7 +161,7 @@ def _by_height(
 
 
 def _draw_spans(
-    buffer: Buffer,
+    buffer: DepthBuffer,
     places: Array,
     corners: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]],
     rows: NDArray[np.int64],
@@ -211,7 +211,7 @@ def _on_edge(
 
 
 def _draw_fragments(
-    buffer: Buffer,
+    buffer: DepthBuffer,
     pixel: NDArray[np.int64],
     start: Array,
     slope: Array,

@@ -373,7 +373,7 @@ def slow_render(monkeypatch, full, coarse=0.02):
     """Frames that take so many seconds, looking up every hundredth; gives what became of them."""
     became = []
 
-    def drawn(scene, camera, palette, *, size, scale, shading, checkpoint):
+    def drawn(scene, camera, palette, *, size, scale, shading, antialias, checkpoint):
         begun = perf_counter()
         try:
             while perf_counter() - begun < (full if scale == 1.0 else coarse):

@@ -126,8 +126,21 @@ view.flags.writeable = False
     ],
 )
 def test_what_cannot_be_kept_is_refused_with_its_place(changes, place):
-    with pytest.raises(ValueError, match=place.replace("[", r"\[")):
-        check_encodable(Everything, replace(everything(), **changes))
+    before = everything()
+    state = replace(before, **changes)
+    with pytest.raises(ValueError, match=place.replace("[", r"\[")) as told:
+        check_encodable(Everything, state)
+    with pytest.raises(ValueError, match=place.replace("[", r"\[")) as told_of_change:
+        check_encodable(Everything, state, before)
+    assert str(told_of_change.value) == str(told.value)
+
+
+def test_a_change_of_numbers_alone_is_not_encoded_as_a_whole(monkeypatch):
+    before = everything()
+    monkeypatch.setattr("bozzetto.document.storage.state_codec.encode_state", None)
+    check_encodable(Everything, replace(before, softness=1.5, cells=9, closed=False), before)
+    with pytest.raises(TypeError):
+        check_encodable(Everything, replace(before, note="another"), before)
 
 
 def test_a_tree_as_deep_as_allowed_comes_back_and_a_deeper_one_is_refused():

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from bozzetto.document.storage.state_codec import decode_state, encode_state
 from bozzetto.geometry import (
     Brep,
     Curve,
@@ -22,6 +23,7 @@ from bozzetto.geometry import (
     sewn,
 )
 from bozzetto.geometry.brep.patchwork_brep import brep_of_patchwork
+from bozzetto.testing.deep_equal import same
 from tests.core.geometry.body_kit import body
 from tests.core.geometry.brep.exact_shapes import KNOWN, bent_net, box
 from tests.core.geometry.patches.test_patchwork import ball
@@ -204,3 +206,18 @@ def test_numbers_of_parameter_curves_are_checked():
         [2, 3],
     ]
     assert Curve(1, (0, 0, 1, 1), SQUARE[:2]).is_clamped
+
+
+@dataclass(frozen=True)
+class Held:
+    """A state that keeps exact shapes."""
+
+    brep: Brep | None = None
+    others: tuple[Brep, ...] = ()
+
+
+def test_documents_keep_breps_in_states():
+    state = Held(KNOWN["tube"].brep, (FACE, BALL))
+    again = decode_state(Held, encode_state(state))
+    assert same(state, again)
+    assert again.brep.is_closed

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import Cancelled, UserError
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry import Mesh, Solid
-from bozzetto.geometry.wrap.closest_on_mesh import closest_on_triangles
+from bozzetto.geometry.mesh_places import closest_on_triangles
 from bozzetto.geometry.wrap.icosphere import edges_of, icosphere
 from bozzetto.geometry.wrap.shrink_wrap import curve_distances, shrink_wrap
 from bozzetto.geometry.wrap.wireframe import wireframe

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
-from tests.spline_fits import fit_spline
+from bozzetto.ink import fit_spline
 
 
 def wave(count, waves=1.5):

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
 from bozzetto.errors import UserError
-from bozzetto.ink.oversketch.lift import NEAREST, lifted
-from bozzetto.ink.oversketch.snake import modified
+from bozzetto.ink.oversketch.lift import NEAREST, lift_curve
+from bozzetto.ink.oversketch.snake import oversketch_curve
 from bozzetto.view.camera import Camera
 from tests.core.view.cameras import cameras
 
@@ -28,7 +28,7 @@ def test_a_curve_that_is_seen_where_it_was_stays(camera, seed):
     places = camera.target + 0.3 * camera.distance * random.uniform(-1, 1, (20, 3))
     pixels, _ = camera.project(places)
     size = camera.distance + np.abs(camera.target).max() + camera.height
-    assert np.abs(lifted(places, camera, pixels) - places).max() < 1e-12 * size
+    assert np.abs(lift_curve(places, camera, pixels) - places).max() < 1e-12 * size
 
 
 @pytest.mark.parametrize("kind", ["perspective", "orthographic"])
@@ -36,7 +36,7 @@ def test_it_is_seen_where_it_should_be_and_nothing_on_the_ray_is_nearer(kind):
     camera = replace(VIEW, kind=kind)
     random = np.random.default_rng(2)
     pixels = camera.project(ARC)[0] + random.normal(0, 20, (100, 2))
-    made = lifted(ARC, camera, pixels)
+    made = lift_curve(ARC, camera, pixels)
     np.testing.assert_allclose(camera.project(made)[0], pixels, atol=1e-9)
     origins, directions = camera.rays(pixels)
     for old, new, origin, direction in zip(ARC, made, origins, directions, strict=True):
@@ -49,14 +49,14 @@ def test_retracing_a_curve_gives_it_back():
     dense, _ = VIEW.project(
         np.column_stack([np.interp(np.linspace(0, 1, 991), T, c) for c in ARC.T])
     )
-    made = modified(pixels, [(dense, np.full(len(dense), 0.5))])
+    made = oversketch_curve(pixels, [(dense, np.full(len(dense), 0.5))])
     diagonal = np.linalg.norm(np.ptp(ARC, axis=0))
-    assert np.linalg.norm(lifted(ARC, VIEW, made.points) - ARC, axis=1).max() < 1e-4 * diagonal
+    assert np.linalg.norm(lift_curve(ARC, VIEW, made.points) - ARC, axis=1).max() < 1e-4 * diagonal
 
 
 def test_nothing_comes_to_lie_behind_the_eye():
     behind = VIEW.eye + np.array([[50.0, -400, 90], [0.0, 0, 0]])
-    made = lifted(behind, VIEW, [[600, 450], [0, 0]])
+    made = lift_curve(behind, VIEW, [[600, 450], [0, 0]])
     _, depth = VIEW.project(made)
     assert (depth > 0).all()
     np.testing.assert_allclose(
@@ -68,10 +68,10 @@ def test_broken_input_is_refused():
     pixels, _ = VIEW.project(ARC)
     for bad in (np.nan, np.inf):
         with pytest.raises(UserError):
-            lifted(np.where(T[:, None] > 0.9, bad, ARC), VIEW, pixels)
+            lift_curve(np.where(T[:, None] > 0.9, bad, ARC), VIEW, pixels)
         with pytest.raises(UserError):
-            lifted(ARC, VIEW, np.where(T[:, None] > 0.9, bad, pixels))
+            lift_curve(ARC, VIEW, np.where(T[:, None] > 0.9, bad, pixels))
     with pytest.raises(UserError):
-        lifted(np.zeros((0, 3)), VIEW, np.zeros((0, 2)))
+        lift_curve(np.zeros((0, 3)), VIEW, np.zeros((0, 2)))
     with pytest.raises(ValueError, match="100 nodes"):
-        lifted(ARC, VIEW, pixels[:50])
+        lift_curve(ARC, VIEW, pixels[:50])

@@ -17,7 +17,7 @@ from bozzetto.ink.curves.resample import arc_length, resample
 from bozzetto.ink.curves.smooth import smooth
 from bozzetto.ink.oversketch.bending_energy import SOFTNESS, Bending
 from bozzetto.ink.oversketch.ordered_feet import ordered_feet
-from bozzetto.ink.oversketch.snake import modified
+from bozzetto.ink.oversketch.snake import oversketch_curve
 
 SCRIBBLES = Path(__file__).parents[5] / "shared" / "data" / "ink" / "strokestrip" / "examples"
 FINE = np.linspace(0, 1, 2000)
@@ -44,7 +44,7 @@ CURVE = arch(np.linspace(0, 1, 120))
 
 
 def test_no_stroke_changes_nothing():
-    made = modified(CURVE, [])
+    made = oversketch_curve(CURVE, [])
     assert (made.points == CURVE).all()
     assert not made.moved.any()
 
@@ -67,37 +67,37 @@ SHAPES = {
 @pytest.mark.parametrize("shape", SHAPES)
 def test_what_is_drawn_again_stays(shape, sense):
     curve, stroke, closed = SHAPES[shape]
-    made = modified(curve, [pressed(stroke[::sense])], closed=closed)
+    made = oversketch_curve(curve, [pressed(stroke[::sense])], closed=closed)
     assert np.linalg.norm(made.points - curve, axis=1).max() < 0.05
 
 
 @pytest.mark.parametrize("strokes", [1, 3])
 def test_the_curve_goes_where_it_is_drawn(strokes):
     target = arch(FINE) + np.column_stack((0 * FINE, 40 * np.sin(2 * np.pi * FINE)))
-    made = modified(CURVE, [pressed(target[::s]) for s in (1, -1, 1)[:strokes]])
+    made = oversketch_curve(CURVE, [pressed(target[::s]) for s in (1, -1, 1)[:strokes]])
     assert away(made.points, target).max() < 0.3
     assert made.moved.sum() > 100
 
 
 def test_sampling_more_often_changes_nothing():
     target = arch(FINE, 120.0)
-    often = modified(CURVE, [pressed(target)]).points
-    seldom = modified(CURVE, [pressed(resample(target, spacing=3.0))]).points
+    often = oversketch_curve(CURVE, [pressed(target)]).points
+    seldom = oversketch_curve(CURVE, [pressed(resample(target, spacing=3.0))]).points
     np.testing.assert_allclose(often, seldom, atol=0.05)
 
 
 def test_more_nodes_give_the_same_curve():
     bump = FINE[700:1300]
     target = arch(bump) + np.column_stack((0 * bump, 20 * np.sin(np.pi * (bump - 0.35) / 0.3) ** 2))
-    coarse = modified(arch(np.linspace(0, 1, 150)), [pressed(target)]).points
-    fine = modified(arch(np.linspace(0, 1, 1100)), [pressed(target)]).points
+    coarse = oversketch_curve(arch(np.linspace(0, 1, 150)), [pressed(target)]).points
+    fine = oversketch_curve(arch(np.linspace(0, 1, 1100)), [pressed(target)]).points
     assert away(coarse, fine).max() < 0.3
 
 
 def test_a_part_drawn_anew_leaves_the_rest_alone():
     part = np.linspace(0.35, 0.65, 300)
     target = arch(part) + np.column_stack((0 * part, 25 * np.sin(np.pi * (part - 0.35) / 0.3) ** 2))
-    made = modified(CURVE, [pressed(target)])
+    made = oversketch_curve(CURVE, [pressed(target)])
     far = np.abs(CURVE[:, 0] - 300) > 90 + 45
     assert (made.points[far] == CURVE[far]).all()
     assert not made.moved[far].any()
@@ -110,7 +110,7 @@ def test_the_firmer_stroke_wins_and_gradually():
     middle = np.linspace(0.25, 0.75, 60)
     heights = []
     for share in shares:
-        made = modified(CURVE, [pressed(over, share), pressed(under, 1 - share)]).points
+        made = oversketch_curve(CURVE, [pressed(over, share), pressed(under, 1 - share)]).points
         heights.append(
             np.interp(600 * middle, made[:, 0], made[:, 1]) - 80 * np.sin(np.pi * middle)
         )
@@ -122,12 +122,12 @@ def test_the_firmer_stroke_wins_and_gradually():
 
 def test_without_the_pressure_force_pressure_does_not_count():
     strokes = [pressed(arch(FINE) - (0, -10), 0.9), pressed(arch(FINE) - (0, 10), 0.1)]
-    made = modified(CURVE, strokes, pressure=0.0)
+    made = oversketch_curve(CURVE, strokes, pressure=0.0)
     assert np.abs(made.points[30:90] - CURVE[30:90]).max() < 0.2
 
 
 def test_no_pull_no_change():
-    made = modified(CURVE, [pressed(arch(FINE, 140.0))], location=0.0, pressure=0.0)
+    made = oversketch_curve(CURVE, [pressed(arch(FINE, 140.0))], location=0.0, pressure=0.0)
     assert (made.points == CURVE).all()
 
 
@@ -137,7 +137,7 @@ def test_shaky_strokes_are_averaged():
     tremor = gaussian_filter1d(random.normal(size=(5, *target.shape)), 60.0, axis=1)
     strokes = list(target + 2.0 * tremor / tremor.std())
     error = [np.sqrt((away(s, target) ** 2).mean()) for s in strokes]
-    made = modified(CURVE, [pressed(s) for s in strokes])
+    made = oversketch_curve(CURVE, [pressed(s) for s in strokes])
     assert np.sqrt((away(made.points, target) ** 2).mean()) < 0.8 * np.mean(error)
 
 
@@ -145,7 +145,7 @@ def test_shaky_strokes_are_averaged():
 def test_a_stroke_that_runs_on_takes_the_end_along(turned):
     path = arch(np.linspace(0.5, 1.25, 600))
     curve = CURVE[::-1] if turned else CURVE
-    made = modified(curve, [pressed(path)]).points
+    made = oversketch_curve(curve, [pressed(path)]).points
     made = made[::-1] if turned else made
     assert np.linalg.norm(made[-1] - path[-1]) < 0.5
     assert away(path, made).max() < 1.0
@@ -155,21 +155,21 @@ def test_a_stroke_that_runs_on_takes_the_end_along(turned):
 
 
 def test_a_stroke_that_stops_short_does_not_shorten():
-    made = modified(CURVE, [pressed(arch(np.linspace(0.03, 0.97, 900)))])
+    made = oversketch_curve(CURVE, [pressed(arch(np.linspace(0.03, 0.97, 900)))])
     assert np.linalg.norm(made.points - CURVE, axis=1).max() < 0.05
 
 
 def test_a_stroke_across_the_open_mouth_does_not_fold_the_curve():
     u = resample([[0, 0], [0, 250], [120, 250], [120, 0]], count=160)
     mouth = np.column_stack((np.linspace(2, 118, 80), np.linspace(-2, -6, 80)))
-    made = modified(u, [pressed(mouth)]).points
+    made = oversketch_curve(u, [pressed(mouth)]).points
     assert away([[0, 240], [60, 250], [120, 240]], made).max() < 1.0
 
 
 def test_a_narrow_u_moves_by_its_own_width():
     u = smooth(resample([[0, 0], [0, 300], [40, 300], [40, 0]], count=220), 6.0)
     target = u - (-40, 0)
-    made = modified(u, [pressed(target)]).points
+    made = oversketch_curve(u, [pressed(target)]).points
     assert np.sqrt((away(target, made) ** 2).mean()) < 1.5
     assert np.linalg.norm(made[[0, -1]] - target[[0, -1]], axis=1).max() < 3.0
 
@@ -180,12 +180,12 @@ def test_a_ring_changed_across_its_seam(repeat):
     ring = np.vstack((ring, ring[:1])) if repeat else ring
     t = np.linspace(-0.1, 0.1, 300)
     target = ellipse(t) * (1 + 0.08 * np.cos(t * np.pi / 0.2)[:, None])
-    made = modified(ring, [pressed(target)], closed=True)
+    made = oversketch_curve(ring, [pressed(target)], closed=True)
     assert away(target[60:-60], np.vstack((made.points, made.points[:1]))).max() < 1.5
     assert not made.moved[100:140].any()
     if repeat:
         assert (made.points[0] == made.points[-1]).all()
-    grown = modified(ring, [pressed(ellipse(2 * FINE, 330, 170))], closed=True)
+    grown = oversketch_curve(ring, [pressed(ellipse(2 * FINE, 330, 170))], closed=True)
     assert away(grown.points, ellipse(FINE, 330, 170)).max() < 0.5
 
 
@@ -197,15 +197,15 @@ def test_broken_numbers_are_refused_with_words(bad):
     broken = CURVE.copy()
     broken[7, 1] = bad
     with pytest.raises(UserError):
-        modified(broken, [pressed(CURVE)])
+        oversketch_curve(broken, [pressed(CURVE)])
     with pytest.raises(UserError):
-        modified(CURVE, [pressed(broken)])
+        oversketch_curve(CURVE, [pressed(broken)])
     with pytest.raises(UserError):
-        modified(CURVE, [pressed(CURVE, bad)])
+        oversketch_curve(CURVE, [pressed(CURVE, bad)])
     with pytest.raises(UserError):
-        modified(CURVE, [pressed(CURVE)], restitution=bad if bad != 1e300 else -1.0)
+        oversketch_curve(CURVE, [pressed(CURVE)], restitution=bad if bad != 1e300 else -1.0)
     with pytest.raises(UserError):
-        modified(np.zeros((0, 2)), [pressed(CURVE)])
+        oversketch_curve(np.zeros((0, 2)), [pressed(CURVE)])
 
 
 KINDS = st.sampled_from(["grid", "dot", "walk", "spiral", "tiny", "huge"])
@@ -238,7 +238,7 @@ def test_any_ink_gives_finite_nodes(inks, closed, weights, seed):
     random = np.random.default_rng(seed)
     curve, *strokes = (odd_ink(kind, count, random) for kind, count in inks)
     pressure = [random.choice([0, 0.5, 1], len(s)) for s in strokes]
-    made = modified(
+    made = oversketch_curve(
         curve,
         list(zip(strokes, pressure, strict=True)),
         closed=closed,
@@ -337,7 +337,7 @@ def test_recorded_scribbles_bring_the_curve_to_the_ink():
     for group in (g for path in files for g in clusters(path)[:8]):
         curve = resample(smooth(group[0], 4.0), count=150)
         ink = np.vstack([resample(s, spacing=3.0) for s in group[1:6]])
-        made = modified(curve, [pressed(s) for s in group[1:6]]).points
+        made = oversketch_curve(curve, [pressed(s) for s in group[1:6]]).points
         assert np.isfinite(made).all()
         before.append(np.sqrt((away(ink, curve) ** 2).mean()))
         after.append(np.sqrt((away(ink, made) ** 2).mean()))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bozzetto.plugin import Job
 from bozzetto.scene import Picture
 from bozzetto.testing import same
 from bozzetto.view import Camera
@@ -126,6 +127,41 @@ def test_the_view_goes_along_with_a_mark_that_moves_the_camera(known):
     assert after.pinned
     assert not after.follow
     assert view_after(known, state, there) is None
+
+
+def test_advice_on_a_preview_goes_along_and_solves_nothing(known, monkeypatch):
+    car, before = Car(), body_of(known)
+    camera = panned(through(known))
+    window = before.sketch_cameras["one"].window(camera)
+    picture = Picture.of(np.full((40, 60, 4), 200, np.uint8), "sketch")
+    drawn = known.with_node(replace(known.sketch, picture=picture))
+    longer = replace(drawn, length=1.05 * before.dimensions.length, lock=True)
+    body = car.solve(longer, Job(quality="preview"))
+    scenes = car.scene(longer, body)  # all that the program asks for before
+    monkeypatch.setattr("bozzetto_car.body.build.solve_car", None)
+    advice = car.advice_on_result(longer, body, camera, (before,))
+    assert advice.follow
+    assert advice.pinned
+    assert body.sketch_cameras["one"].window(advice.better)[0] == pytest.approx(window[0], abs=1e-6)
+    at_rest = car.advice_on_result(longer, body, advice.better, (before,))
+    assert at_rest.pinned
+    assert not at_rest.follow
+    thin = {layer.name: layer for layer in at_rest.scene.layers}
+    assert "body" in thin, "what is shown over the sketch is the preview, not the car before"
+    shown = next(layer for layer in scenes.layers if layer.name == "body")
+    assert np.array_equal(thin["body"].items[0].mesh.vertices, shown.items[0].mesh.vertices)
+
+
+@pytest.mark.parametrize("moved", [False, True])
+def test_advice_on_a_result_is_the_advice_on_its_state(known, moved):
+    camera = panned(through(known))
+    state = nudged(known) if moved else known
+    told = Car().advice_on_result(state, body_of(state), camera, (body_of(known),))
+    along = view_after(known, state, camera)
+    plain = advised(state, along or camera)
+    assert (told.level, told.message, told.pinned) == (plain.level, plain.message, plain.pinned)
+    assert same(told.scene, plain.scene)
+    assert (told.better if moved else None) == along
 
 
 def test_two_cars_do_not_know_of_each_other(known):

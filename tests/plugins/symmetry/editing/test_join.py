@@ -7,6 +7,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
+from bozzetto.ink import fit_spline
 from bozzetto_symmetry.editing.bridge import bridge, close_with_bridge
 from bozzetto_symmetry.editing.join import close_up, join_across, join_curves
 from bozzetto_symmetry.editing.snap import snap_end
@@ -25,7 +26,6 @@ from tests.plugins.symmetry.edited_curves import (
     kink,
     same,
 )  # fmt: skip
-from tests.spline_fits import fit_spline
 
 
 def turned(curve: SpaceCurve) -> SpaceCurve:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke
+from bozzetto.ink import Stroke, fit_spline
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_symmetry.editing.oversketch import oversketch
@@ -17,7 +17,6 @@ from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from tests.plugins.symmetry.edited_curves import ACROSS, ALL, FLAT, PAIR, RAIL, check
 from tests.plugins.symmetry.scenes import camera, real_curves, tremor
-from tests.spline_fits import fit_spline
 
 VIEWS = [
     (azimuth, elevation, kind)

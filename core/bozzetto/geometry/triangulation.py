@@ -1,4 +1,4 @@
-"""Constrained Delaunay triangulation of the inside of an outline, with indices."""
+"""Constrained Delaunay triangulation of the inside of rings, with indices."""
 
 from __future__ import annotations
 
@@ -6,44 +6,43 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats, Indices
-from bozzetto_silhouette.outline.signed_distance import ring_links
+from bozzetto.arrays import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
 class Triangulation:
-    """Triangles whose corners are the vertices of an outline's rings.
+    """Triangles whose corners are the vertices of rings.
 
     Attributes
     ----------
-    points : (n, 2) float array
+    points : (n, 2) float
         Vertices of all rings, ring after ring.
-    triangles : (t, 3) int array
+    triangles : (t, 3) int
         Corners.
-    chords : (c, 2) int array
+    chords : (c, 2) int
         Edges inside the region, each once: the end points.
-    across : (c, 2) int array
+    across : (c, 2) int
         The two triangles on either side of each chord.
-    sides : (t, 3) int array
+    sides : (t, 3) int
         Chord number of the edge from corner k to corner k + 1, or -1 on the outline.
         The count of chords tells the kind: 1 terminal, 2 sleeve, 3 junction.
     """
 
-    points: Floats
-    triangles: Indices
-    chords: Indices
-    across: Indices
-    sides: Indices
+    points: Array
+    triangles: Index
+    chords: Index
+    across: Index
+    sides: Index
 
 
-def constrained_delaunay(outer: Floats, holes: tuple[Floats, ...] = ()) -> Triangulation:
+def triangulate(outer: Array, holes: tuple[Array, ...] = ()) -> Triangulation:
     """Triangulate one outer ring with its holes.
 
     Parameters
     ----------
-    outer : (n, 2) float array
+    outer : (n, 2) float
         Simple ring, first vertex not repeated.
-    holes : tuple of (m, 2) float arrays
+    holes : tuple of (m, 2) floats
         Simple rings inside `outer`.
 
     Returns
@@ -65,7 +64,10 @@ def constrained_delaunay(outer: Floats, holes: tuple[Floats, ...] = ()) -> Trian
     rings = [np.ascontiguousarray(r, dtype=np.float64) for r in (outer, *holes)]
     points = np.concatenate(rings) + 0.0  # turns -0.0 into 0.0: one number, one pattern
     polygon = shapely.Polygon(rings[0], rings[1:])
-    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+    try:
+        pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+    except shapely.GEOSException as problem:
+        raise ValueError("the rings cross or touch") from problem
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3].reshape(-1, 2) + 0.0
     key, wanted = points.view(np.complex128).ravel(), corners.view(np.complex128).ravel()
     order = np.argsort(key)
@@ -90,3 +92,26 @@ def constrained_delaunay(outer: Floats, holes: tuple[Floats, ...] = ()) -> Trian
     return Triangulation(
         points, triangles, np.stack([first[inner], second[inner]], axis=1), across, sides
     )
+
+
+def ring_links(counts: list[int]) -> tuple[Index, Index]:
+    """Return successor and predecessor of every vertex of rings stored one after another.
+
+    Parameters
+    ----------
+    counts : list of int
+        Number of vertices of each ring.
+
+    Returns
+    -------
+    after, before : (n,) int
+        Numbers of vertices; the last one of a ring is followed by its first.
+    """
+    after = np.arange(sum(counts), dtype=np.intp) + 1
+    start = 0
+    for count in counts:
+        after[start + count - 1] = start
+        start += count
+    before = np.empty_like(after)
+    before[after] = np.arange(len(after))
+    return after, before

@@ -1,4 +1,4 @@
-"""Cubic B-splines through the points of one curve, with the least squares of the core."""
+"""Cubic B-splines through the points of one curve."""
 
 from __future__ import annotations
 
@@ -11,16 +11,20 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.spline import Spline
-from bozzetto.ink.curves.least_squares import approximate, approximate_adaptively
-from bozzetto.ink.curves.preprocess import Prepared, checked_points, prepare
-from bozzetto.ink.merge.merge import ENOUGH, NOISE_FACTOR
+from bozzetto.ink.curves.least_squares import (
+    ENOUGH,
+    NOISE_FACTOR,
+    approximate,
+    approximate_adaptively,
+)
+from bozzetto.ink.curves.preprocess import PreparedCurve, checked_points, prepare_curve
 
 FEWEST_CONTROLS: Final = 4
 """A cubic needs four control points."""
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class SplineFit:
     """A spline and how well it follows the ink.
 
     Attributes
@@ -49,7 +53,7 @@ def fit_spline(
     start_tangent: ArrayLike | None = None,
     end_tangent: ArrayLike | None = None,
     pixel: float = 1.0,
-) -> Fit:
+) -> SplineFit:
     """Fit a cubic B-spline to the points of a curve, in the order in which they were drawn.
 
     The points are smoothed over 4 px and spaced 3 px along the curve, so the result does not
@@ -74,7 +78,7 @@ def fit_spline(
 
     Returns
     -------
-    Fit
+    SplineFit
 
     Raises
     ------
@@ -88,7 +92,7 @@ def fit_spline(
     tangents = [_checked_tangent(t, place.shape[1], closed) for t in (start_tangent, end_tangent)]
     if controls != "adaptive" and controls < FEWEST_CONTROLS:
         raise ValueError("a cubic spline needs at least four control points")
-    ready = prepare(place, weight, pixel=pixel, closed=closed)
+    ready = prepare_curve(place, weight, pixel=pixel, closed=closed)
     if np.ptp(ready.points, axis=0).max() <= 0:
         raise UserError("The ink is a dot: draw a curve.")
     count = len(ready.points)
@@ -104,10 +108,10 @@ def fit_spline(
             closed=closed, start_tangent=tangents[0], end_tangent=tangents[1],
         )  # fmt: skip
     own = _own_parameters(ready, made.parameters, closed)
-    return Fit(made.spline, made.rms, made.worst, own)
+    return SplineFit(made.spline, made.rms, made.worst, own)
 
 
-def _own_parameters(ready: Prepared, feet: Array, closed: bool) -> Array:
+def _own_parameters(ready: PreparedCurve, feet: Array, closed: bool) -> Array:
     """Return parameters of the given points, from those of the prepared ones beside them."""
     if closed:
         feet = np.unwrap(np.append(feet, feet[0]), period=1.0)

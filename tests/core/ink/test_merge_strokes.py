@@ -11,8 +11,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import cKDTree
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke
-from bozzetto.ink.merge import fading, settle
+from bozzetto.ink import Stroke, merge_strokes, stroke_weights
 from bozzetto.view.camera import Camera
 
 CLUSTERS = Path(__file__).parents[4] / "shared/data/ink/strokestrip/examples"
@@ -80,7 +79,7 @@ def off(made, curve):
 @pytest.mark.parametrize("share", [1.0, 0.5])
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_scribbles_of_loops_and_hooks_settle_on_the_curve(name, share, seed):
-    rms, worst = off(settle(scribbled(SHAPES[name], 6, seed, share=share)), SHAPES[name])
+    rms, worst = off(merge_strokes(scribbled(SHAPES[name], 6, seed, share=share)), SHAPES[name])
     assert rms < 5.0
     assert worst < 30.0
 
@@ -90,7 +89,7 @@ def test_scribbles_of_loops_and_hooks_settle_on_the_curve(name, share, seed):
 @pytest.mark.parametrize("share", [1.0, 0.5])
 def test_nearly_all_scribbles_of_loops_and_hooks_settle_on_the_curve(name, share):
     figures = np.array([
-        off(settle(scribbled(SHAPES[name], 6, seed, share=share)), SHAPES[name])
+        off(merge_strokes(scribbled(SHAPES[name], 6, seed, share=share)), SHAPES[name])
         for seed in range(100, 140)
     ])  # fmt: skip
     assert ((figures[:, 0] < 5.0) & (figures[:, 1] < 30.0)).mean() >= 0.95
@@ -107,14 +106,14 @@ def treble(count):
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_the_laps_of_a_curl_stay_apart(seed):
     curve = treble(600)
-    rms, worst = off(settle(scribbled(curve, 4, seed)), curve)
+    rms, worst = off(merge_strokes(scribbled(curve, 4, seed)), curve)
     assert rms < 4.0
     assert worst < 20.0
 
 
 def test_ends_that_overlap_are_closed():
     ring = SHAPES["ellipse"]
-    made = settle([ring[:550], np.roll(ring[:-1], -300, axis=0)[:400]])
+    made = merge_strokes([ring[:550], np.roll(ring[:-1], -300, axis=0)[:400]])
     assert made.closed
     assert off(made, ring)[1] < 8.0
 
@@ -122,27 +121,29 @@ def test_ends_that_overlap_are_closed():
 def test_a_stroke_that_strayed_has_less_say():
     wave = SHAPES["wave"]
     strayed = wave + np.column_stack((0 * T, 40 * np.sin(np.pi * T)))
-    made = settle([wave, wave + np.array([0, 1]), wave - np.array([0, 1]), strayed])
+    made = merge_strokes([wave, wave + np.array([0, 1]), wave - np.array([0, 1]), strayed])
     assert off(made, wave)[0] < 6.0  # the mean is 7.1 off
 
 
 def test_a_wide_scribble_of_a_large_curve_is_sure_and_of_a_small_one_is_not():
     line = np.column_stack((800 * T, 0 * T))
     pair = [line, line + np.array([0, 12])]
-    assert settle(pair).score > 5.0
-    assert settle(pair).sure
-    assert not settle([stroke * np.array([0.5, 1.0]) for stroke in pair]).sure
+    assert merge_strokes(pair).score > 5.0
+    assert merge_strokes(pair).sure
+    assert not merge_strokes([stroke * np.array([0.5, 1.0]) for stroke in pair]).sure
 
 
 def test_a_ring_drawn_over_and_over_is_closed_and_the_open_c_is_not():
-    assert settle([np.roll(SHAPES["ellipse"][:-1], 150 * k, axis=0) for k in range(4)]).closed
-    assert not settle(scribbled(SHAPES["C"], 4, 1)).closed
+    assert merge_strokes(
+        [np.roll(SHAPES["ellipse"][:-1], 150 * k, axis=0) for k in range(4)]
+    ).closed
+    assert not merge_strokes(scribbled(SHAPES["C"], 4, 1)).closed
 
 
 def test_order_and_direction_of_strokes_do_not_matter():
     strokes = scribbled(SHAPES["wave"], 5, 7)
-    one = settle(strokes)
-    other = settle([stroke[::-1] for stroke in strokes[::-1]])
+    one = merge_strokes(strokes)
+    other = merge_strokes([stroke[::-1] for stroke in strokes[::-1]])
     gap = cKDTree(one.points).query(other.points)[0]
     assert np.percentile(gap, 95) < 1.0
 
@@ -153,13 +154,13 @@ def test_sampling_more_often_does_not_matter():
         np.column_stack([np.interp(np.linspace(0, 249, 5000), np.arange(250), c) for c in s.T])
         for s in strokes
     ]
-    gap = cKDTree(settle(strokes).points).query(settle(dense).points)[0]
+    gap = cKDTree(merge_strokes(strokes).points).query(merge_strokes(dense).points)[0]
     assert gap.max() < 1.5
 
 
 def test_a_pen_that_runs_back_over_its_line_draws_one_line():
     line = np.column_stack((300 * T, 0 * T))
-    made = settle([np.vstack((line, line[::-1] + np.array([0, 1.0]), line))])
+    made = merge_strokes([np.vstack((line, line[::-1] + np.array([0, 1.0]), line))])
     assert made.spline.length == pytest.approx(300, rel=0.03)
     assert np.abs(made.points[:, 1]).max() < 2.0
 
@@ -167,13 +168,13 @@ def test_a_pen_that_runs_back_over_its_line_draws_one_line():
 def test_heavier_strokes_pull_the_curve():
     line = np.column_stack((300 * T, 0 * T))
     middles = [
-        settle([line, line + np.array([0, 10])], [1 - share, share]).points[:, 1].mean()
+        merge_strokes([line, line + np.array([0, 10])], [1 - share, share]).points[:, 1].mean()
         for share in (0.1, 0.5, 0.9)
     ]
     assert middles[0] < 3.0
     assert middles[1] == pytest.approx(5.0, abs=1.0)
     assert middles[2] > 7.0
-    alone = settle([line, line + np.array([0, 10])], [0.0, 1.0])
+    alone = merge_strokes([line, line + np.array([0, 10])], [0.0, 1.0])
     np.testing.assert_allclose(alone.points[:, 1], 10.0, atol=1e-6)
 
 
@@ -181,21 +182,21 @@ def test_older_and_fainter_strokes_weigh_less():
     def stroke(pressure):
         return Stroke([0, 1], [0, 1], Camera(), pressure=[pressure, pressure])
 
-    weights = fading([stroke(0.5)] * 4)
+    weights = stroke_weights([stroke(0.5)] * 4)
     np.testing.assert_allclose(weights[1:] / weights[:-1], 1 / 0.7)
-    faint, firm = fading([stroke(0.1)])[0], fading([stroke(0.9)])[0]
+    faint, firm = stroke_weights([stroke(0.1)])[0], stroke_weights([stroke(0.9)])[0]
     assert faint < firm
 
 
 def test_ink_that_is_no_curve_is_not_sure():
     rng = np.random.default_rng(3)
-    assert not settle([rng.normal(0, 100, (60, 2)) for _ in range(6)]).sure
-    assert settle(scribbled(SHAPES["wave"], 3, 1, noise=0.5)).sure
+    assert not merge_strokes([rng.normal(0, 100, (60, 2)) for _ in range(6)]).sure
+    assert merge_strokes(scribbled(SHAPES["wave"], 3, 1, noise=0.5)).sure
 
 
 def test_another_unit_of_length_gives_the_same_curve():
     strokes = scribbled(SHAPES["C"], 4, 2)
-    one, other = settle(strokes), settle([0.25 * s for s in strokes], pixel=0.25)
+    one, other = merge_strokes(strokes), merge_strokes([0.25 * s for s in strokes], pixel=0.25)
     assert other.score == pytest.approx(0.25 * one.score, rel=1e-3)
     assert other.sure == one.sure
 
@@ -215,7 +216,7 @@ def test_another_unit_of_length_gives_the_same_curve():
 )
 def test_what_is_no_ink_is_refused_in_plain_words(strokes):
     with pytest.raises(UserError):
-        settle(strokes)
+        merge_strokes(strokes)
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1e-3, 1.0, 1e6])
@@ -223,7 +224,7 @@ def test_what_is_no_ink_is_refused_in_plain_words(strokes):
 def test_any_ink_gives_a_finite_curve(scale, seed):
     rng = np.random.default_rng(seed)
     strokes = [scale * rng.integers(0, 9, (n, 2)) for n in rng.integers(1, 20, 5)]
-    made = settle([*strokes, [[0, 0], [scale, 0]]])
+    made = merge_strokes([*strokes, [[0, 0], [scale, 0]]])
     assert np.isfinite(made.points).all()
     assert np.isfinite(made.score)
 
@@ -247,7 +248,7 @@ def settled_clusters(step):
     if not CLUSTERS.exists():
         pytest.skip("the recorded clusters are not on this machine")
     return np.array([
-        (settle(strokes).score, side)
+        (merge_strokes(strokes).score, side)
         for number, (side, strokes) in enumerate(real_clusters())
         if number % step == 0
     ]).T  # fmt: skip
