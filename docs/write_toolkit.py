@@ -1,18 +1,21 @@
 """Write the tables of names in ``docs/toolkit.md``: ``python docs/write_toolkit.py``.
 
-Each public room of the core has a table of what it offers, with the first line of every name's
-own documentation.
+Each public room of the core has a table of what it offers: the first line of every name's own
+documentation, its arguments, and what it has.
 """
 
 from __future__ import annotations
 
 import ast
+import dataclasses
 import inspect
 from collections.abc import Iterator
+from dataclasses import is_dataclass
+from functools import cached_property
 from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
-from types import ModuleType
+from types import MemberDescriptorType, ModuleType
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "toolkit.md"
@@ -69,8 +72,56 @@ def rows(door: str) -> Iterator[str]:
     yield from (f"### `{door}`", "", inspect.getdoc(package) or "", "", "| name | |", "|---|---|")
     for name in sorted(names, key=str.lower):
         words = words_on(name, import_module(homes.get(name, door)))
+        value = getattr(package, name)
+        call = arguments(value)
+        words += f" `{name}{call}`" if call else ""
+        inner = ", ".join(f"`{text}`" for text in members(value)) if inspect.isclass(value) else ""
+        words += f" has {inner}." if inner and not issubclass(value, Exception) else ""
         yield f"| `{name}` | {words.replace('|', chr(92) + '|')} |"
     yield ""
+
+
+def arguments(value: object) -> str:
+    """Return names and plain defaults of arguments; "" for what is not called."""
+    if not (inspect.isclass(value) or inspect.isroutine(value)):
+        return ""
+    try:
+        parameters = inspect.signature(value).parameters.values()
+    except ValueError:
+        return ""
+    given: list[str] = []
+    for parameter in parameters:
+        if parameter.name == "self":
+            continue
+        star = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
+        if parameter.kind is parameter.KEYWORD_ONLY and not any("*" in one for one in given):
+            given.append("*")
+        default = "" if parameter.default is parameter.empty else f"={plain(parameter.default)}"
+        given.append(f"{star}{parameter.name}{default}")
+    return f"({', '.join(given)})"
+
+
+def plain(default: object) -> str:
+    """Return a default as it is written, or three dots where it is none of a few kinds."""
+    if isinstance(default, str):
+        return f'"{default}"'
+    atoms = (int, float, bool, type(None))
+    row = default if isinstance(default, tuple) else (default,)
+    return repr(default) if all(isinstance(one, atoms) for one in row) else "..."
+
+
+def members(kind: type) -> Iterator[str]:
+    """Yield public fields, properties and methods, those with arguments with them."""
+    fields = [field.name for field in dataclasses.fields(kind)] if is_dataclass(kind) else []
+    yield from (name for name in fields if not name.startswith("_"))
+    for name in dir(kind):
+        value = inspect.getattr_static(kind, name)
+        if name.startswith("_") or name in fields:
+            continue
+        if isinstance(value, property | cached_property | MemberDescriptorType):
+            yield name
+        elif isinstance(value, staticmethod | classmethod) or inspect.isfunction(value):
+            yield f"{name}{arguments(getattr(kind, name))}"
 
 
 def tables() -> str:

@@ -152,14 +152,18 @@ def _parser() -> argparse.ArgumentParser:
     samples.set_defaults(run=_samples)
 
     plugins = commands.add_parser(
-        "plugins", help="list the plugins, switch one on or off, or check one"
+        "plugins", help="list the plugins, switch one on or off, check one, or begin a new one"
     )
     plugins.add_argument("action", nargs="?", choices=ACTIONS, default="list")
     plugins.add_argument(
         "package",
         nargs="?",
         metavar="NAME",
-        help="id or package of a plugin; to check, also a file of a plugin's own kind",
+        help="id or package of a plugin; to check, also a file of a plugin's own kind; for a new "
+        "one its id, such as author.thing",
+    )
+    plugins.add_argument(
+        "--license", default="MIT", metavar="NAME", help="of a new plugin: MIT or none"
     )
     plugins.set_defaults(run=run_plugins)
     return parser

@@ -1,4 +1,4 @@
-"""``bozzetto plugins``: list them, switch them on and off, check one."""
+"""``bozzetto plugins``: list them, switch them on and off, check one, begin a new one."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bozzetto.errors import UserError
 if TYPE_CHECKING:
     from bozzetto.plugin.host.registry import PluginInfo
 
-ACTIONS = ("list", "check", "enable", "disable")
+ACTIONS = ("list", "check", "enable", "disable", "new")
 """Actions of the command."""
 
 
@@ -22,11 +22,27 @@ def plugins(options: argparse.Namespace) -> int:
         _list()
         return 0
     if options.package is None:
-        what = "package or file to check" if options.action == "check" else "plugin is meant"
+        what = {"check": "package or file to check", "new": "id it gets, such as author.thing"}.get(
+            options.action, "plugin is meant"
+        )
         raise UserError(f"Say which {what}: bozzetto plugins {options.action} NAME.")
     if options.action == "check":
         return _check(options.package)
+    if options.action == "new":
+        return _new(options.package, options.license)
     _switch(options.package, options.action == "enable")
+    return 0
+
+
+def _new(plugin_id: str, license_name: str) -> int:
+    from bozzetto.cli.new_plugin import LICENSES, new_plugin
+
+    if license_name not in LICENSES:
+        raise UserError(f"There is no licence {license_name!r}. Write {' or '.join(LICENSES)}.")
+    made = new_plugin(plugin_id, Path.cwd(), license_name)
+    print(f"{made.name} is written. Go on with:")
+    print(f"    pip install -e './{made.name}[test]'")
+    print(f"    bozzetto plugins check {made.name}")
     return 0
 
 

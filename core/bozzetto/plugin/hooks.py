@@ -34,8 +34,8 @@ def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:  # type: ignore[empty-bo
 def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
     """Return a Qt widget of the plugin's own for one of its modelers, or None.
 
-    Only called where the manifest says ``panel = true``, when an object of that modeler is
-    selected. `parent` is a QWidget; the returned widget is shown in a dock, and destroyed
+    Only called where the manifest names "panel" among the modeler's abilities, when an object of
+    it is selected. `parent` is a QWidget; the returned widget is shown in a dock, and destroyed
     when an object of another modeler is selected. `host` gives it the object's state.
     """
 

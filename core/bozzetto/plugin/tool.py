@@ -42,8 +42,8 @@ class Preview(Generic[State]):
         """Return what to show of the gesture so far: cheap, 60 times a second.
 
         A layer stands in for the layer of that name in the modeler's own scene, until the new
-        state is solved; layers of other names are shown besides. Where it raises `UserError`
-        nothing is shown: odd ink may still become something.
+        state is solved; layers of other names are shown besides. Where it raises `UserError` or
+        `Unfinished` nothing is shown: odd ink may still become something.
         """
         return self.tool.preview(self.state, gesture, self.context)
 

@@ -165,15 +165,12 @@ def check_aims(subject: Subject) -> None:
     for opened in (subject.shell, subject.drawn):
         with opened() as shell:
             for tool in shell.tools():
-                if not (tool.aims):
+                if not tool.aims:
                     continue
                 ensure(tool.gesture != "ink", f"the tool {tool.id} aims, so it cannot take ink")
                 for camera in odd_cameras():
                     for x, y in ((600.0, 450.0), (-50.0, 2000.0)):
-                        try:
-                            shell.preview(Tap(x, y, camera), tool=tool)
-                        except UserError as problem:
-                            raise Broken(f"preview of {tool.id} raised ({problem})") from problem
+                        shell.preview(Tap(x, y, camera), tool=tool)
 
 
 def _given() -> tuple[Shapes, ...]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from bozzetto.errors import FormatError, Unfinished, UserError
 from bozzetto.exchange.safe_xml import parse_xml
 from bozzetto.plugin.guard.guard import PluginFault
-from bozzetto.plugin.host.manifest import ManifestError, find_folder, read_manifest
+from bozzetto.plugin.host.manifest import Manifest, ManifestError, find_folder, read_manifest
 from bozzetto.plugin.host.registry import Registry
 
 LARGEST_ICON = 64 * 1024
@@ -62,9 +63,14 @@ def check_package(package: str) -> list[Finding]:
         return [Finding(True, package, problem.message)]
     findings = [Finding(False, package, warning) for warning in manifest.warnings]
     findings += _check_icons(folder, [entry.icon for entry in manifest.modelers])
-    info = Registry(extra=(package,)).add_package(package)
+    registry = Registry(extra=(package,))
+    info = registry.add_package(package)
     if info.status == "broken":
         return [*findings, Finding(True, manifest.id, info.fault)]
+    with suppress(UserError, PluginFault):  # told below, of each modeler
+        registry.modeler(manifest.modelers[0].id)
+    findings += _check_classes(package)
+    findings += _check_hooks(package, manifest)
     for entry in manifest.modelers:
         findings += _check_modeler(package, entry.id)
     return findings
@@ -124,8 +130,36 @@ def icon_fault(path: Path) -> str:
     return f"an icon must not contain {', '.join(found)}" if found else ""
 
 
+def _check_classes(package: str) -> list[Finding]:
+    """Return what is misspelt in the classes that the import of a package has made so far."""
+    from bozzetto.testing.spelling import class_faults, derived_classes
+
+    kinds = derived_classes(package)
+    return [Finding(True, package, fault) for kind in kinds for fault in class_faults(kind)]
+
+
+def _check_hooks(package: str, manifest: Manifest) -> list[Finding]:
+    """Return hooks that the manifest announces and the package lacks, and the reverse."""
+    abilities = {ability for entry in manifest.modelers for ability in entry.abilities}
+    announced = {
+        "bozzetto_panel": ("panel" in abilities, 'abilities = ["panel"]'),
+        "bozzetto_faults": (manifest.checks_files, "checks_files = true"),
+    }
+    findings = []
+    for hook, (is_announced, key) in announced.items():
+        there = hasattr(sys.modules.get(package), hook)
+        if is_announced and not there:
+            told = f"the manifest says {key}, and the package has no hook {hook}"
+            findings.append(Finding(True, manifest.id, told))
+        if there and not is_announced:
+            told = f"the package has the hook {hook}, and the manifest does not say {key}"
+            findings.append(Finding(True, manifest.id, told))
+    return findings
+
+
 def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
     from bozzetto.testing.checks import CHECKS
+    from bozzetto.testing.spelling import check_spelling
     from bozzetto.testing.subject import Subject
 
     registry = Registry(extra=(package,))
@@ -138,12 +172,11 @@ def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
     looked_at = info.icon.relative_to(folder).as_posix()
     icons = {tool.icon for tool in tools if tool.icon} - {looked_at}
     findings = _check_icons(folder, icons)
-    if "panel" in info.abilities and not hasattr(sys.modules[package], "bozzetto_panel"):
-        told = "the manifest names the ability panel, and the package has no hook bozzetto_panel"
-        findings.append(Finding(True, modeler_id, told))
     subject = Subject(modeler_id, (package,))
     told_by: dict[tuple[bool, str], list[str]] = {}
     for check in CHECKS:
+        if check.run is check_spelling and _check_classes(package):
+            continue  # told already
         try:
             check.run(subject)
         except (UserError, Unfinished) as problem:

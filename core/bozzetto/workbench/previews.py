@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bozzetto.document.model import Model
-from bozzetto.errors import UserError
+from bozzetto.errors import Unfinished, UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.plugin.gesture import Gesture
 from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
@@ -43,6 +43,6 @@ class ModelPreview:
         """
         try:
             scene = self.modeler.preview(self.preview, gesture.moved(self.to_own))
-        except UserError:
+        except (UserError, Unfinished):
             return Scene()  # odd ink may still become something
         return scene_in_world(scene, self.model)

@@ -13,7 +13,7 @@ from bozzetto.exchange.import_file import read_drawing
 from bozzetto.geometry import Placement, Shapes
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.ink.steps import CommandStep, DrawStep
-from bozzetto.plugin import Command, ViewAdvice
+from bozzetto.plugin import Command, NextStep, ViewAdvice
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Layer, Points, Scene
@@ -182,7 +182,6 @@ object.__setattr__(NAN, "points", np.full((1, 3), np.nan, np.float32))
 @pytest.mark.parametrize(
     "wrong",
     [
-        None,
         "good",
         ViewAdvice("fine", "x"),
         ViewAdvice("good", None),
@@ -192,10 +191,15 @@ object.__setattr__(NAN, "points", np.full((1, 3), np.nan, np.float32))
         ViewAdvice("good", "x", scene=Scene((Layer("l", (NAN,)),))),
     ],
 )
-def test_advice_that_is_none_is_a_fault(shell, marks, wrong):
+def test_advice_that_cannot_be_shown_is_a_fault(shell, marks, wrong):
     marks.advise = lambda state, camera: wrong
     with pytest.raises(PluginFault, match="view_advice gave what cannot be used"):
         shell.advice()
+
+
+def test_no_advice_is_an_answer(shell, marks):
+    marks.advise = lambda state, camera: None
+    assert shell.advice() is None
 
 
 # -- curves, shapes as input -------------------------------------------------------------------
@@ -269,11 +273,10 @@ def test_what_is_wrong_is_found(marks, monkeypatch):
         assert failing(marks) == {"commands"}
         changed.setattr(marks, "commands", lambda: [Command("a", "T", "H", lambda s, c: 1 / 0)])
         assert failing(marks) == {"commands"}
-    for said in (" ", 42):
+    for said in (NextStep(" "), NextStep("Go.", tool="none"), NextStep("Go.", (1.0, 2.0)), 42):
         with monkeypatch.context() as changed:
-            hint = lambda tool, state, said=said: said  # noqa: E731
-            changed.setattr(adviser.DrawMark, "next_hint", hint, raising=False)
-            assert failing(marks) == {"next_hint"}
+            changed.setattr(marks, "next_step", lambda state, tool, said=said: said)
+            assert failing(marks) == {"next_step"}
     with monkeypatch.context() as changed:
         changed.setattr(marks, "read_shapes", lambda shapes: 1 / 0)
         assert failing(marks) == {"read_shapes"}

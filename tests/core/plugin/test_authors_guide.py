@@ -1,17 +1,15 @@
-"""What the guide says is so: its files are the example's, its signatures the program's."""
+"""What the guide says is so: its files are the example's, its pieces of code run."""
 
 from __future__ import annotations
 
-import ast
 import inspect
 import re
-from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 from bozzetto.exchange.import_file import read_drawing
-from bozzetto.plugin import PanelHost, hooks
+from bozzetto.plugin import Modeler, PanelHost, PartsModeler, PartsState, Tool, hooks
 from bozzetto.plugin.hooks import hookimpl
 from bozzetto.plugin.host.manifest import read_manifest
 from bozzetto.testing import ModelerContract, Pen, Shell
@@ -21,9 +19,8 @@ from bozzetto.view import Camera
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLE = ROOT / "docs" / "examples" / "bozzetto_ribbon"
 GUIDE = (ROOT / "docs" / "plugin-authors-guide.md").read_text("utf-8")
-TOOLKIT = (ROOT / "docs" / "toolkit.md").read_text("utf-8")
 FILES = dict(re.findall(r"<!-- file: (\S+) -->\n```\w+\n(.*?)```\n", GUIDE, re.S))
-SIGNATURES = re.search(r"<!-- signatures -->\n```python\n(.*?)```", GUIDE, re.S)
+PIECES = re.findall(r"(?<!-->\n)```python\n(.*?)```", GUIDE, re.S)
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -40,28 +37,11 @@ def test_every_source_file_is_printed():
     assert set(FILES) == sources
 
 
-@pytest.mark.parametrize("line", SIGNATURES[1].splitlines() if SIGNATURES else [])
-def test_signatures_are_the_programs(line):
-    call = ast.parse(line, mode="eval").body
-    assert isinstance(call, ast.Call)
-    module, _, name = ast.unparse(call.func).rpartition(".")
-    actual = inspect.signature(getattr(import_module(module), name)).parameters
-    written = {ast.unparse(argument): inspect.Parameter.empty for argument in call.args}
-    for keyword in call.keywords:
-        written[keyword.arg] = ast.literal_eval(keyword.value)
-    assert list(written) == list(actual)
-    for argument, default in written.items():
-        if default is ...:
-            assert actual[argument].default is not inspect.Parameter.empty
-        else:
-            assert actual[argument].default == default, argument
-
-
-def test_all_that_a_plugin_may_import_is_mentioned():
-    for module in ("plugin", "ink", "view", "geometry", "scene"):
-        for name in import_module(f"bozzetto.{module}").__all__:
-            if name not in ("DARK", "LIGHT", "Palette", "Item", "Paint", "Placement", "Rays"):
-                assert re.search(rf"\b{name}\b", GUIDE + TOOLKIT), f"{module}.{name}"
+def test_every_method_of_a_modeler_and_a_tool_is_explained():
+    for kind in (Modeler, PartsModeler, PartsState, Tool):
+        for name, member in vars(kind).items():
+            if not name.startswith("_") and inspect.isfunction(member):
+                assert re.search(rf"\b{name}\b", GUIDE), f"{kind.__name__}.{name}"
 
 
 def test_checks_hooks_and_helpers_are_explained():
@@ -85,15 +65,14 @@ def test_manifest_keys_are_explained(tmp_path):
         "title": '"T"',
         "version": '"1"',
         "summary": '"S"',
-        "api": '">=1,<2"',
+        "api": '">=2,<3"',
         "checks_files": "true",
         "icon": '"i.svg"',
         "hint": '"H"',
         "samples": '["s.json"]',
         "order": "1",
         "listed": "false",
-        "panel": "true",
-        "reads_shapes": "true",
+        "abilities": '["panel", "read_shapes"]',
         "facts": '"template"',
     }
     assert keys == values.keys()
@@ -121,7 +100,6 @@ def test_panel_host_is_explained():
 
 
 def test_short_pieces_of_code_run():
-    pieces = re.findall(r"(?<!-->\n)```python\n(.*?)```", GUIDE, re.S)
-    assert pieces
-    for piece in pieces:
+    assert PIECES
+    for piece in PIECES:
         exec(piece, {"hookimpl": hookimpl, "ModelerContract": ModelerContract})  # noqa: S102

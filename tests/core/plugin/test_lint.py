@@ -96,7 +96,7 @@ def test_a_plugin_under_development_is_checked_whole(faulty, monkeypatch):
 
 
 FAILING = """
-from bozzetto.plugin import hookimpl
+from bozzetto.plugin import Modeler, hookimpl
 from bozzetto.scene import Scene
 from dataclasses import dataclass
 
@@ -104,17 +104,13 @@ from dataclasses import dataclass
 class State:
     pass
 
-class Failing:
-    id, title, state_type, state_version = __name__ + ".modeler", "Modeler", State, 1
-    def create(self, context):
-        return State()
-    def tools(self):
-        return ()
+class Failing(Modeler):
+    id, state_type = __name__ + ".modeler", State
     def solve(self, state, job):
         return {}["here"]
     def scene(self, state, result):
         return Scene()
-    shapes = upgrade = solve
+    shapes = solve
 
 @hookimpl
 def bozzetto_modelers():

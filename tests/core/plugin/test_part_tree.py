@@ -10,17 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Parameter
+from bozzetto.plugin import Parameter, Part
 from bozzetto.plugin.guard.answer_validation import sound_parts
 from bozzetto.plugin.part_tree import PartTree
 
 
 @dataclass(frozen=True)
-class Piece:
-    id: str
-    name: str
-    visible: bool = True
-    within: str = ""
+class Piece(Part):
     size: Annotated[float, Parameter("Size", 0.0, 9.0)] = 1.0
 
 

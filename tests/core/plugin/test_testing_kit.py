@@ -10,11 +10,12 @@ from bozzetto.geometry import Mesh, Shapes, Solid, Surface, cylinder
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Job
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.host.similar_names import meant_by
 from bozzetto.scene import Layer, Scene
 from bozzetto.testing import ModelerContract, Pen, same
 from bozzetto.testing.checks import CHECKS
 from bozzetto.testing.deep_equal import difference
-from bozzetto.testing.spelling import MODELER_NAMES, TOOL_NAMES, meant_by
+from bozzetto.testing.spelling import MODELER_NAMES, TOOL_NAMES
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
 
@@ -134,12 +135,6 @@ def remembering():
     return preview
 
 
-def refuse(state, gesture, context):
-    if len(gesture.strokes[0]) < 3:
-        raise UserError("Too short.")
-    return Scene()
-
-
 WRONG = {
     "shapes that change": ("shapes", counting, {"storage", "cancelling", "determinism", "empty"}),
     "cancelling swallowed": ("solve", lambda: swallow, {"cancelling"}),
@@ -153,7 +148,6 @@ WRONG = {
     "unfinished for ever": ("apply", lambda: never_enough, {"odd_gestures"}),
     "an open solid": ("shapes", lambda: open_solid, {"drawing"}),
     "a closed brep that is inside out": ("shapes", lambda: inside_out, {"drawing"}),
-    "a preview that refuses": ("preview", lambda: refuse, {"odd_previews"}),
     "an end of a range": ("solve", lambda: narrow, {"parameters"}),
     "a solid that opens at an end of a range": ("shapes", lambda: open_at_the_end, {"ranges"}),
     "an answer that was remembered": ("preview", remembering, {"forgetting"}),
@@ -173,19 +167,32 @@ def test_the_suite_finds(subject, faulty, name):
     assert expected <= failing(subject)
 
 
+@pytest.mark.parametrize("refusal", [UserError("Too short."), Unfinished("Go on.")])
+def test_a_preview_may_refuse(subject, faulty, refusal):
+    def preview(state, gesture, context):
+        raise refusal
+
+    faulty.misdeeds["preview"] = preview
+    assert failing(subject) == set()
+
+
 @pytest.mark.parametrize(
     ("name", "meant"),
     [
         ("reports", "report"), ("nextstep", "next_step"), ("next_stpe", "next_step"),
         ("viewAdvice", "view_advice"), ("read_drawings", "read_drawing"), ("comands", "commands"),
         ("curvs", "curves"), ("whith_parts", "with_parts"), ("caution", "cautions"),
+        ("hnit", "hint"), ("Gesture", "gesture"), ("taps", "tap"), ("tpa", "tap"),
+        ("begn", "begin"),
     ],
 )  # fmt: skip
 def test_a_misspelt_ability_is_named(name, meant):
     assert meant_by(name, MODELER_NAMES | TOOL_NAMES) == meant
 
 
-@pytest.mark.parametrize("name", ["owner", "misdeeds", "recipe", "surface", "color", "measure"])
+@pytest.mark.parametrize(
+    "name", ["owner", "misdeeds", "recipe", "surface", "color", "measure", "map", "top", "drop"]
+)
 def test_other_names_are_left_alone(name):
     assert meant_by(name, MODELER_NAMES | TOOL_NAMES) == ""
 
@@ -198,7 +205,7 @@ def test_misspelt_abilities_are_found(subject, faulty, monkeypatch):
 
 
 def test_samples_are_tried(make_package, faulty):
-    sampled = FAULTY_MANIFEST + 'samples = ["there_is_none.json"]\n'
+    sampled = FAULTY_MANIFEST + 'abilities = ["read_shapes"]\nsamples = ["there_is_none.json"]\n'
     package = make_package(
         "from bozzetto.plugin import hookimpl\nimport sys\n@hookimpl\n"
         f"def bozzetto_modelers(): return sys.modules[{faulty.package!r}].given",

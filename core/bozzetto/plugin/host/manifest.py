@@ -31,6 +31,7 @@ import msgspec
 from msgspec.structs import asdict
 
 from bozzetto.errors import UserError, words_of
+from bozzetto.plugin.host.similar_names import meant_by
 
 MANIFEST = "plugin.toml"
 
@@ -45,8 +46,9 @@ Ability = Literal["panel", "read_shapes", "add_picture"]
 
 Word = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
 Sentence = Annotated[str, msgspec.Meta(max_length=400)]
-Id = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+$", max_length=80)]
 
+ID_PATTERN = r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+$"
+Id = Annotated[str, msgspec.Meta(pattern=ID_PATTERN, max_length=80)]
 
 _REGEX_WORDS = re.compile(r"`str` matching regex '.*'(?= - at )")
 ID_IN_WORDS = "an id such as author.name: lower-case letters, digits, “_”, and a dot at least"
@@ -98,13 +100,15 @@ class ModelerEntry:
     Attributes
     ----------
     id : str
-        "author.name", unique in the program.
+        "author.name", unique in the program; as on the modeler's class.
     title : str
+        Its name for people, said here and nowhere else.
     icon : str
-        SVG file in the package.
+        SVG file in the package: 20 × 20, strokes of 1.5 in ``currentColor``.
     hint : str
         The sheet's first line, for example "Draw a closed outline."
     samples : tuple of Sample
+        Ink files in the package, each a file name or ``{ file, title }``.
     abilities : frozenset of str
         What must be known of it before the plugin is imported: "panel" (the plugin has a Qt
         panel of its own for it, `bozzetto_panel`), "read_shapes" and "add_picture" (methods of
@@ -135,7 +139,12 @@ class Manifest:
 
     Attributes
     ----------
-    id, title, summary, version : str
+    id : str
+        "author.name", unique in the program.
+    title, version : str
+        For the list of plugins.
+    summary : str
+        One sentence for the list of plugins.
     api : str
         Versions of the contract that the plugin was written for, such as ">=2,<3".
     modelers : tuple of ModelerEntry
@@ -202,7 +211,8 @@ def read_manifest(folder: Path) -> Manifest:
         table = msgspec.convert(said, _PluginTable)
     except msgspec.ValidationError as problem:
         words = _REGEX_WORDS.sub(ID_IN_WORDS, words_of(problem))
-        raise ManifestError(f"In {MANIFEST}: {words}.") from None
+        known = "".join(f" {told}" for told in _unknown_keys(said))
+        raise ManifestError(f"In {MANIFEST}: {words}.{known}") from None
     api_accepts(table.api, (0, 0))  # a range that cannot be read is refused here
     ids = [modeler.id for modeler in table.modeler]
     for modeler_id in ids:
@@ -237,12 +247,19 @@ def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:
 
 def _unknown_keys(said: dict[str, Any]) -> list[str]:
     """Return warnings about keys that mean nothing to this version."""
-    unknown = [f"“{key}”" for key in said if key not in _PluginTable.__struct_fields__]
-    for modeler in said["modeler"]:
-        for key in modeler:
-            if key not in _ModelerTable.__struct_fields__:
-                unknown.append(f"“{key}” of modeler {modeler['id']}")
-    return [f"{MANIFEST}: {key} is not known and was ignored." for key in unknown]
+    tables = [(said, _PluginTable.__struct_fields__, "")]
+    modelers = said.get("modeler")
+    for modeler in modelers if isinstance(modelers, list) else ():
+        if isinstance(modeler, dict):
+            of = f" of modeler {modeler.get('id', '')}".rstrip()
+            tables.append((modeler, _ModelerTable.__struct_fields__, of))
+    warnings = []
+    for table, fields, of in tables:
+        for key in (key for key in table if key not in fields):
+            meant = meant_by(key, fields)
+            hint = f" It looks like “{meant}”." if meant and meant not in table else ""
+            warnings.append(f"{MANIFEST}: “{key}”{of} is not known and was ignored.{hint}")
+    return warnings
 
 
 _COMPARISON = re.compile(r"\s*(>=|<=|==|>|<)\s*(\d{1,6})(?:\.(\d{1,6}))?\s*")

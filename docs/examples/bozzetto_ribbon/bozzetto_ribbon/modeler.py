@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Curve, Mesh, Shapes, Surface
-from bozzetto.plugin import Job, Modeler, Tool, override
+from bozzetto.plugin import Figure, Job, Modeler, Tool, override
 from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
 from bozzetto_ribbon.band import Strip, middle_line, strip, triangles
 from bozzetto_ribbon.state import RibbonState
@@ -25,6 +25,11 @@ class Ribbon(Modeler[RibbonState, tuple[Strip, ...]]):
     id = "example.ribbon"
     state_type = RibbonState
     state_version = 2
+    first_parameters = ("width",)
+    figures = {
+        "length": Figure("Length", "Length of the middle line.", "mm", spread=True),
+        "widest": Figure("Widest place", "From edge to edge.", "mm", digits=1, spread=True),
+    }
 
     @override
     def tools(self) -> Sequence[Tool[RibbonState]]:
@@ -65,11 +70,11 @@ class Ribbon(Modeler[RibbonState, tuple[Strip, ...]]):
     @override
     def report(self, state: RibbonState, result: tuple[Strip, ...]) -> Mapping[str, Any]:
         """Length and widest place of every ribbon."""
+        steps = [np.linalg.norm(np.diff(s.centre, axis=0), axis=1) for s in result]
+        across = [np.linalg.norm(s.right - s.left, axis=1) for s in result]
         return {
-            "length_mm": [
-                float(np.linalg.norm(np.diff(s.centre, axis=0), axis=1).sum()) for s in result
-            ],
-            "widest_mm": [float(np.linalg.norm(s.right - s.left, axis=1).max()) for s in result],
+            "length_mm": [float(lengths.sum()) for lengths in steps],
+            "widest_mm": [float(lengths.max()) for lengths in across],
         }
 
     @override

@@ -18,7 +18,18 @@ REACH = 3.0
 """How far from a ribbon's middle a tap still means it, in tolerances of the pen."""
 
 
-class DrawRibbon(Tool[RibbonState]):
+class RibbonTool(Tool[RibbonState]):
+    """While the pen is down, the middle lines of the ribbons that would be new."""
+
+    @override
+    def preview(self, state: RibbonState, gesture: Gesture, context: Context) -> Scene:
+        made = self.apply(state, gesture, context).bands
+        lines = [middle_line(band)[0] for band in made if band not in state.bands]
+        shown = (Lines(line.astype(np.float32), color="accent", hidden="show") for line in lines)
+        return Scene((Layer("preview", tuple(shown)),))
+
+
+class DrawRibbon(RibbonTool):
     """Every stroke makes a ribbon."""
 
     id = "draw"
@@ -27,29 +38,14 @@ class DrawRibbon(Tool[RibbonState]):
     hint = "Draw a stroke; press harder to make the ribbon wider."
 
     @override
-    def preview(self, state: RibbonState, gesture: Gesture, context: Context) -> Scene:
-        """The middle lines of the ribbons to be."""
-        if not isinstance(gesture, Ink):
-            return Scene()
-        lines = []
-        for stroke in gesture.strokes:
-            try:
-                places, _ = middle_line(laid_down(stroke, context))
-            except UserError:
-                continue  # the stroke has just begun
-            lines.append(Lines(places.astype(np.float32), color="accent", hidden="show"))
-        return Scene((Layer("preview", tuple(lines)),))
-
-    @override
     def draw(self, state: RibbonState, ink: Ink, context: Context) -> RibbonState:
-        """Add one ribbon for each stroke."""
         bands = tuple(laid_down(stroke, context) for stroke in ink.strokes)
         for band in bands:
             middle_line(band)  # refuses ink that no ribbon can follow
         return replace(state, bands=state.bands + bands)
 
 
-class MoveRibbon(Tool[RibbonState]):
+class MoveRibbon(RibbonTool):
     """A ribbon's handle takes it along, parallel to the screen."""
 
     id = "move"
@@ -59,28 +55,18 @@ class MoveRibbon(Tool[RibbonState]):
     gesture = "drag"
 
     @override
-    def preview(self, state: RibbonState, gesture: Gesture, context: Context) -> Scene:
-        """The middle line where it would be."""
-        moved = self.apply(state, gesture, context)
-        places = [middle_line(band)[0] for band in moved.bands if band not in state.bands]
-        lines = tuple(Lines(line.astype(np.float32), color="accent") for line in places)
-        return Scene((Layer("preview", lines),))
-
-    @override
     def drag(self, state: RibbonState, drag: Drag, context: Context) -> RibbonState:
-        """Return the state with one ribbon moved."""
-        number = handle_number(drag.handle)
-        if not 0 <= number < len(state.bands):
+        numbers = {str(number): number for number in range(len(state.bands))}
+        if drag.handle not in numbers:
             raise UserError(self.hint)
+        number = numbers[drag.handle]
         band = state.bands[number]
-        camera = drag.camera
         start = middle_line(band)[0][0]
-        here = camera.on_plane(drag.path.points[-1:], start, camera.axes[2])[0]
+        here = drag.camera.on_plane(drag.path.points[-1:], start, drag.camera.axes[2])[0]
         if not np.isfinite(here).all():
             raise UserError("The ribbon lies behind the eye. Turn the view, then drag.")
         moved = replace(band, shift=point(np.add(band.shift, here - start)))
-        bands = (*state.bands[:number], moved, *state.bands[number + 1 :])
-        return replace(state, bands=bands)
+        return replace(state, bands=(*state.bands[:number], moved, *state.bands[number + 1 :]))
 
 
 class TakeAway(Tool[RibbonState]):
@@ -94,7 +80,6 @@ class TakeAway(Tool[RibbonState]):
 
     @override
     def tap(self, state: RibbonState, tap: Tap, context: Context) -> RibbonState:
-        """Return the state without the ribbon that was tapped."""
         gaps = [gap_to(band, tap) for band in state.bands]
         if not gaps or min(gaps) > REACH * context.pen.tolerance:
             raise UserError("There is no ribbon here. Tap on the middle of one.")
@@ -117,11 +102,6 @@ def gap_to(band: Band, tap: Tap) -> float:
     pixels, _ = tap.camera.project(middle_line(band)[0])
     gaps = np.hypot(*(pixels - (tap.x, tap.y)).T)
     return float(np.min(np.where(np.isnan(gaps), np.inf, gaps)))
-
-
-def handle_number(handle: str) -> int:
-    """The number of the ribbon that a handle belongs to; -1 if it is none of ours."""
-    return int(handle) if handle.isdecimal() and handle.isascii() else -1
 
 
 def point(values: NDArray[np.float64]) -> Point:

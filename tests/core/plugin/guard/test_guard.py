@@ -111,8 +111,11 @@ def test_failures_become_faults(drawn, faulty, call, failure):
 )
 def test_what_may_pass_passes(drawn, faulty, call, passing):
     faulty.misdeeds[call] = raising(passing)
-    with pytest.raises(type(passing)):
-        CALLS[call](drawn)
+    if call == "preview" and isinstance(passing, UserError | Unfinished):
+        CALLS[call](drawn)  # what has just begun may still become something
+    else:
+        with pytest.raises(type(passing)):
+            CALLS[call](drawn)
     assert drawn.registry.guard.faults("faulty.plugin") == 0
 
 

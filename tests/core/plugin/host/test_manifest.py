@@ -40,7 +40,7 @@ def test_everything_is_read(tmp_path):
     assert (manifest.id, manifest.title, manifest.version) == ("author.thing", "Thing", "1.2")
     (modeler,) = manifest.modelers
     assert modeler.hint == "Draw a thing."
-    assert modeler.panel
+    assert modeler.abilities == {"panel"}
     assert modeler.listed
     assert modeler.order == 7
     assert [(s.file, s.title) for s in modeler.samples] == [
