@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.workbench.links import with_state
 from bozzetto_app.i18n import tr
 from bozzetto_app.workers.time_limit import in_time
 
@@ -44,12 +44,12 @@ class _Host:
             if model.locked:
                 raise UserError(tr("PluginPanel", "This object is locked. Unlock it to change it."))
             session.registry.guarded(self._modeler).check_state(state, "its panel")
+            changed = with_state(session.registry, model, state)
+            document = session.drawing.document.with_model(changed)
         except (UserError, PluginFault) as problem:
             session.notices.complain(problem)
             return
-        session.drawing.commit(
-            label, session.drawing.document.with_model(replace(model, state=state))
-        )
+        session.drawing.commit(label, document)
 
     def on_change(self, callback: Callable[[], None]) -> None:
         self._callbacks.append(callback)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -22,6 +21,7 @@ from bozzetto.plugin.tool import Tool
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Handle, Scene
 from bozzetto.view.camera import Camera
+from bozzetto.workbench.links import with_state
 from bozzetto.workbench.workbench import Workbench
 
 
@@ -166,7 +166,7 @@ class Shell:
 
     def put(self, state: Any) -> Model:
         """Continue from a state of your own."""
-        return self._keep("state", replace(self.model, state=state))
+        return self._keep("state", with_state(self.registry, self.model, state))
 
     def undo(self) -> bool:
         """Take the last step back; false where there is none."""

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from bozzetto.plugin.modeler import Modeler
 
-METHODS: Final = ("read_shapes", "add_picture")
+METHODS: Final = ("read_shapes", "follow", "add_picture")
 """Methods of `Modeler` that the manifest names among the abilities where they are overridden."""
 
 

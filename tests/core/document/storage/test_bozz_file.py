@@ -51,6 +51,9 @@ class Nobody:
     def upgrade(self, modeler_id, state, version):
         raise AssertionError
 
+    def sources(self, modeler_id, state):
+        raise AssertionError
+
 
 def entries(content: bytes) -> dict[str, bytes]:
     """What Python's own zip reader finds."""
