@@ -18,9 +18,9 @@ new. A revision goes through the stages ``INK < PREVIEW < FINAL < REPORT``. The 
 3. An answer is shown if its model is still asked for and nothing newer of it, or of the
    same revision and further, was shown.
 4. While a drag goes on no final is begun: it would be abandoned at the next value.
-5. While a drag goes on in a window, no further preview is begun before the last one was
-   painted, unless a model has no picture: a preview that nobody sees takes the time that its
-   painting needs.
+5. While a drag goes on in a window, no further preview of a model is begun before its last one
+   was painted: a preview that nobody sees takes the time that its painting needs. Those of models
+   that follow the dragged one are of the same frame, and need not wait for it.
 
 So what is shown never goes back, what is shown last is the last value, and a drag shows a
 frame for each preview that the worker can make. One lock guards the numbers: the window
@@ -34,8 +34,8 @@ import threading
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Any
 
+from bozzetto.document.links import is_same_recipe
 from bozzetto.document.model import Model
 
 __all__ = ["Revisions", "Stage", "Task"]
@@ -74,6 +74,7 @@ class _Course:
     made: tuple[int, Stage] = (0, Stage.NOTHING)
     shown: tuple[int, Stage] = (0, Stage.NOTHING)
     served: int = 0
+    is_unpainted: bool = False
 
     @property
     def has_picture(self) -> bool:
@@ -98,12 +99,11 @@ class Revisions:
         self._numbers = itertools.count(1)
         self._turns = itertools.count(1)
         self._courses: dict[str, _Course] = {}
-        self._hopeless: dict[str, Any] = {}
+        self._hopeless: dict[str, Model] = {}
         self._selected = ""
         self._running: Task | None = None
         self._dragging = False
         self._paints = False
-        self._unpainted = False
 
     # -- the window --
 
@@ -129,14 +129,16 @@ class Revisions:
             if selected != self._selected and selected in old:
                 old[selected].tell_again()
             self._selected, self._dragging = selected, dragging
-            self._unpainted = self._unpainted and dragging
+            if not dragging:
+                self._all_painted()
             for model in models:
                 course = old.get(model.id)
                 if course is None:
                     course = _Course(model, next(self._numbers))
                 elif course.model is not model:
                     course.model, course.asked = model, next(self._numbers)
-                if model.id in self._hopeless and self._hopeless[model.id] is model.state:
+                hopeless = self._hopeless.get(model.id)
+                if hopeless is not None and is_same_recipe(hopeless, model):
                     course.made = (course.asked, Stage.REPORT)
                 self._courses[model.id] = course
             unwanted = self._running is not None and self._is_unwanted(self._running)
@@ -148,20 +150,20 @@ class Revisions:
         """Say that a drag has ended; whether it was under way."""
         with self._lock:
             was, self._dragging = self._dragging, False
-            self._unpainted = False
+            self._all_painted()
             return was
 
     def expect_paint(self, paints: bool) -> None:
         """Say whether a viewport paints what is shown, and calls `painted`."""
         with self._lock:
             self._paints = paints
-            self._unpainted = self._unpainted and paints
+            if not paints:
+                self._all_painted()
 
     def painted(self) -> bool:
         """Note that what is shown was painted; return whether a preview had waited for that."""
         with self._lock:
-            was, self._unpainted = self._unpainted, False
-            return was
+            return self._all_painted()
 
     def stop(self) -> None:
         """Note that what runs was abandoned."""
@@ -175,7 +177,6 @@ class Revisions:
             self._hopeless.clear()
             self._running = None
             self._dragging = False
-            self._unpainted = False
 
     def show(self, task: Task) -> bool:
         """Whether an answer may be shown; it then counts as shown."""
@@ -220,16 +221,16 @@ class Revisions:
                 done = replace(task, stage=task.stage if stage is None else stage)
                 course.made = max(course.made, done.progress)
                 if done.stage is Stage.PREVIEW:
-                    self._unpainted = self._paints and self._dragging
+                    course.is_unpainted = self._paints and self._dragging
 
     def give_up(self, model: Model) -> None:
         """Do not try this state again."""
         with self._lock:
-            self._hopeless[model.id] = model.state
-            if self._running is not None and self._running.model.state is model.state:
+            self._hopeless[model.id] = model
+            if self._running is not None and is_same_recipe(self._running.model, model):
                 self._running = None
             course = self._courses.get(model.id)
-            if course is not None and course.model.state is model.state:
+            if course is not None and is_same_recipe(course.model, model):
                 course.made = (course.asked, Stage.REPORT)
 
     @property
@@ -240,11 +241,18 @@ class Revisions:
 
     # -- the rules; the lock is held --
 
+    def _all_painted(self) -> bool:
+        """Note that all previews are on the screen; return whether one was not."""
+        was = any(course.is_unpainted for course in self._courses.values())
+        for course in self._courses.values():
+            course.is_unpainted = False
+        return was
+
     def _most_urgent(self) -> Task | None:
         courses = self._courses.values()
         waiting = [course for course in courses if course.lacks(Stage.PREVIEW)]
-        if self._unpainted:
-            waiting = [course for course in waiting if not course.has_picture]
+        if self._dragging:
+            waiting = [course for course in waiting if not course.is_unpainted]
         if waiting:
             first = min(waiting, key=lambda c: (c.has_picture, c.served))
             return Task(first.model, first.asked, Stage.PREVIEW)
