@@ -64,7 +64,8 @@ class ShapeInput:
     ) -> None:
         """Start a new object from others.
 
-        It follows them where its modeler can; of single parts it gets a copy.
+        It follows them where its modeler can. Of single parts it gets a copy instead, or follows
+        the whole object where its modeler takes no copy.
 
         Parameters
         ----------
@@ -78,7 +79,8 @@ class ShapeInput:
         bench, history = self._workbench, self._drawing.history
         known = resolved(self._drawing.document)
         models = [known[model_id] for model_id in model_ids]
-        follows = bench.sources.can_follow(modeler_id) and not parts
+        abilities = bench.registry.info(modeler_id).abilities
+        follows = "follow" in abilities and not (parts and "read_shapes" in abilities)
 
         def work(job: Job) -> Model:
             if follows:

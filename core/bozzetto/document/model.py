@@ -273,6 +273,8 @@ class Document:
         level, seen = [model], {model.id}
         for _ in range(LONGEST_CHAIN):
             ids = {source for follower in level for source in follower.followed}
+            if model.id in model.followed:
+                raise UserError(f"“{model.name}” cannot follow itself. Choose another object.")
             if model.id in ids:
                 raise UserError(
                     f"“{model.name}” cannot follow what itself follows “{model.name}”. Choose "

@@ -77,10 +77,6 @@ class ModelSources:
         state = self._bench.registry.guarded(modeler_id).read_shapes(shapes)
         return self._bench.new_model(modeler_id, state, name)
 
-    def can_follow(self, modeler_id: str) -> bool:
-        """Whether models of a modeler follow those that they start from."""
-        return "follow" in self._bench.registry.info(modeler_id).abilities
-
     def following(
         self, modeler_id: str, models: Iterable[Model], job: Job, name: str = ""
     ) -> Model:
