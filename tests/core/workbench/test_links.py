@@ -15,13 +15,16 @@ from bozzetto.document.links import resolved
 from bozzetto.document.model import Document, Model, OpaqueState
 from bozzetto.document.storage.bozz_file import decode_document, encode_document, write_document
 from bozzetto.errors import UserError
-from bozzetto.geometry import Curve, Placement
+from bozzetto.geometry import Curve, Mesh, Placement
 from bozzetto.plugin import Job
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import same
+from bozzetto.testing.abilities import check_follow
+from bozzetto.testing.subject import Broken, Subject
 from bozzetto.workbench.export_document import chosen_models, object_shapes
 from bozzetto.workbench.links import with_sources, with_state
-from tests.linked_boxes import MODELER, BoxState
+from tests.linked_boxes import CORNERS, FACES, MODELER, BoxState
 
 PREVIEW = Job(quality="preview")
 
@@ -221,3 +224,31 @@ def test_curves_of_a_follower_are_those_of_its_newest_result(bench, boxes, monke
     changed = with_state(bench.registry, follower, BoxState())
     assert changed.sources == ()
     assert same(changed.frozen, ())
+
+
+@pytest.mark.parametrize(
+    ("name", "broken", "said"),
+    [
+        ("with_sources", lambda self, s, ids: BoxState(1.0, 1.0, False, tuple(ids)), "there and"),
+        ("sources", lambda self, state: (), "names its sources"),
+        (
+            "solve",
+            lambda self, state, job: (
+                self.solved.append(1) or (Mesh(CORNERS * np.float32(len(self.solved)), FACES),)
+            ),
+            "the second time",
+        ),
+    ],
+)
+def test_the_contract_suite_finds_what_is_wrong_with_links(boxes, monkeypatch, name, broken, said):
+    subject = Subject(MODELER, (boxes.package,), lambda shell, pen: None)
+    check_follow(subject)
+    monkeypatch.setattr(type(boxes), name, broken)
+    with pytest.raises((Broken, PluginFault), match=said):
+        check_follow(subject)
+
+
+def test_sources_follow_and_with_sources_are_written_together(boxes, monkeypatch):
+    monkeypatch.delattr(type(boxes), "with_sources")
+    with pytest.raises(UserError, match="Boxes has sources and not with_sources"):
+        Registry(extra=[boxes.package]).modeler(MODELER)
