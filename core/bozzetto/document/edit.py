@@ -35,8 +35,10 @@ def add_model(document: Document, model: Model, *, at: int | None = None) -> Edi
     return Edit(document.with_model(named, at=at), f"Add “{named.name}”")
 
 
-def change_state(document: Document, model_id: str, state: Any, label: str) -> Edit:
-    """Give an object a new state.
+def change_state(
+    document: Document, model_id: str, state: Any, label: str, sources: tuple[str, ...] = ()
+) -> Edit:
+    """Give an object a new state, and the sources that its modeler says this has.
 
     Raises
     ------
@@ -44,7 +46,7 @@ def change_state(document: Document, model_id: str, state: Any, label: str) -> E
         If it is locked or gone; so do all functions below that change an object.
     """
     model = _unlocked(document, model_id)
-    return Edit(document.with_model(replace(model, state=state)), label)
+    return Edit(document.with_model(model.with_state(state, sources)), label)
 
 
 def rename_model(document: Document, model_id: str, name: str) -> Edit:

@@ -246,12 +246,16 @@ class Document:
     def with_model(self, model: Model, *, at: int | None = None) -> Document:
         """Add a model, or exchange the one of the same id (keeping its place).
 
+        What was given to it for a solve (`Model.linked`) stays behind.
+
         Raises
         ------
         UserError
             If it would follow itself.
         """
         self.refuse_circle(model)
+        if model.linked:
+            model = replace(model, linked=())
         models = self._models
         known = next((i for i, old in enumerate(models) if old.id == model.id), None)
         if known is not None and at is None:

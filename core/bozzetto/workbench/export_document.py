@@ -109,6 +109,15 @@ def chosen_models(
     return [model for model in models if model.visible], hidden
 
 
+def links_of(model: Model) -> dict[str, list[str]]:
+    """Return the names of what a model follows and of what it keeps frozen; nothing if none."""
+    links = {
+        "follows": [source.name for source in model.linked],
+        "frozen": [source.name for source in model.frozen],
+    }
+    return {word: names for word, names in links.items() if names}
+
+
 def unusable(bench: Workbench, model: Model) -> LeftOut | None:
     """Return why an object cannot be shown or exported now; None if it can."""
     standing = bench.registry.standing(model.modeler)

@@ -313,9 +313,13 @@ class Workbench:
         return isinstance(model.state, OpaqueState)
 
     def shapes(self, models: Iterable[Model], job: Job) -> Shapes:
-        """Return the shapes of models, in the world, named and coloured as in the document."""
+        """Return the shapes of models, in the world, named and coloured as in the document.
+
+        Of a document they are those of all its models; single models are given with what they
+        follow in them (`bozzetto.document.links.resolved`).
+        """
         total = Shapes()
-        for model in models:
+        for model in resolved(models).values() if isinstance(models, Document) else models:
             if self.is_foreign(model):
                 continue
             total += shapes_in_world(self.own_shapes(model, job), model)

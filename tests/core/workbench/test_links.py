@@ -19,7 +19,7 @@ from bozzetto.geometry import Curve, Mesh, Placement
 from bozzetto.plugin import Job
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.registry import Registry
-from bozzetto.testing import same
+from bozzetto.testing import Shell, same
 from bozzetto.testing.abilities import check_follow
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.workbench.export_document import chosen_models, object_shapes
@@ -252,3 +252,18 @@ def test_sources_follow_and_with_sources_are_written_together(boxes, monkeypatch
     monkeypatch.delattr(type(boxes), "with_sources")
     with pytest.raises(UserError, match="Boxes has sources and not with_sources"):
         Registry(extra=[boxes.package]).modeler(MODELER)
+
+
+def test_a_headless_shell_follows_what_is_used(boxes, tmp_path):
+    shell = Shell(Registry(extra=[boxes.package]), tmp_path)
+    shell.open(MODELER)
+    shell.set(edge=10.0)
+    source = shell.model
+    follower = shell.use(MODELER)
+    assert follower.followed == (source.id,)
+    assert [solid.mesh.bounds[1, 0] for solid in shell.shapes().solids] == [12.5]
+    assert all(not model.linked for model in shell.document)
+    shell.put(replace(shell.state, growth=3.0))
+    shell.reopen()
+    assert [solid.mesh.bounds[1, 0] for solid in shell.shapes().solids] == [20.0]
+    assert len(shell.workbench.shapes(shell.document, Job()).solids) == 2
