@@ -116,12 +116,14 @@ class Model:
         if self.color is not None and not all(0 <= part <= 255 for part in self.color):
             raise ValueError(f"{self.color} is no colour")
         ids = [model.id for model in self.frozen]
-        if len(set(ids)) < len(ids) or not set(ids) <= set(self.sources):
+        if ids and (len(set(ids)) < len(ids) or not set(ids) <= set(self.sources)):
             raise ValueError("what a model keeps frozen are sources of it, each once")
 
     @property
     def followed(self) -> tuple[str, ...]:
         """Ids of the sources that are not frozen."""
+        if not self.frozen:
+            return self.sources
         frozen = {model.id for model in self.frozen}
         return tuple(source for source in self.sources if source not in frozen)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 import random
+import zipfile
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -222,9 +224,12 @@ def test_only_sources_are_frozen_each_once():
 def frozen_document() -> Document:
     """A frozen source within a frozen source, two in one model, and a closed follower."""
     document = chain(linked("d", "b", "a"), linked("f"))
+    return edit.delete_models(document.with_model(opaque_of("e", "b", "f")), ["b", "a"]).document
+
+
+def opaque_of(name: str, *sources: str) -> Model:
     opaque = OpaqueState(3, b'{"odd":1}', (stroke(3),))
-    closed = Model("e", "E", "absent.modeler", opaque, state_version=3, sources=("b", "f"))
-    return edit.delete_models(document.with_model(closed), ["b", "a"]).document
+    return Model(name, name.upper(), "absent.modeler", opaque, state_version=3, sources=sources)
 
 
 def test_a_file_keeps_what_is_frozen():
@@ -234,6 +239,10 @@ def test_a_file_keeps_what_is_frozen():
     assert [source.id for source in again.model("e").frozen] == ["b"]
     assert again.model("e").followed == ("f",)
     assert len(report.warnings) == 1
+    loose = edit.delete_models(Document((linked("a"), opaque_of("b", "a"))), ["a"]).document
+    with zipfile.ZipFile(io.BytesIO(encode_document(loose))) as archive:
+        requires = json.loads(archive.read("manifest.json"))["requires"]
+    assert requires == ["absent.modeler", "linked"]
     assert encode_document(again) == encode_document(document)
 
 

@@ -268,7 +268,7 @@ def _packed(document: Document, thumbnail: bytes | None) -> ContainerWriter:
         f"Bozzetto {__version__}",
         "mm",
         "+Z",
-        sorted({model.modeler for model in document}),
+        sorted({entry.header.modeler for entry in (*models, *frozen)}),
         writer.parts,
     )
     writer.add_json(MANIFEST, manifest)
