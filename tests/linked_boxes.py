@@ -11,7 +11,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Solid
-from bozzetto.plugin import Command, Context, Job, Modeler, Parameter, override
+from bozzetto.plugin import Command, Context, Ink, Job, Modeler, Parameter, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded
 
 MODELER = "linked.boxes"
@@ -73,6 +73,16 @@ class BoxState:
     sources: tuple[str, ...] = ()
 
 
+class FollowAll(Tool[BoxState]):
+    """Any stroke makes a box follow whatever is seen."""
+
+    id, title, hint, gesture = "follow", "Follow", "Draw anything.", "ink"
+
+    @override
+    def draw(self, state: BoxState, ink: Ink, context: Context) -> BoxState:
+        return _follow_all(state, context)
+
+
 class Boxes(Modeler[BoxState, tuple[Mesh, ...]]):
     """Counts what is asked of it; `fails` makes wrong states a fault instead of an error."""
 
@@ -120,6 +130,10 @@ class Boxes(Modeler[BoxState, tuple[Mesh, ...]]):
     @override
     def shapes(self, state: BoxState, result: tuple[Mesh, ...]) -> Shapes:
         return Shapes(solids=tuple(Solid(mesh) for mesh in result))
+
+    @override
+    def tools(self) -> Sequence[Tool[BoxState]]:
+        return (FollowAll(),)
 
     @override
     def commands(self) -> Sequence[Command]:

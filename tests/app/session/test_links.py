@@ -14,6 +14,7 @@ from bozzetto.geometry import Placement
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.panels.objects.rows import link_words
 from tests import linked_boxes
+from tests.app.tablet import circle, stroke_of
 from tests.linked_boxes import MODELER, BoxState
 
 
@@ -137,6 +138,26 @@ def test_a_circle_is_refused_where_it_would_be_made(session, settle):
     assert two(session) == (body, follower)
 
 
+def test_ink_that_would_make_a_circle_waits_with_the_reason(session, settle):
+    body, follower = two(session)
+    session.selection.select(body.id)
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
+    settle(session)
+    assert two(session) == (body, follower)
+    (ink,) = session.drawing.document.waiting
+    assert (ink.status, "cannot follow itself" in ink.reason) == ("refused", True)
+
+
+def test_a_tool_makes_links_to_what_is_seen(session, settle):
+    body, follower = two(session)
+    session.selection.select(None)
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
+    settle(session)
+    made = session.drawing.document.models[2]
+    assert made.followed == (body.id, follower.id)
+    assert shown_size(session, made) == 22.5
+
+
 def test_a_source_without_a_solution_is_told_for_both(session, settle):
     body, follower = two(session)
     session.selection.select(body.id)
@@ -151,7 +172,7 @@ def test_a_source_without_a_solution_is_told_for_both(session, settle):
     session.objects.set_parameter("wrong", False)
     session.objects.set_parameter("edge", 20.0)
     settle(session)
-    assert session.heard == []
+    assert [notice for notice in session.heard if notice.kind == "error"] == []
     assert shown_size(session, follower) == 30.0
 
 
