@@ -413,7 +413,7 @@ class Window(QMainWindow):
         room, self._room = self._room, None
         if room is not None and room[1] == self._ends():
             objects, history = room[0]
-            between = max(1, self.centralWidget().height() - objects - history)
+            between = max(1, self.canvas.height() - objects - history)
             heights = [objects, between, history]
             self.resizeDocks(self._docks, heights, Qt.Orientation.Vertical)
 

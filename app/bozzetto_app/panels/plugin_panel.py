@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.workbench.links import with_state
 from bozzetto_app.i18n import tr
 from bozzetto_app.workers.time_limit import in_time
 
@@ -45,11 +45,12 @@ class _Host:
             if model.locked:
                 raise UserError(tr("PluginPanel", "This object is locked. Unlock it to change it."))
             session.registry.guarded(self._modeler).check_state(state, "its panel")
+            changed = with_state(session.registry, model, state)
+            document = session.drawing.document.with_model(changed)
         except (UserError, PluginFault) as problem:
             session.notices.complain(problem)
             return
         key = f"panel {model.id} {label}"
-        document = session.drawing.document.with_model(replace(model, state=state))
         session.drawing.commit(label, document, key if going or key == self._going else None)
         if self._going and not going:
             session.objects.end_drag()

@@ -436,6 +436,11 @@ class Gestures(QObject):
                 self._clear_preview()
                 self._notices.say_nothing_changed(hint)
                 return
+            try:
+                drawing.document.refuse_circle(answer.model)
+            except UserError as problem:
+                failed(NotTaken(problem, answer.tool, used) if used else problem)
+                return
             self.previews.cancel()
             self._awaited = answer.model.id
             drawing.apply_model(

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from bozzetto.document.links import LinkedModels, is_same_recipe
 from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
@@ -84,7 +85,8 @@ class Solver(QObject):
         self._drawing, self._selection = drawing, selection
         self._shown: dict[str, tuple[Model, Scene]] = {}
         self._revisions = Revisions()
-        self._last_report: tuple[Any, dict[str, Any]] | None = None
+        self._linked = LinkedModels()
+        self._last_report: tuple[Model, dict[str, Any]] | None = None
         self._awaited: set[str] = set()
         self._channel = Channel("solve", time_limit=SOLVE_LIMIT, is_patient=True, parent=self)
         self._channel.slow.connect(notices.tell_slow)
@@ -119,6 +121,7 @@ class Solver(QObject):
         """Drop all scenes and all work: another document comes."""
         self.cancel()
         self._revisions.forget()
+        self._linked.forget()
         self._shown.clear()
         self._awaited.clear()
         self._last_report = None
@@ -186,8 +189,9 @@ class Solver(QObject):
 
     def _ask(self, *, dragging: bool) -> None:
         """Ask for the visible models whose plugin is here."""
+        models = self._linked.resolved(self._drawing.document)
         soluble = [
-            model
+            models[model.id]
             for model in self._drawing.document
             if model.visible and not self._workbench.is_foreign(model)
         ]
@@ -245,10 +249,10 @@ class Solver(QObject):
     def _report(self, task: Task, job: Job) -> None:
         """Compute the figures of a model that has its final result."""
         model = task.model
-        if self._last_report is None or self._last_report[0] is not model.state:
+        if self._last_report is None or not is_same_recipe(self._last_report[0], model):
             # Empty first, so that a report which fails or hangs is not asked for again.
-            self._last_report = (model.state, {})
-            self._last_report = (model.state, self._workbench.report(model, job))
+            self._last_report = (model, {})
+            self._last_report = (model, self._workbench.report(model, job))
         if not job.cancelled():
             self._revisions.made(task)
             call_on_main_thread(self, self._take_report, task, self._last_report[1])

@@ -168,6 +168,41 @@ class Modeler(ABC, Generic[State, Result]):
         """
         raise UserError(TAKES_NO_PICTURES)
 
+    # -- links to other models --
+
+    def follow(self, sources: Mapping[str, Shapes]) -> State:
+        """Return a state that is made from other models, and follows them when they change.
+
+        The manifest names it among the abilities; write `sources` and `with_sources` with it. It
+        is called when a person uses objects as input, instead of `read_shapes`.
+
+        Parameters
+        ----------
+        sources : mapping of str to Shapes
+            What these models hand over now, by their ids, in the order in which they were chosen;
+            mm, in the world, where a new model stands. Keep the ids, not the shapes.
+
+        Raises
+        ------
+        UserError
+            If they are of no use.
+        """
+        raise UserError(READS_NO_SHAPES)
+
+    def sources(self, state: State) -> Sequence[str]:
+        """Return the ids of the models that this one is made from; see `Job.sources`.
+
+        Asked whenever the state is exchanged: quick.
+        """
+        return ()
+
+    def with_sources(self, state: State, sources: Sequence[str]) -> State:
+        """Return the state with other sources, as many as `sources` gives and in that order.
+
+        Asked when a model is duplicated together with what it follows.
+        """
+        return state
+
     # -- what a person can do --
 
     def tools(self) -> Sequence[Tool[State]]:

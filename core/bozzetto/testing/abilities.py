@@ -7,6 +7,7 @@ where the modeler does not do it; see `checks` for the others.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,7 @@ from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid
 from bozzetto.images.stored_picture import Picture
 from bozzetto.plugin.gesture import Tap
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.testing.deep_equal import same
@@ -127,6 +129,48 @@ def check_read_shapes(subject: Subject) -> None:
                 ensure(bool(problem.message.strip()), "a UserError needs words")
 
 
+def check_follow(subject: Subject) -> None:
+    """Check that models are followed by their ids alone, solved twice the same, and exchanged."""
+    with subject.shell() as shell:
+        registry = shell.registry
+        if "follow" not in registry.info(subject.modeler).abilities:
+            return
+        guarded = registry.guarded(subject.modeler)
+        for shapes in _given():
+            try:
+                state = guarded.follow({"one": shapes, "other": shapes})
+            except UserError as problem:
+                ensure(bool(problem.message.strip()), "a UserError needs words")
+                continue
+            except PluginFault as problem:
+                raise Broken(f"follow: {problem}") from problem
+            sources = guarded.sources(state)
+            ensure(bool(sources), "a state that follows names its sources")
+            digest = state_digest(state)
+            turned = guarded.with_sources(state, tuple(f"new_{each}" for each in sources))
+            back = guarded.with_sources(turned, sources)
+            ensure(same(back, state), "with_sources there and back gives another state")
+            for quality in ("preview", "final"):
+                given = Job(quality=quality, sources=dict.fromkeys(sources, shapes))
+                made = [_shapes_made(guarded, state, given) for _ in range(2)]
+                ensure(same(*made), "a follower has other shapes the second time")
+                exchanged = replace(given, sources=dict.fromkeys(guarded.sources(turned), shapes))
+                made[1] = _shapes_made(guarded, turned, exchanged)
+                ensure(same(*made), "the ids of sources change the shape")
+            ensure(state_digest(state) == digest, "to be solved changed the state")
+
+
+def _shapes_made(guarded: GuardedModeler, state: object, job: Job) -> Shapes | str:
+    """Return the shapes of a state, or why it has none."""
+    try:
+        result = guarded.solve(state, job)
+        guarded.scene(state, None)
+        guarded.scene(state, result)
+        return guarded.shapes(state, result)
+    except UserError as problem:
+        return problem.message
+
+
 def check_pictures(subject: Subject) -> None:
     """Check that pictures of any kind are taken and stored, or refused in plain words."""
     for opened in (subject.shell, subject.drawn):
@@ -203,6 +247,7 @@ ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
     check_next_step,
     check_curves,
     check_read_shapes,
+    check_follow,
     check_pictures,
     check_aims,
 )

@@ -20,7 +20,7 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.panels.objects.list_widget import GROUP_KEY, KIND, ObjectList
 from bozzetto_app.panels.objects.object_row import ROW, ModelRow, NamedRow, UnderlayRow
 from bozzetto_app.panels.objects.part_row import PartRow
-from bozzetto_app.panels.objects.rows import Entry, entries_of, place_of_drop
+from bozzetto_app.panels.objects.rows import Entry, entries_of, link_words, place_of_drop
 from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.tab_order import put_in_tab_order
 
@@ -108,8 +108,9 @@ class ObjectsPanel(QWidget):
             if isinstance(widget, ModelRow):
                 model, tree = document.model(entry.id), trees[entry.id]
                 folds = tree is not None and bool(tree.parts)
-                widget.show_model(model, self._is_open(entry.id) if folds else None)
-                name = model.name
+                link = link_words(model, document)
+                widget.show_model(model, self._is_open(entry.id) if folds else None, link)
+                name = ", ".join(word for word in (model.name, link) if word)
             elif isinstance(widget, PartRow):
                 part, depth = depths[entry]
                 tree = trees[entry.model]
@@ -212,7 +213,11 @@ class ObjectsPanel(QWidget):
 
     def _duplicate_current(self) -> None:
         entry = self._current()
-        if entry.kind == "model":
+        chosen = self._chosen_entries()
+        models = [other.id for other in chosen if other.kind == "model"]
+        if len(models) > 1 and entry in chosen:
+            self._session.objects.duplicate(*models)
+        elif entry.kind == "model":
             self._session.objects.duplicate(entry.id)
         elif entry.kind == "part":
             self._session.parts.duplicate(entry.model, entry.id)
@@ -363,6 +368,12 @@ class ObjectsPanel(QWidget):
         menu.addSeparator()
         menu.addAction(hide, lambda: self._session.objects.set_visible(model.id, not model.visible))
         menu.addAction(lock, lambda: self._session.objects.set_locked(model.id, not model.locked))
+        if model.followed:
+            unlink = tr("Objects", "Unlink")
+            menu.addAction(unlink, lambda: self._session.objects.unlink(model.id))
+        if model.frozen:
+            link = tr("Objects", "Link again")
+            menu.addAction(link, lambda: self._session.objects.link(model.id))
         menu.addSeparator()
 
     def _add_for_part(self, menu: QMenu, entry: Entry, tree: PartTree | None) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from numbers import Integral
@@ -10,6 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from bozzetto.document.model import ID_PATTERN
 from bozzetto.geometry.brep.brep import Brep, Face
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.mesh import Mesh
@@ -48,6 +50,9 @@ MOST_PARTS: Final = 20_000
 
 MOST_COMMANDS: Final = 200
 """Commands of one modeler; nobody would find more in a menu."""
+
+MOST_SOURCES: Final = 1_000
+"""Models that one model is made from."""
 
 HIDDEN: Final = ("hide", "faint", "dashed", "show")
 
@@ -248,6 +253,23 @@ def sound_cautions(cautions: Any) -> tuple[Caution, ...]:
             raise Unsound("a caution needs words")
         _expect(isinstance(caution.baseless, bool), "Caution.baseless")
     return tuple(cautions)
+
+
+def sound_sources(sources: Any) -> tuple[str, ...]:
+    """Return ids of models as a tuple if each can be one, and none stands there twice.
+
+    Raises
+    ------
+    Unsound
+    """
+    if not isinstance(sources, list | tuple):
+        raise Unsound(f"{type(sources).__name__} where a row of ids belongs")
+    _expect(len(sources) <= MOST_SOURCES, "the number of sources")
+    for source in sources:
+        fine = isinstance(source, str) and re.match(ID_PATTERN, source) is not None
+        _expect(fine, f"the id of a source ({source!r})")
+    _expect(len(set(sources)) == len(sources), "the id of a source (given twice)")
+    return tuple(sources)
 
 
 def sound_report(report: Any) -> dict[str, Any]:

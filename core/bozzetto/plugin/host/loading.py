@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from bozzetto.plugin.modeler import Modeler
 
-METHODS: Final = ("read_shapes", "add_picture")
+METHODS: Final = ("read_shapes", "follow", "add_picture")
 """Methods of `Modeler` that the manifest names among the abilities where they are overridden."""
 
 
@@ -122,10 +122,13 @@ def _look_over(modeler: Any) -> None:
 
 def _compare_abilities(modeler: Any, announced: Set[str]) -> None:
     """Refuse a modeler that can do more or less than a menu would offer."""
-    from bozzetto.plugin.modeler import Modeler
-
+    links = [method for method in ("follow", "with_sources") if not _writes(modeler, method)]
+    if links and _writes(modeler, "sources"):
+        raise Undelivered(
+            f"{type(modeler).__name__} has sources and not {links[0]}: write the three together."
+        )
     for method in METHODS:
-        able = getattr(type(modeler), method) is not getattr(Modeler, method)
+        able = _writes(modeler, method)
         if able and method not in announced:
             raise Undelivered(
                 f'{type(modeler).__name__} has {method}: write abilities = ["{method}"] under '
@@ -136,3 +139,10 @@ def _compare_abilities(modeler: Any, announced: Set[str]) -> None:
                 f"The manifest says that {modeler.id} can {method}, and "
                 f"{type(modeler).__name__} does not override it."
             )
+
+
+def _writes(modeler: Any, method: str) -> bool:
+    """Whether a modeler overrides a method of the contract."""
+    from bozzetto.plugin.modeler import Modeler
+
+    return getattr(type(modeler), method) is not getattr(Modeler, method)
