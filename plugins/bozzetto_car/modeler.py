@@ -15,6 +15,7 @@ from bozzetto.plugin import (
     Context,
     Group,
     Job,
+    NextStep,
     PartsModeler,
     Tool,
     ViewAdvice,
@@ -30,6 +31,8 @@ from bozzetto_car.report import cautions_of, report_of
 from bozzetto_car.state import CarState, Sketch, StylingCurve
 from bozzetto_car.styling.commands import styling_commands
 from bozzetto_car.tools import all_tools
+from bozzetto_car.view.mark_items import MARK_TOOL
+from bozzetto_car.view.next_step import needs_marks, next_mark_step
 from bozzetto_car.view.scene import scene_of
 from bozzetto_car.view.view_advice import advice_on, view_after
 
@@ -120,6 +123,13 @@ class Car(PartsModeler[CarState, Body]):
     def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:
         """Return what was left out, and whether any sketch shapes the car."""
         return cautions_of(result)
+
+    @override
+    def next_step(self, state: CarState, tool: Tool[CarState]) -> NextStep:
+        """Return the next mark while the sketch in work has no camera, else what the tool says."""
+        if tool.id != MARK_TOOL and needs_marks(state):
+            return replace(next_mark_step(state), tool=MARK_TOOL)
+        return tool.next_step(state)
 
     @override
     def view_advice(self, state: CarState, camera: Camera) -> ViewAdvice:

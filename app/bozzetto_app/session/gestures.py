@@ -136,7 +136,7 @@ class Gestures(QObject):
         """Try the waiting ink as it is (Enter); without any, the next stroke starts an object."""
         if not self._drawing.pending:
             self._selection.select(None)
-            self._notices.say_hint(tr("Session", "The next stroke starts a new object."))
+            self._notices.tell(tr("Session", "The next stroke starts a new object."))
             return
         if not self._has_modeler():
             return
@@ -306,7 +306,7 @@ class Gestures(QObject):
 
     def _has_modeler(self) -> bool:
         if not self._toolbox.modeler:
-            self._notices.say_hint(tr("Session", "Choose a modeler first."))
+            self._notices.complain(UserError(tr("Session", "Choose a modeler first.")))
             return False
         return True
 
@@ -329,7 +329,6 @@ class Gestures(QObject):
             notice = self._notices.of_problem(problem)
             for ink in gestures()[:1]:
                 self._mark(ink.strokes, "failed", notice.text, modeler=modeler, tool=tool)
-                self._say_what_can_be_done()
             self._notices.noticed.emit(notice)
 
         self._submit(gestures, tool, failed)
@@ -341,8 +340,6 @@ class Gestures(QObject):
         is_meant = any(id(stroke) in waits for stroke in strokes)
         if isinstance(problem, Unfinished):
             self._mark(strokes, "unfinished", problem.hint, modeler=modeler, tool=answer.tool)
-            if is_meant:
-                self._notices.say_hint(problem.hint)
             return
         is_refused = isinstance(problem, UserError)
         if is_refused and not is_meant:
@@ -356,14 +353,7 @@ class Gestures(QObject):
             tool=answer.tool,
             places=notice.places,
         )
-        if is_meant and not is_refused:
-            self._say_what_can_be_done()
         self._notices.noticed.emit(notice)
-
-    def _say_what_can_be_done(self) -> None:
-        self._notices.say_hint(
-            tr("Session", "The ink waits. Enter tries it again, Backspace takes it back.")
-        )
 
     def _mark(
         self, strokes: tuple[Stroke, ...], status: WaitingStatus, reason: str, **more: Any

@@ -5,7 +5,7 @@ them holds the session:
 
 * the state: `document_model`, `selection`, `view_state`, `toolbox`, `scene_model`;
 * the services that work on it: `gestures`, `object_edits`, `part_edits`, `modeler_commands`,
-  `from_shapes`, `pictures`, `files`, `solver`, `view_advice`, `tool_hints`;
+  `from_shapes`, `pictures`, `files`, `solver`, `view_advice`, `hints`;
 * `notices`, which tells the person about it.
 
 Widgets read the parts, call their methods and listen to their signals; they never change a
@@ -28,6 +28,7 @@ from bozzetto_app.session.files import Files
 from bozzetto_app.session.from_shapes import ShapeInput
 from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.gestures import Gestures
+from bozzetto_app.session.hints import Hints
 from bozzetto_app.session.modeler_commands import ModelerCommands
 from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.object_edits import ObjectEdits
@@ -36,7 +37,6 @@ from bozzetto_app.session.pictures import PictureInput
 from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.solver import Solver
-from bozzetto_app.session.tool_hints import ToolHints
 from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.session.view_advice import ViewAdviser
 from bozzetto_app.session.view_state import ViewState
@@ -99,7 +99,7 @@ class Session(QObject):
         self.objects = objects = ObjectEdits(bench, drawing, selection, solver, notices)
         self.parts = parts = ObjectParts(bench, drawing, selection, objects, notices)
         self.commands = ModelerCommands(bench, drawing, selection, context, edits, notices, self)
-        self.hints = ToolHints(bench, drawing, selection, toolbox, notices, self)
+        self.hints = Hints(bench, drawing, selection, toolbox, notices, self)
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
         self.pictures = PictureInput(
             bench, drawing, selection, toolbox, objects, context, edits, notices, self

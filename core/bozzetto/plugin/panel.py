@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from bozzetto.plugin.next_step import NextStep
+
 
 class PanelHost(Protocol):
     """Access of a plugin's Qt panel to the object that is selected.
@@ -17,6 +19,11 @@ class PanelHost(Protocol):
         """The selected object's state; None while none of this modeler is selected."""
         ...
 
+    @property
+    def next_step(self) -> NextStep:
+        """What to do next, as every other place of the window says it; see `Modeler.next_step`."""
+        ...
+
     def change(self, state: Any, label: str) -> None:
         """Put another state in its place, as one step of the history called `label`.
 
@@ -25,5 +32,5 @@ class PanelHost(Protocol):
         ...
 
     def on_change(self, callback: Callable[[], None]) -> None:
-        """Have a function called whenever `state` has become another."""
+        """Have a function called whenever `state` or `next_step` has become another."""
         ...

@@ -13,7 +13,7 @@ from bozzetto.exchange.import_file import read_drawing
 from bozzetto.geometry import Placement, Shapes
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.ink.steps import CommandStep, DrawStep
-from bozzetto.plugin import Command, ViewAdvice
+from bozzetto.plugin import Command, NextStep, ViewAdvice
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Layer, Points, Scene
@@ -261,7 +261,7 @@ def test_what_is_wrong_is_found(marks, monkeypatch):
         advise(state, camera), better=Camera(eye=(0.0, -1.0, 0.0))
     )
     assert failing(marks) == {"view_advice"}, "what is called better is worse"
-    marks.advise = lambda state, camera: ViewAdvice("good", " ")
+    marks.advise = lambda state, camera: ViewAdvice("warn", " ")
     assert failing(marks) == {"view_advice"}
     marks.advise = advise
     with monkeypatch.context() as changed:
@@ -271,9 +271,9 @@ def test_what_is_wrong_is_found(marks, monkeypatch):
         assert failing(marks) == {"commands"}
     for said in (" ", 42):
         with monkeypatch.context() as changed:
-            hint = lambda tool, state, said=said: said  # noqa: E731
-            changed.setattr(adviser.DrawMark, "next_hint", hint, raising=False)
-            assert failing(marks) == {"next_hint"}
+            step = lambda tool, state, said=said: NextStep(said)  # noqa: E731
+            changed.setattr(adviser.DrawMark, "next_step", step)
+            assert failing(marks) == {"next_step"}
     with monkeypatch.context() as changed:
         changed.setattr(marks, "read_shapes", lambda shapes: 1 / 0)
         assert failing(marks) == {"read_shapes"}

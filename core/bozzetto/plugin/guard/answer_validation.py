@@ -209,7 +209,8 @@ def sound_advice(advice: Any) -> ViewAdvice | None:
     if type(advice) is not ViewAdvice:
         raise Unsound(f"{type(advice).__name__} where a ViewAdvice belongs")
     _expect(advice.level in LEVELS, "ViewAdvice.level")
-    _text(advice.message, "ViewAdvice.message")
+    if advice.message != "" or advice.level != "good" or advice.better is not None:
+        _text(advice.message, "ViewAdvice.message")
     _expect(advice.better is None or type(advice.better) is Camera, "ViewAdvice.better")
     _expect(isinstance(advice.pinned, bool), "ViewAdvice.pinned")
     _expect(isinstance(advice.follow, bool), "ViewAdvice.follow")
