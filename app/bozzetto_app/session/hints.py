@@ -86,10 +86,10 @@ class Hints(QObject):
         self._show()
 
     def _ask(self, question: Question) -> None:
-        """Ask the modeler; its last answer stands meanwhile if only the model has changed."""
+        """Ask the modeler; its last answer stands meanwhile if it is about the same object."""
         before, self._asked = self._asked, question
         self.channel.cancel()
-        if question is None or before is None or _subject(question) != _subject(before):
+        if question is None or before is None or question[0].id != before[0].id:
             self._answer = None
         if question is None:
             return
@@ -100,7 +100,7 @@ class Hints(QObject):
 
         def done(step: NextStep) -> None:
             if _same(question, self._asked):
-                self._answer = step
+                self._answer = self._with_more(step, tool)
                 self._show()
 
         def failed(problem: BaseException) -> None:
@@ -109,6 +109,7 @@ class Hints(QObject):
                 done(NextStep(problem.message))
                 return
             self._failed.add(model.modeler)
+            self._answer = None
             self._notices.complain(problem)
             self.look()
 
@@ -134,15 +135,18 @@ class Hints(QObject):
         if waiting is not None:
             return waiting
         tool = toolbox.active
-        if self._answer is not None and tool is not None:
-            # A tool with nothing special to say leaves room for what else can be done.
-            is_usual = self._answer.sentence == tool.hint
-            sentence = toolbox.hint_and_more(tool.id) if is_usual else self._answer.sentence
-            return replace(self._answer, sentence=sentence)
+        if self._answer is not None:
+            return self._answer
         is_first = tool is None or tool.id == toolbox.tools[0].id
         if tool is None or (is_first and not len(self._drawing.document)):
             return NextStep(self._workbench.registry.info(toolbox.modeler).hint)
         return NextStep(tool.hint)
+
+    def _with_more(self, step: NextStep, tool: str) -> NextStep:
+        """Return a step; a tool with nothing special to say leaves room for what can be done."""
+        if step.sentence != self._toolbox.hint_of(tool):
+            return step
+        return replace(step, sentence=self._toolbox.hint_and_more(tool))
 
     def _for_waiting_ink(self) -> NextStep | None:
         """Return what is to be done with ink that waits for the tool in the hand."""
@@ -157,14 +161,9 @@ class Hints(QObject):
         return None
 
 
-def _subject(question: tuple[Model, str]) -> tuple[str, str]:
-    model, tool = question
-    return model.id, tool
-
-
 def _same(one: Question, other: Question) -> bool:
     """Return whether two questions are about the very same objects; states are not compared."""
     if one is None or other is None:
         return one is other
     same_model = one[0].state is other[0].state and one[0].placement == other[0].placement
-    return same_model and _subject(one) == _subject(other)
+    return same_model and one[0].id == other[0].id and one[1] == other[1]

@@ -89,6 +89,7 @@ class GuidePanel(QScrollArea):
         self.car = TurningCar(inside)
         self.title = label(inside, kind="heading")
         self.next_step = label(inside)
+        self.next_step.setObjectName("next-step")
         self.progress = Progress(inside)
         self.count = label(inside, kind="small", tone="quiet")
         self.chart = NodeChart(inside)

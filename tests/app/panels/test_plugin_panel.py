@@ -30,7 +30,7 @@ abilities = ["panel"]
 CODE = """
 from dataclasses import dataclass, replace
 from bozzetto.geometry import Shapes
-from bozzetto.plugin import hookimpl
+from bozzetto.plugin import Modeler, hookimpl
 from bozzetto.scene import Scene
 
 seen = []
@@ -40,14 +40,11 @@ made = None
 class State:
     turns: int = 0
 
-class Paneled:
-    id, title, state_type, state_version = "paneled.modeler", "Paneled", State, 1
-    def create(self, context): return State()
-    def tools(self): return ()
+class Paneled(Modeler):
+    id, state_type = "paneled.modeler", State
     def solve(self, state, job): return ()
     def scene(self, state, result): return Scene()
     def shapes(self, state, result): return Shapes()
-    def upgrade(self, state, version): return state
 
 @hookimpl
 def bozzetto_modelers():
