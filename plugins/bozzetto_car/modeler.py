@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
-from bozzetto.ink import Drawing
+from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import (
     Caution,
     Command,
@@ -24,6 +24,7 @@ from bozzetto.plugin import (
 from bozzetto.scene import Picture, Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of, preview_of
+from bozzetto_car.body.traced_ink import ink_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of
 from bozzetto_car.marks_file import car_from_facts, is_car_file
@@ -64,6 +65,11 @@ class Car(PartsModeler[CarState, Body]):
     def commands(self) -> Sequence[Command]:
         """Return the commands for a car and its styling curves."""
         return (*all_commands(), *styling_commands())
+
+    @override
+    def ink(self, state: CarState) -> Strokes:
+        """Return the strokes along edges, those on a sketch as seen through its camera."""
+        return ink_of(state)
 
     @override
     def read_drawing(self, drawing: Drawing, context: Context) -> CarState:

@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
-from bozzetto.ink import Drawing
+from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import Caution, Context, Job, NextStep, PartsModeler, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
@@ -22,7 +22,7 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.rigging.posing import Posed, joints_layer, rig_facts, rig_of, skinned
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.evaluate import evaluated
-from bozzetto_silhouette.solids.placements import placement_of, shown_parts
+from bozzetto_silhouette.solids.placements import carried, outlined_parts, placement_of, shown_parts
 from bozzetto_silhouette.tools import all_tools
 from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.view.handles import handles_layer
@@ -77,6 +77,15 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         if not state.nodes and tool.id != DrawOutline.id:
             return NextStep(DrawOutline.hint, tool=DrawOutline.id)
         return tool.next_step(state)
+
+    @override
+    def ink(self, state: SilhouetteState) -> Strokes:
+        """Return the outlines of the shown parts where they stand; not what was rubbed or cut."""
+        return Strokes(
+            stroke.moved(carried(state, part))
+            for part in outlined_parts(state)
+            for stroke in part.strokes
+        )
 
     @override
     def read_drawing(self, drawing: Drawing, context: Context) -> SilhouetteState:

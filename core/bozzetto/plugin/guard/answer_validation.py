@@ -13,6 +13,7 @@ import numpy as np
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.next_step import NextStep
@@ -172,6 +173,21 @@ def sound_next_step(step: Any) -> NextStep:
         _expect(place.shape == (3,) and bool(np.isfinite(place).all()), "NextStep.place")
     _expect(isinstance(step.panel, bool), "NextStep.panel")
     return step
+
+
+def sound_ink(ink: Any) -> Strokes:
+    """Return the strokes if they are strokes; a `Stroke` checks its own columns.
+
+    Raises
+    ------
+    Unsound
+    """
+    if type(ink) is not Strokes:
+        raise Unsound(f"{type(ink).__name__} where Strokes belong")
+    for stroke in ink:
+        if type(stroke) is not Stroke:
+            raise Unsound(f"{type(stroke).__name__} where a Stroke belongs")
+    return ink
 
 
 def sound_commands(commands: Any) -> tuple[Command, ...]:
