@@ -146,8 +146,10 @@ class Window(QMainWindow):
         self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
         self.setDockOptions(QMainWindow.DockOption.AnimatedDocks)
         self.parameters = ParametersPanel(session)
+        objects = ObjectsPanel(session)
+        objects.reading_wanted.connect(self.dialogs.open_readings)
         self._docks = [
-            self._dock(ObjectsPanel(session)),
+            self._dock(objects),
             self._dock(self.parameters),
             self._dock(HistoryPanel(session)),
         ]

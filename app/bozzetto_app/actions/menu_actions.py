@@ -202,6 +202,11 @@ def _object(window: Window) -> Iterator[Action]:
             return no_selection()
         return tr("Object", "This object is locked. Unlock it to change it.")
 
+    def no_ink() -> str:
+        if session.selection.model is None:
+            return no_selection()
+        return tr("Object", "The plugin of this object is not here, so its ink cannot be read.")
+
     def no_group() -> str:
         if not free():
             return not_free()
@@ -249,6 +254,17 @@ def _object(window: Window) -> Iterator[Action]:
             why_not=no_selection,
             tip=tr("Object", "A new object starts from a copy of the chosen shape"),
         )
+    yield Action(
+        "object.read-ink",
+        tr("Object", "&Read this ink as…"),
+        window.dialogs.open_readings,
+        "pen",
+        (),
+        menu,
+        enabled=lambda: session.readings.ink is not None,
+        why_not=no_ink,
+        tip=tr("Object", "What other modelers make of the waiting or the selected ink"),
+    )
     yield Action(
         "object.hide",
         tr("Object", "&Hide or show"),

@@ -5,7 +5,7 @@ them holds the session:
 
 * the state: `document_model`, `selection`, `view_state`, `toolbox`, `scene_model`;
 * the services that work on it: `gestures`, `object_edits`, `part_edits`, `modeler_commands`,
-  `from_shapes`, `pictures`, `files`, `solver`, `view_advice`, `hints`;
+  `from_shapes`, `ink_readings`, `pictures`, `files`, `solver`, `view_advice`, `hints`;
 * `notices`, which tells the person about it.
 
 Widgets read the parts, call their methods and listen to their signals; they never change a
@@ -29,6 +29,7 @@ from bozzetto_app.session.from_shapes import ShapeInput
 from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.gestures import Gestures
 from bozzetto_app.session.hints import Hints
+from bozzetto_app.session.ink_readings import InkReadings
 from bozzetto_app.session.modeler_commands import ModelerCommands
 from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.object_edits import ObjectEdits
@@ -101,6 +102,7 @@ class Session(QObject):
         self.commands = ModelerCommands(bench, drawing, selection, context, edits, notices, self)
         self.hints = Hints(bench, drawing, selection, toolbox, notices, self)
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
+        self.readings = InkReadings(bench, drawing, selection, context, notices, self)
         self.pictures = PictureInput(
             bench, drawing, selection, toolbox, objects, context, edits, notices, self
         )
@@ -125,6 +127,7 @@ class Session(QObject):
             self.gestures.previews,
             self.commands.channel,
             self.hints.channel,
+            self.readings.channel,
             self.advice,
         )
         return any(work.busy for work in (*self._shown_work, *hidden))
@@ -159,6 +162,7 @@ class Session(QObject):
     def cancel_all(self) -> None:
         """Stop everything but a save: the window closes."""
         self._cancel_shown_work()
+        self.readings.cancel()
         self.gestures.restart()
 
     def _cancel_shown_work(self) -> None:
