@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, Signal
 from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.parameters import Parameter, set_parameters
 from bozzetto.plugin.host.registry import ModelerInfo, PluginInfo
+from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
@@ -232,6 +233,14 @@ class Solver(Part):
         pass
 
 
+class Hints(Part):
+    changed = Signal()
+
+    def say(self, sentence: str, **more: Any) -> None:
+        self.step = NextStep(sentence, **more)
+        self.changed.emit()
+
+
 class Notices(Part):
     noticed = Signal(object)
     recorded = "tell complain"
@@ -312,6 +321,7 @@ PARTS = {
     "advice": Advice,
     "solver": Solver,
     "notices": Notices,
+    "hints": Hints,
     "pictures": Pictures,
     "gestures": Gestures,
     "files": Files,
@@ -350,7 +360,7 @@ class EmptySession(QObject):
         self.scene = DisplayedScene(calls, visible=Scene(), live=Scene(), advice=Scene())
         self.advice = Advice(calls, advice=None, about=None)
         self.solver = Solver(calls, report={})
-        self.notices = Notices(calls, hint="")
+        self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
         self.gestures.motion = Motion(calls, is_playing=False, can_play=False)
 
@@ -392,7 +402,7 @@ class FakeSession(EmptySession):
         edges = ((0.0, 0.0, 0.0), (80.0, 0.0, 0.0), (0.0, 0.0, -60.0))
         self.drawing.history = FakeHistory()
         self.drawing.path, self.drawing.title = None, "Horse"
-        self.notices.hint = "Draw a closed outline."
+        self.hints.step = NextStep("Draw a closed outline.")
         self.drawing.document = Document(
             models=(
                 Model("m1", "Horse", "bozzetto.silhouette", State()),

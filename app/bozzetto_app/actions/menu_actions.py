@@ -211,6 +211,11 @@ def _object(window: Window) -> Iterator[Action]:
             return not_free()
         return tr("Object", "This object follows no other.")
 
+    def no_ink() -> str:
+        if session.selection.model is None:
+            return no_selection()
+        return tr("Object", "The plugin of this object is not here, so its ink cannot be read.")
+
     def no_group() -> str:
         if not free():
             return not_free()
@@ -284,6 +289,17 @@ def _object(window: Window) -> Iterator[Action]:
         enabled=lambda: free() and is_linked(),
         why_not=not_linked,
         tip=tr("Object", "The object keeps what it follows as it is now, or follows it again"),
+    )
+    yield Action(
+        "object.read-ink",
+        tr("Object", "&Read this ink as…"),
+        window.dialogs.open_readings,
+        "pen",
+        (),
+        menu,
+        enabled=lambda: session.readings.ink is not None,
+        why_not=no_ink,
+        tip=tr("Object", "What other modelers make of the waiting or the selected ink"),
     )
     yield Action(
         "object.hide",

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from bozzetto.geometry.shapes import Curve, Shapes
     from bozzetto.images.stored_picture import Picture
     from bozzetto.ink.drawing import Drawing
+    from bozzetto.ink.stroke import Strokes
     from bozzetto.plugin.cautions import Caution
     from bozzetto.plugin.commands import Command
     from bozzetto.plugin.context import Context
@@ -118,6 +119,17 @@ class Modeler(ABC, Generic[State, Result]):
     def create(self, context: Context) -> State:
         """Return a new, empty model; by default the state of which nothing is said."""
         return self.state_type()
+
+    def ink(self, state: State) -> Strokes:
+        """Return the strokes that a state was drawn with, for other modelers to read.
+
+        In the model's own frame, each with its camera; hidden parts are left out. By default all
+        strokes that the state holds, in the order of its fields and parts. Write it where some of
+        them are no drawing, or lie elsewhere than their camera says.
+        """
+        from bozzetto.plugin.ink_of_state import ink_of_state
+
+        return ink_of_state(state)
 
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
         """Turn the stored form of an older version's state into today's."""

@@ -35,6 +35,7 @@ from bozzetto.workbench.links import frozen_cautions, with_state
 from bozzetto.workbench.part_edits import PartEdits
 from bozzetto.workbench.placed import plain, scene_in_world, shapes_in_world
 from bozzetto.workbench.previews import ModelPreview
+from bozzetto.workbench.readings import InkReadings
 from bozzetto.workbench.results import KnownResults
 from bozzetto.workbench.sources import ModelSources
 
@@ -55,6 +56,8 @@ class Workbench:
         Commands of modelers.
     sources : ModelSources
         Makes models of drawings, shapes and pictures.
+    readings : InkReadings
+        Ink that is there, read by other modelers.
     curves : KnownCurves
         What solved models offer to snap to and to start from.
 
@@ -71,6 +74,7 @@ class Workbench:
         self.commands = ModelCommands(registry)
         self.curves = KnownCurves(registry)
         self.sources = ModelSources(self)
+        self.readings = InkReadings(self)
         self._results = KnownResults(self)
         self._moved: tuple[Scene, Placement, Scene] | None = None
 

@@ -73,8 +73,8 @@ class GuidePanel(QScrollArea):
         self._soon = QTimer(self, singleShot=True, interval=PATIENCE)
         self._soon.timeout.connect(self._look)
         self._build()
-        host.on_change(self._soon.start)
-        self._soon.start()
+        host.on_change(self._change_seen)
+        self._change_seen()
 
     @property
     def busy(self) -> bool:
@@ -97,13 +97,13 @@ class GuidePanel(QScrollArea):
         column.setSpacing(6)
         self.car = TurningCar(inside)
         self.title = label(inside, kind="heading")
-        self.prompt = label(inside)
-        self.note = label(inside, kind="small", tone="quiet")
+        self.next_step = label(inside)
+        self.next_step.setObjectName("next-step")
         self.progress = Progress(inside)
         self.count = label(inside, kind="small", tone="quiet")
         self.chart = NodeChart(inside)
         self.chart.chosen.connect(self._choose)
-        for widget in (self.car, self.title, self.prompt, self.note):
+        for widget in (self.car, self.title, self.next_step):
             column.addWidget(widget)
         column.addLayout(self._buttons(inside))
         column.addSpacing(2)
@@ -148,6 +148,10 @@ class GuidePanel(QScrollArea):
 
     # -- what is shown -----------------------------------------------------------------------------
 
+    def _change_seen(self) -> None:
+        self.next_step.setText(self._host.next_step.sentence)
+        self._soon.start()
+
     def _look(self) -> None:
         state = self._host.state
         if isinstance(state, CarState) and state is not self._state:
@@ -156,11 +160,8 @@ class GuidePanel(QScrollArea):
     def _show(self, state: CarState, guide: Guide) -> None:
         self._state, self._guide = state, guide
         self.car.show_node(guide.template, guide.asked)
-        self.title.setText(guide.title or guide.note)
-        self.prompt.setText(guide.prompt)
-        self.prompt.setVisible(bool(guide.prompt))
-        self.note.setText(guide.note if guide.title else "")
-        self.note.setVisible(bool(self.note.text()))
+        self.title.setText(guide.title)
+        self.title.setVisible(bool(guide.title))
         self.progress.set_share(guide.count / len(guide.template.names))
         self.count.setText(f"{guide.count} of {len(guide.template.names)} marked")
         self.chart.show_guide(guide)

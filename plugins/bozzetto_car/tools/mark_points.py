@@ -14,10 +14,11 @@ from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.marking.edit_marks import set_mark, sketch_in_work, without_marks
-from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, hint_of
-from bozzetto_car.solver.pipeline import solve_car, template_of
+from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of
+from bozzetto_car.solver.pipeline import template_of
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.mark_items import MARK, MARK_TOOL, mark_preview
+from bozzetto_car.view.next_step import next_mark_step
 from bozzetto_car.view.view_advice import camera_looked_through
 
 Seen = tuple[CarState, ...]
@@ -49,8 +50,8 @@ class MarkPoints(Tool[CarState]):
 
     @override
     def next_step(self, state: CarState) -> NextStep:
-        """Return which point to touch, in the template's words."""
-        return NextStep(hint_of(state, solve_car(state)))
+        """Return which point to touch, in the template's words, and where it is expected."""
+        return next_mark_step(state)
 
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
         """Show the car with the mark, on the picture."""

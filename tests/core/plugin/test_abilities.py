@@ -265,7 +265,7 @@ def test_what_is_wrong_is_found(marks, monkeypatch):
         advise(state, camera), better=Camera(eye=(0.0, -1.0, 0.0))
     )
     assert failing(marks) == {"view_advice"}, "what is called better is worse"
-    marks.advise = lambda state, camera: ViewAdvice("good", " ")
+    marks.advise = lambda state, camera: ViewAdvice("warn", " ")
     assert failing(marks) == {"view_advice"}
     marks.advise = advise
     with monkeypatch.context() as changed:

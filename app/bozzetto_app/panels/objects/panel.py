@@ -6,7 +6,7 @@ from difflib import SequenceMatcher
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QPoint, QSize, Qt
+from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -39,7 +39,14 @@ class ObjectsPanel(QWidget):
 
     The parts of a model are listed while it is selected and has several, or while a person
     has unfolded it.
+
+    Signals
+    -------
+    reading_wanted : str
+        Other modelers are to read the ink of an object (id).
     """
+
+    reading_wanted = Signal(str)
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -366,6 +373,9 @@ class ObjectsPanel(QWidget):
         hide = tr("Objects", "Hide") if model.visible else tr("Objects", "Show")
         lock = tr("Objects", "Unlock") if model.locked else tr("Objects", "Lock")
         menu.addSeparator()
+        menu.addAction(
+            tr("Objects", "Read this ink as…"), lambda: self.reading_wanted.emit(model.id)
+        )
         menu.addAction(hide, lambda: self._session.objects.set_visible(model.id, not model.visible))
         menu.addAction(lock, lambda: self._session.objects.set_locked(model.id, not model.locked))
         if model.followed:

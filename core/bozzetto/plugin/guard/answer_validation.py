@@ -17,6 +17,7 @@ from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.next_step import NextStep
@@ -182,6 +183,21 @@ def sound_next_step(step: Any) -> NextStep:
     return step
 
 
+def sound_ink(ink: Any) -> Strokes:
+    """Return the strokes if they are strokes; a `Stroke` checks its own columns.
+
+    Raises
+    ------
+    Unsound
+    """
+    if type(ink) is not Strokes:
+        raise Unsound(f"{type(ink).__name__} where Strokes belong")
+    for stroke in ink:
+        if type(stroke) is not Stroke:
+            raise Unsound(f"{type(stroke).__name__} where a Stroke belongs")
+    return ink
+
+
 def sound_commands(commands: Any) -> tuple[Command, ...]:
     """Return the commands as a tuple if each has what `Command` asks for.
 
@@ -217,7 +233,8 @@ def sound_advice(advice: Any) -> ViewAdvice | None:
     if type(advice) is not ViewAdvice:
         raise Unsound(f"{type(advice).__name__} where a ViewAdvice belongs")
     _expect(advice.level in LEVELS, "ViewAdvice.level")
-    _text(advice.message, "ViewAdvice.message")
+    if advice.message != "" or advice.level != "good" or advice.better is not None:
+        _text(advice.message, "ViewAdvice.message")
     _expect(advice.better is None or type(advice.better) is Camera, "ViewAdvice.better")
     _expect(isinstance(advice.pinned, bool), "ViewAdvice.pinned")
     _expect(isinstance(advice.follow, bool), "ViewAdvice.follow")

@@ -16,6 +16,7 @@ from bozzetto.plugin.parts import Group, PartsModeler, PartsState
 if TYPE_CHECKING:
     from bozzetto.images.stored_picture import Picture
     from bozzetto.ink.drawing import Drawing
+    from bozzetto.ink.stroke import Strokes
     from bozzetto.plugin.cautions import Caution
     from bozzetto.plugin.commands import Command
     from bozzetto.plugin.context import Context
@@ -67,6 +68,10 @@ class GuardedModeler:
     def add_picture(self, state: Any, picture: Picture, context: Context) -> Any:
         """Return the state with one more picture."""
         return self._state("add_picture", self._modeler.add_picture, state, picture, context)
+
+    def ink(self, state: Any) -> Strokes:
+        """Return the strokes that a state was drawn with."""
+        return self._checked("ink", validation.sound_ink, self._modeler.ink, state)
 
     # -- links --
 

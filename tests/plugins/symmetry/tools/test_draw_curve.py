@@ -118,7 +118,7 @@ def test_a_tap_is_no_curve(waiting) -> None:
 
 
 def said(state: SymmetryState) -> str:
-    return TOOL.next_hint(state)
+    return TOOL.next_step(state).sentence
 
 
 def test_an_empty_box_asks_for_the_first_side() -> None:
