@@ -14,7 +14,7 @@ from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.crease import crease_angles
 from bozzetto.geometry.patches.patch import extent
 from bozzetto.geometry.patches.patchwork import Patchwork
-from bozzetto.plugin import Memory
+from bozzetto.plugin import Memory, override
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
 from bozzetto_car.array_types import Array
@@ -222,9 +222,11 @@ class _Same:
     def __init__(self, own: object) -> None:
         self.own = own
 
+    @override
     def __hash__(self) -> int:
         return id(self.own)
 
+    @override
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Same) and other.own is self.own
 
