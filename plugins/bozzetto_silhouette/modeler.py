@@ -13,6 +13,7 @@ from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
 from bozzetto.ink import Drawing
 from bozzetto.plugin import Caution, Context, Job, PartsModeler, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.analysis.figures import FIGURES
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
 from bozzetto_silhouette.appearance.surface_look import Painted, painted, texture_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
@@ -64,6 +65,8 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     state_type = SilhouetteState
     state_version = 3
     part_types = (Part, Cut, Group)
+    first_parameters = ("inflation", "operation", "blend")
+    figures = FIGURES
 
     @override
     def tools(self) -> Sequence[Tool[SilhouetteState]]:
