@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from functools import partial
 from typing import Final
 
 import numpy as np
 
 from bozzetto.geometry.patches.crease import SMOOTH
 from bozzetto.geometry.patches.patch import bernstein
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Points
 from bozzetto.scene.display_list import Hidden
 from bozzetto.view import Camera
@@ -63,9 +62,6 @@ LABEL_SIZE: Final = 11.0
 
 LABEL_ROOM: Final = (46.0, 16.0)
 """Width and height, px, of the space that such a label keeps free."""
-
-
-_sources: Memory[tuple[Source, ...]] = Memory(REMEMBERED)
 
 
 def network_lines(
@@ -148,9 +144,10 @@ def _crossed_smoothly(body: Body) -> set[int]:
 
 def sources_of(body: Body) -> tuple[Source, ...]:
     """Return whether each node is seen in a sketch, mirrored, or guessed."""
-    return _sources.recall(body.solved, partial(_found, body.solved))
+    return _found(body.solved)
 
 
+@remembered(limit=REMEMBERED)
 def _found(solved: Solved) -> tuple[Source, ...]:
     if solved.joint is None:
         nothing: Source = "guessed"
