@@ -28,7 +28,7 @@ from bozzetto_car.body.traced_ink import ink_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of
 from bozzetto_car.marks_file import car_from_facts, is_car_file
-from bozzetto_car.report import cautions_of, report_of
+from bozzetto_car.report import FIGURES, cautions_of, report_of
 from bozzetto_car.state import CarState, Sketch, StylingCurve
 from bozzetto_car.styling.commands import styling_commands
 from bozzetto_car.tools import all_tools
@@ -48,6 +48,8 @@ class Car(PartsModeler[CarState, Body]):
     id = "bozzetto.car"
     state_type = CarState
     part_types = (Sketch, StylingCurve, Group)
+    first_parameters = ("template", "trace", "shading")
+    figures = FIGURES
 
     @override
     def create(self, context: Context) -> CarState:

@@ -13,6 +13,7 @@ from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import Caution, Context, Job, NextStep, PartsModeler, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.analysis.figures import FIGURES
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
 from bozzetto_silhouette.appearance.surface_look import Painted, painted, texture_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
@@ -65,6 +66,8 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     state_type = SilhouetteState
     state_version = 3
     part_types = (Part, Cut, Group)
+    first_parameters = ("inflation", "operation", "blend")
+    figures = FIGURES
 
     @override
     def tools(self) -> Sequence[Tool[SilhouetteState]]:

@@ -31,7 +31,7 @@ from bozzetto_symmetry.ink.same_view import is_one_view
 from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view
-from bozzetto_symmetry.report import cautions_of, report_of
+from bozzetto_symmetry.report import FIGURES, cautions_of, report_of
 from bozzetto_symmetry.solve.curve_solver import Trace, directions, trace_of
 from bozzetto_symmetry.tools import all_tools
 from bozzetto_symmetry.tools.draw_curve import DrawCurve
@@ -79,6 +79,8 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
     id = "bozzetto.symmetry"
     state_type = SymmetryState
     part_types = (Curve, Line, Group)
+    first_parameters = ("symmetry", "reading", "other")
+    figures = FIGURES
 
     @override
     def create(self, context: Context) -> SymmetryState:

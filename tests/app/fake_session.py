@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.parameters import Parameter, set_parameters
+from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.host.registry import ModelerInfo, PluginInfo
 from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.part_tree import PartTree
@@ -359,7 +360,7 @@ class EmptySession(QObject):
         )
         self.scene = DisplayedScene(calls, visible=Scene(), live=Scene(), advice=Scene())
         self.advice = Advice(calls, advice=None, about=None)
-        self.solver = Solver(calls, report={})
+        self.solver = Solver(calls, report={}, figures={})
         self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
         self.gestures.motion = Motion(calls, is_playing=False, can_play=False)
@@ -443,6 +444,10 @@ class FakeSession(EmptySession):
             ToolInfo("erase", "Erase", icons / "eraser.svg", "Draw over what is to go."),
         )
         self.toolbox.tool = "outline"
+        self.solver.figures = {
+            "watertight": Figure("Watertight", "Without a gap", good=True, bad=False),
+            "genus": Figure("Holes", "Holes that go through it (genus)"),
+        }
         self.solver.report = {
             "watertight": True,
             "volume_mm3": 48213.52,

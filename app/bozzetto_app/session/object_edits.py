@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -25,11 +25,15 @@ from bozzetto_app.workers.time_limit import in_time
 __all__ = ["ObjectEdits", "fields_of"]
 
 
-def fields_of(state: object) -> tuple[tuple[Field, Any], ...]:
-    """Return the parameters of a state, or of a part, with their values."""
+def fields_of(state: object, first: Sequence[str] = ()) -> tuple[tuple[Field, Any], ...]:
+    """Return the parameters of a state, or of a part, with their values; some of them first."""
     if not hasattr(state, "__dataclass_fields__"):
         return ()
-    return tuple((field, getattr(state, field.name)) for field in parameter_fields(type(state)))
+    place = {name: number for number, name in enumerate(first)}
+    fields = sorted(
+        parameter_fields(type(state)), key=lambda field: place.get(field.name, len(place))
+    )
+    return tuple((field, getattr(state, field.name)) for field in fields)
 
 
 class ObjectEdits:
@@ -73,7 +77,9 @@ class ObjectEdits:
     def parameters(self) -> tuple[tuple[Field, Any], ...]:
         """The parameters of the selected model with their values."""
         model = self._selection.model
-        return () if model is None else fields_of(model.state)
+        if model is None:
+            return ()
+        return fields_of(model.state, self._workbench.first_parameters(model))
 
     def set_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
         """Change one parameter of the selected model; the drag of a slider is one step."""

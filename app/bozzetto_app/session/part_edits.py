@@ -81,7 +81,9 @@ class ObjectParts:
     @property
     def parameters(self) -> tuple[tuple[Field, Any], ...]:
         """The parameters of the chosen part with their values."""
-        return fields_of(self.chosen)
+        model = self._selection.model
+        first = () if model is None else self._workbench.first_parameters(model)
+        return fields_of(self.chosen, first)
 
     @property
     def chosen_group(self) -> str:

@@ -8,7 +8,7 @@ ink is shown all the same.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
@@ -17,6 +17,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from bozzetto.document.links import LinkedModels, is_same_recipe
 from bozzetto.document.model import Model
 from bozzetto.errors import UserError
+from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Layer, Scene
@@ -29,6 +30,9 @@ from bozzetto_app.workers.channel import Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
 __all__ = ["Solver"]
+
+Report = tuple[dict[str, Any], Mapping[str, Figure]]
+"""Values, and the words in which they are said."""
 
 SOLVE_LIMIT = 60.0
 """Seconds a solve may take without progress before it counts as hung."""
@@ -47,7 +51,9 @@ class Solver(QObject):
     Attributes
     ----------
     report : dict
-        Figures of the final result of the selected model; empty until they are known.
+        How good the final result of the selected model is; empty until it is known.
+    figures : mapping of str to Figure
+        In which words and units its values are said; see `Modeler.figures`.
 
     Signals
     -------
@@ -81,12 +87,13 @@ class Solver(QObject):
     ) -> None:
         super().__init__(parent)
         self.report: dict[str, Any] = {}
+        self.figures: Mapping[str, Figure] = {}
         self._workbench, self._notices = workbench, notices
         self._drawing, self._selection = drawing, selection
         self._shown: dict[str, tuple[Model, Scene]] = {}
         self._revisions = Revisions()
         self._linked = LinkedModels()
-        self._last_report: tuple[Model, dict[str, Any]] | None = None
+        self._last_report: tuple[Model, Report] | None = None
         self._awaited: set[str] = set()
         self._channel = Channel("solve", time_limit=SOLVE_LIMIT, is_patient=True, parent=self)
         self._channel.slow.connect(notices.tell_slow)
@@ -181,7 +188,7 @@ class Solver(QObject):
 
     def _selection_changed(self) -> None:
         """Report on the model that is selected now."""
-        self.report = {}
+        self.report, self.figures = {}, {}
         self.report_changed.emit()
         if self._selection.model is not None:
             self._ask(dragging=False)
@@ -251,8 +258,9 @@ class Solver(QObject):
         model = task.model
         if self._last_report is None or not is_same_recipe(self._last_report[0], model):
             # Empty first, so that a report which fails or hangs is not asked for again.
-            self._last_report = (model, {})
-            self._last_report = (model, self._workbench.report(model, job))
+            self._last_report = (model, ({}, {}))
+            report = self._workbench.report(model, job)
+            self._last_report = (model, (report, self._workbench.figures(model)))
         if not job.cancelled():
             self._revisions.made(task)
             call_on_main_thread(self, self._take_report, task, self._last_report[1])
@@ -273,12 +281,12 @@ class Solver(QObject):
             self._awaited.discard(model_id)
             self.settled.emit(model_id)
 
-    def _take_report(self, task: Task, report: dict[str, Any]) -> None:
+    def _take_report(self, task: Task, report: Report) -> None:
         selected = self._selection.model
         if not self._revisions.show(task) or selected is None:
             return
         if task.model.state is selected.state:
-            self.report = report
+            self.report, self.figures = report
             self.report_changed.emit()
 
     def _complain(self, task: Task, problem: BaseException) -> None:

@@ -6,9 +6,10 @@ where the modeler does not do it; see `checks` for the others.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Final
+from difflib import get_close_matches
+from typing import Any, Final
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid
 from bozzetto.images.stored_picture import Picture
+from bozzetto.plugin.figures import figure_of, without_unit
 from bozzetto.plugin.gesture import Tap
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
@@ -30,6 +32,9 @@ from bozzetto.view.navigation import pan, zoom
 
 WORSE: Final = {"good": 0, "warn": 1, "refuse": 2}
 """The levels of advice, best first."""
+
+ALIKE: Final = 0.8
+"""How alike two keys are of which one is taken for a misspelling of the other; 1 is the same."""
 
 PREVIEW: Final = Job(quality="preview")
 
@@ -208,6 +213,45 @@ def _pictures() -> tuple[Picture, ...]:
     )
 
 
+def check_figures(subject: Subject) -> None:
+    """Check that what `figures` says of a report's values fits what a drawing reports."""
+    with subject.drawn() as shell:
+        figures = shell.workbench.figures(shell.model)
+        told = tuple(_told(shell.workbench.report(shell.model, Job())))
+        for key, value in told:
+            figure = figure_of(key, figures)
+            if figure is None:
+                continue
+            if figure.values or figure.verdicts:
+                known = value in {*figure.values, *figure.verdicts}
+                ensure(
+                    known or not isinstance(value, str),
+                    f"the report says {key} is {value!r}, of which its Figure says nothing",
+                )
+            if figure.spread:
+                entries = [*value.values()] if isinstance(value, dict) else value
+                ensure(
+                    not isinstance(entries, list)
+                    or all(isinstance(entry, int | float) for entry in entries),
+                    f"{key} is to be summed up (Figure.spread), and is no list of numbers",
+                )
+        unsaid = {without_unit(key)[0] for key, _ in told if figure_of(key, figures) is None}
+        used = {key for told_key, _ in told for key in (told_key, without_unit(told_key)[0])}
+        for key in figures.keys() - used:
+            meant = get_close_matches(key, sorted(unsaid), 1, ALIKE)
+            ensure(not meant, f"figures has {key!r}, and the report {meant and meant[0]!r}")
+
+
+def _told(report: Any) -> Iterator[tuple[str, Any]]:
+    """Yield all values of a report, of its parts, too, by their keys."""
+    entries = [report] if isinstance(report, dict) else report
+    for entry in entries if isinstance(entries, list) else ():
+        if isinstance(entry, dict):
+            for key, value in entry.items():
+                yield key, value
+                yield from _told(value)
+
+
 def check_aims(subject: Subject) -> None:
     """Check that tools that aim take no ink, and preview a tap wherever it is."""
     for opened in (subject.shell, subject.drawn):
@@ -253,6 +297,7 @@ ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
     check_read_shapes,
     check_follow,
     check_pictures,
+    check_figures,
     check_aims,
 )
 """Further articles for `checks.CHECKS`."""

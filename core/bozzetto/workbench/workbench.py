@@ -19,6 +19,7 @@ from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cache import forget_all
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.context import Context
+from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.gesture import Drag, Gesture
 from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.host.registry import Registry
@@ -395,6 +396,20 @@ class Workbench:
         """Return figures on a model's quality, as JSON values; empty if its modeler has none."""
         said = self.guarded(model).report(model.state, self.solve(model, job))
         return {str(key): plain(value) for key, value in said.items()}
+
+    def figures(self, model: Model) -> Mapping[str, Figure]:
+        """Return the words, units and bounds of what `report` tells; see `Modeler.figures`."""
+        return self.registry.modeler(model.modeler).figures
+
+    def first_parameters(self, model: Model) -> tuple[str, ...]:
+        """Return the parameters of a model and its parts that come first in forms.
+
+        Those of a model whose plugin is not here come in their own order.
+        """
+        try:
+            return self.registry.modeler(model.modeler).first_parameters
+        except UserError:
+            return ()
 
     def cautions(self, model: Model, job: Job) -> tuple[Caution, ...]:
         """Return what a person must know of a model's result; empty where all is well."""

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto.plugin import PanelHost
+from bozzetto.plugin import PanelHost, override
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.node_chart import NodeChart
 from bozzetto_car.panel.turning_car import TurningCar
@@ -81,9 +81,11 @@ class GuidePanel(QScrollArea):
         """Whether the panel does not show the newest state yet."""
         return self._soon.isActive() or self._work.busy
 
+    @override
     def sizeHint(self) -> QSize:
         return QSize(280, 560)
 
+    @override
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self.car.setVisible(self.viewport().height() >= ROOMY)

@@ -33,6 +33,7 @@ from tests.plugins.car.penned import (
     through,
     view_of,
 )
+from tests.previews import preview_of
 
 FRONT_LEFT, FRONT_RIGHT, REAR_RIGHT = view_of(-45.0), view_of(40.0), view_of(140.0)
 COMMANDS = {command.id: command for command in all_commands()}
@@ -106,7 +107,7 @@ def test_a_hidden_sketch_is_not_marked(marked_car):
         for gesture in (Tap(300.0, 300.0, camera), over):
             with pytest.raises(UserError, match="hidden"):
                 TOOL.apply(hidden, gesture, CONTEXT)
-            assert not TOOL.preview(hidden, gesture, CONTEXT).layers
+            assert not preview_of(TOOL, hidden, gesture, CONTEXT).layers
         for name in ("skip", "ask-before", "not-visible"):
             with pytest.raises(UserError, match="hidden"):
                 COMMANDS[name].run(hidden, CONTEXT)
@@ -183,7 +184,7 @@ def test_the_handle_of_something_else_is_told_and_changes_nothing(marked_car):
     drag = Drag("node C1", dragged(marked_car, "C1", [(5.0, 5.0), (60.0, 60.0)]).path)
     with pytest.raises(UserError, match="drag a mark"):
         TOOL.apply(marked_car, drag, CONTEXT)
-    assert not TOOL.preview(marked_car, drag, CONTEXT).layers
+    assert not preview_of(TOOL, marked_car, drag, CONTEXT).layers
 
 
 def test_the_eraser_takes_the_marks_it_runs_over(marked_car):
@@ -207,7 +208,7 @@ def test_the_car_moves_with_the_mark_where_the_picture_would_show_it(marked_car)
     """The window looks through the camera before; the edges are where the one after has them."""
     mark = marked_car.sketch.marks[2]
     drag = dragged(marked_car, mark.node, [(mark.u, mark.v), (mark.u + 5.0, mark.v - 4.0)])
-    shown = layers(TOOL.preview(marked_car, drag, CONTEXT))
+    shown = layers(preview_of(TOOL, marked_car, drag, CONTEXT))
     assert shown["body"] == shown["wheels"] == shown["network"] == ()
     lines = np.concatenate([item.points for item in shown["car"]])
     seen = drag.camera.project(lines)[0]
@@ -233,11 +234,11 @@ def test_the_sixth_mark_shows_a_car_before_the_pen_is_lifted():
         state = COMMANDS["skip"].run(state, CONTEXT)
     state = replace(state, asked="C0")
     tap = Tap(*on_canvas(state, camera, pixel), camera)
-    shown = layers(TOOL.preview(state, tap, CONTEXT))
+    shown = layers(preview_of(TOOL, state, tap, CONTEXT))
     assert shown["car"]
     seen = camera.project(np.concatenate([item.points for item in shown["car"]]))[0]
     assert (np.abs(seen - 0.5 * np.array(CANVAS)) < CANVAS).all(), "upon the picture"
-    before = layers(TOOL.preview(guided(FRONT_RIGHT, 3), Tap(9.0, 9.0, camera), CONTEXT))
+    before = layers(preview_of(TOOL, guided(FRONT_RIGHT, 3), Tap(9.0, 9.0, camera), CONTEXT))
     assert set(before) == {"marks"}
 
 
@@ -245,10 +246,10 @@ def test_a_preview_never_fails(marked_car):
     rng = np.random.default_rng(3)
     camera = through(marked_car)
     for x, y in rng.normal(0.0, 1500.0, (12, 2)).tolist():
-        TOOL.preview(marked_car, Tap(x, y, camera), CONTEXT)
-    TOOL.preview(CarState(), Tap(1.0, 1.0, camera), CONTEXT)
-    TOOL.preview(marked_car, Tap(1.0, 1.0, CONTEXT.camera), CONTEXT)
-    TOOL.preview(marked_car, Ink((stroke_on(marked_car, camera, [(9.0, 9.0)]),)), CONTEXT)
+        preview_of(TOOL, marked_car, Tap(x, y, camera), CONTEXT)
+    preview_of(TOOL, CarState(), Tap(1.0, 1.0, camera), CONTEXT)
+    preview_of(TOOL, marked_car, Tap(1.0, 1.0, CONTEXT.camera), CONTEXT)
+    preview_of(TOOL, marked_car, Ink((stroke_on(marked_car, camera, [(9.0, 9.0)]),)), CONTEXT)
 
 
 def test_what_a_mark_is_missed_by_is_drawn_and_told():
@@ -345,11 +346,11 @@ def test_whatever_a_hand_does_there_is_a_car_or_a_sentence():
         kind = rng.choice(["tap", "tap", "tap", "drag", "erase", "command"])
         try:
             if kind == "tap":
-                TOOL.preview(state, Tap(*pixel, through(state)), CONTEXT)
+                preview_of(TOOL, state, Tap(*pixel, through(state)), CONTEXT)
                 state = tapped(state, pixel)
             elif kind == "drag":
                 drag = dragged(state, str(rng.choice(names)), [pixel, further])
-                TOOL.preview(state, drag, CONTEXT)
+                preview_of(TOOL, state, drag, CONTEXT)
                 state = TOOL.apply(state, drag, CONTEXT)
             elif kind == "erase":
                 over = stroke_on(state, through(state), [pixel, further], "eraser")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from numbers import Integral
 from typing import Any, Final
@@ -18,8 +18,10 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
 from bozzetto.ink.stroke import Stroke, Strokes
+from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
+from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import Part
@@ -49,6 +51,9 @@ LONGEST_LABEL: Final = 200
 MOST_PARTS: Final = 20_000
 """Parts that one model hands over."""
 
+MOST_FIRST: Final = 3
+"""Parameters that a form shows before all others."""
+
 MOST_COMMANDS: Final = 200
 """Commands of one modeler; nobody would find more in a menu."""
 
@@ -56,6 +61,9 @@ MOST_SOURCES: Final = 1_000
 """Models that one model is made from."""
 
 HIDDEN: Final = ("hide", "faint", "dashed", "show")
+
+MOST_DIGITS: Final = 9
+"""Digits behind the decimal point of a figure."""
 
 LEVELS: Final = ("good", "warn", "refuse")
 
@@ -299,6 +307,84 @@ def sound_report(report: Any) -> dict[str, Any]:
     if not isinstance(report, Mapping):
         raise Unsound(f"{type(report).__name__} where a mapping belongs")
     return dict(report)
+
+
+def sound_figures(figures: Any) -> dict[str, Figure]:
+    """Return the words of a report's values if each can be said.
+
+    Raises
+    ------
+    Unsound
+    """
+    if not isinstance(figures, Mapping):
+        raise Unsound(f"{type(figures).__name__} where a mapping of keys to Figure belongs")
+    for key, figure in figures.items():
+        _expect(isinstance(key, str) and bool(key), f"the key {key!r}")
+        if type(figure) is not Figure:
+            raise Unsound(f"{key}: {type(figure).__name__} where a Figure belongs")
+        for name in ("label", "help", "unit", "beyond"):
+            _text(getattr(figure, name), f"{key}: Figure.{name}")
+        _expect(bool(figure.help) or not figure.label, f"{key}: Figure.help")
+        _number(figure.factor, f"{key}: Figure.factor", -math.inf, math.inf)
+        _expect(
+            isinstance(figure.digits, int) and figure.digits <= MOST_DIGITS, f"{key}: Figure.digits"
+        )
+        _expect(isinstance(figure.spread, bool), f"{key}: Figure.spread")
+        _expect(isinstance(figure.most, int | float), f"{key}: Figure.most")
+        _check_bounds(key, figure)
+        _expect(
+            isinstance(figure.values, Mapping)
+            and all(isinstance(text, str) for pair in figure.values.items() for text in pair),
+            f"{key}: Figure.values",
+        )
+        _expect(
+            isinstance(figure.verdicts, Mapping)
+            and all(
+                isinstance(text, str) and isinstance(fine, bool)
+                for text, fine in figure.verdicts.items()
+            ),
+            f"{key}: Figure.verdicts",
+        )
+    return dict(figures)
+
+
+def _check_bounds(key: str, figure: Figure) -> None:
+    if figure.good is None and figure.bad is None:
+        return
+    if figure.good is None or figure.bad is None or figure.good == figure.bad:
+        raise Unsound(
+            f"{key}: give good and bad, and not the same: together they tell the direction"
+        )
+    for name in ("good", "bad"):
+        _number(getattr(figure, name), f"{key}: Figure.{name}", -math.inf, math.inf)
+
+
+def sound_first_parameters(names: Any, state_types: Iterable[type[Any]]) -> tuple[str, ...]:
+    """Return the names of the parameters that forms show first if there are such parameters.
+
+    Parameters
+    ----------
+    names : object
+        What the modeler says.
+    state_types : iterable of type
+        Of its states, and of its parts.
+
+    Raises
+    ------
+    Unsound
+    """
+    _expect_tuple(names, "first_parameters")
+    if not names:
+        return ()
+    if len(names) > MOST_FIRST or len(set(names)) != len(names):
+        raise Unsound(f"first_parameters: name {MOST_FIRST} at most, each once")
+    known = {field.name: field for kind in state_types for field in parameter_fields(kind)}
+    for name in names:
+        if name not in known:
+            raise Unsound(f"first_parameters: there is no parameter {name!r}")
+        if known[name].parameter.advanced:
+            raise Unsound(f"first_parameters: {name!r} is advanced, which is folded away")
+    return tuple(names)
 
 
 def sound_parts(tree: PartTree) -> PartTree:

@@ -118,6 +118,18 @@ def _look_over(modeler: Any) -> None:
             f"{name} and {state_type.__name__} belong together: derive the modeler from "
             "PartsModeler and its state from PartsState, or neither."
         )
+    _look_over_words(modeler, (state_type, *getattr(modeler, "part_types", ())))
+
+
+def _look_over_words(modeler: Any, state_types: tuple[type[Any], ...]) -> None:
+    """Refuse words of figures that cannot be said, and first parameters that are none."""
+    from bozzetto.plugin.guard import answer_validation as validation
+
+    try:
+        validation.sound_figures(modeler.figures)
+        validation.sound_first_parameters(modeler.first_parameters, state_types)
+    except validation.Unsound as problem:
+        raise Undelivered(f"{type(modeler).__name__}: {problem}.") from None
 
 
 def _compare_abilities(modeler: Any, announced: Set[str]) -> None:
