@@ -64,7 +64,8 @@ def surface_of_revolution(
     axis_direction : (3,) array_like
         Of any length; the profile turns counter-clockwise about it.
     angle : float
-        Radians, from `LEAST_ANGLE` up to a full turn. A part of a turn is left open at its two sides.
+        Radians, from `LEAST_ANGLE` up to a full turn. A part of a turn is left open at its two
+        sides.
     name : str
         What the shape is called.
     color : (r, g, b), optional
