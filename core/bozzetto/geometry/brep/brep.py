@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array, Index, frozen
+from bozzetto.errors import UserError
 from bozzetto.geometry.basis import curve_derivative, span_parameters
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
@@ -23,6 +24,9 @@ a millionth of a millimetre on what is 100 mm wide."""
 
 ROUNDING: Final = 1e-13
 """What is added to the gap, as share of the largest coordinate."""
+
+FURTHEST: Final = 1e75
+"""Coordinates beyond which no shape is made, mm: products of four would be no numbers."""
 
 OFF: Final = 1e-9
 """Largest step between trims that follow one another, as share of the range of u or v."""
@@ -368,6 +372,12 @@ class Brep:
             edges=tuple(edge.placed(placement) for edge in self.edges),
             faces=tuple(face.placed(placement) for face in self.faces),
         )
+
+
+def refuse_far(points: Array) -> None:
+    """Raise `UserError` where coordinates are too large to reckon with."""
+    if np.abs(points).max(initial=0.0) > FURTHEST:
+        raise UserError("The shape reaches too far. Make it smaller, or move it nearer.")
 
 
 def gap_tolerance(points: Iterable[Array]) -> float:

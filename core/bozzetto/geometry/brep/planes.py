@@ -17,6 +17,7 @@ from bozzetto.geometry.brep.brep import (
     ParameterCurve,
     Trim,
     loop_ring,
+    refuse_far,
     signed_area,
 )
 from bozzetto.geometry.brep.surface import BSplineSurface
@@ -70,6 +71,7 @@ def plane_face(
     if not outlines:
         raise UserError("A face needs an outline. Draw a closed line first.")
     points = np.concatenate([c.control_points for outline in outlines for c in outline])
+    refuse_far(points)
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     frame = _frame(outlines[0], normal, size)
     local = (points - frame[0]) @ frame[1:].T

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import lifted, lowered, span_parameters
-from bozzetto.geometry.brep.brep import GAP, Brep
+from bozzetto.geometry.brep.brep import FURTHEST, GAP, Brep, refuse_far
 from bozzetto.geometry.brep.planes import LINE_KNOTS, plane_face
 from bozzetto.geometry.brep.sewing import sewn
 from bozzetto.geometry.brep.surface import BSplineSurface
@@ -21,6 +21,12 @@ from bozzetto.geometry.curve import Color, Curve
 from bozzetto.geometry.refinement import refined
 
 FULL: Final = 2.0 * pi
+
+LEAST_ANGLE: Final = 1e-6
+"""Least turn, radians: less is a line."""
+
+SAME_ANGLE: Final = 1e-9
+"""What a full turn may lack, radians, and be one."""
 
 CORNER: Final = 1e-6
 """Sine of the angle by which a profile must turn at once to have a corner; a new face begins."""
@@ -58,7 +64,8 @@ def surface_of_revolution(
     axis_direction : (3,) array_like
         Of any length; the profile turns counter-clockwise about it.
     angle : float
-        Radians, above 0, up to a full turn. A part of a turn is left open at its two sides.
+        Radians, from `LEAST_ANGLE` up to a full turn. A part of a turn is left open at its two
+        sides.
     name : str
         What the shape is called.
     color : (r, g, b), optional
@@ -78,10 +85,12 @@ def surface_of_revolution(
         or lies on it.
     """
     origin, axis = _axis(axis_point, axis_direction)
-    if not 0.0 < angle <= FULL:
+    if not LEAST_ANGLE <= angle <= FULL:
         raise UserError("The angle of a turn must be above 0° and at most 360°.")
+    refuse_far(profile.control_points)
     profile = _onto_axis(profile.clamped(), origin, axis)
-    full = angle == FULL
+    full = FULL - angle <= SAME_ANGLE
+    angle = FULL if full else angle
     _refuse_crossing(profile, origin, axis)
     ends = profile.control_points[[0, -1]]
     closes = bool((ends[0] == ends[1]).all()) or not _radii(ends, origin, axis).any()
@@ -99,7 +108,7 @@ def surface_of_revolution(
             for start, end in pairwise(turns):
                 parts.append(Brep.of_surface(revolved(piece, origin, axis, end - start, start)))
     if not parts:
-        raise UserError("The profile lies on the axis. Draw it beside the axis.")
+        raise UserError("The profile lies on the axis, or is a point. Draw it beside the axis.")
     return sewn(parts, name, color)
 
 
@@ -130,8 +139,9 @@ def cylinder(
         If it has no height or no radius.
     """
     first, last = np.asarray(start, float), np.asarray(end, float)
-    if not radius > 0.0:
-        raise UserError("The radius of a cylinder must be above zero.")
+    refuse_far(np.concatenate((first, last)))
+    if not 0.0 < radius < FURTHEST:
+        raise UserError("The radius of a cylinder must be above zero, and not endless.")
     _, axis = _axis(first, last - first)
     aside = radius * _square_to(axis)
     corners = np.array((first, first + aside, last + aside, last))
@@ -179,8 +189,8 @@ def revolved(
     knots = np.insert(bezier, 4, start + 0.25 * angle * np.arange(1, 4))
     corners = lifted(arc, np.array((1.0, inner / 3.0, inner / 3.0, 1.0)))
     arc, arc_weights = lowered(refined(3, bezier, corners, knots))
-    if arc_weights is None:
-        raise AssertionError("no arc has equal weights")
+    if arc_weights is None:  # an angle so small that its arc is straight
+        arc_weights = np.ones(len(arc))
     net = foot + arc[:, :1, None] * out + arc[:, 1:, None] * np.cross(axis, out)
     along = np.ones(len(out)) if profile.weights is None else profile.weights
     weights = arc_weights[:, None] * along
@@ -188,7 +198,7 @@ def revolved(
 
 
 def smooth_pieces(curve: Curve) -> list[Curve]:
-    """Return the pieces of a clamped curve between its corners, clamped, none of them closed."""
+    """Return the pieces of a clamped curve between its corners, none of them closed or a point."""
     degree, knots = curve.degree, curve.knots
     begin, end = curve.range
     places, first, times = np.unique(knots, return_index=True, return_counts=True)
@@ -197,11 +207,11 @@ def smooth_pieces(curve: Curve) -> list[Curve]:
         if begin < place < end and count >= degree:
             if count > degree:
                 raise UserError("The profile has a gap. Join its pieces first.")
-            a, b, c = curve.control_points[start - 2 : start + 1]
-            if _turns(b - a, c - b):
+            if _turns(curve.control_points, start - 1):
                 cuts.append(place)
     cuts.append(end)
     pieces = [_between(curve, low, high) for low, high in pairwise(cuts)]
+    pieces = [piece for piece in pieces if np.ptp(piece.control_points, axis=0).any()]
     return [part for piece in pieces for part in _unclosed(piece)]
 
 
@@ -218,7 +228,13 @@ def _unclosed(curve: Curve) -> list[Curve]:
     return [_between(curve, begin, middle), _between(curve, middle, end)]
 
 
-def _turns(before: Array, after: Array) -> bool:
+def _turns(points: Array, number: int) -> bool:
+    """Whether a curve has a corner at one of its control points that it passes."""
+    apart = np.flatnonzero((points != points[number]).any(axis=1))
+    earlier, later = apart[apart < number], apart[apart > number]
+    if not len(earlier) or not len(later):
+        return False
+    before, after = points[number] - points[earlier[-1]], points[later[0]] - points[number]
     sine = float(np.linalg.norm(np.cross(before, after)))
     scale = float(np.linalg.norm(before) * np.linalg.norm(after))
     return sine > CORNER * scale or float(before @ after) < 0.0

@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import lifted, lowered
-from bozzetto.geometry.brep.brep import Brep, gap_tolerance
+from bozzetto.geometry.brep.brep import Brep, gap_tolerance, refuse_far
 from bozzetto.geometry.brep.sewing import sewn
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
@@ -47,11 +47,15 @@ def ruled_surface(
     Raises
     ------
     UserError
-        If the curves are the same.
+        If the curves are the same, both are points, or reach too far.
     """
+    for curve in (first, second):
+        refuse_far(curve.control_points)
     degree, knots, (one, two) = alike((first, second))
     if np.array_equal(one, two):
         raise UserError("A surface cannot be spanned between a curve and itself.")
+    if not any(np.ptp(curve.control_points, axis=0).any() for curve in (first, second)):
+        raise UserError("A surface cannot be spanned between two points. Draw a curve.")
     rows = np.stack((one, two), axis=1)
     parts = []
     for low, high in pairwise(_cuts(rows)):

@@ -35,6 +35,8 @@ def sewn(breps: Iterable[Brep], name: str = "brep", color: Color | None = None) 
         sRGB.
     """
     parts = list(breps)
+    if not parts:
+        raise ValueError("there is nothing to sew")
     edges = [edge for part in parts for edge in part.edges]
     starts = np.cumsum([0, *(len(part.edges) for part in parts)]).tolist()
     faces = [

@@ -154,11 +154,21 @@ def test_corners_begin_new_faces_and_smooth_joints_do_not():
         (half_circle(5.0), (0, np.nan, 0), UP, 1.0, "a point and a direction"),
         (half_circle(5.0), ZERO, (0, 1), 1.0, "a point and a direction"),
         (half_circle(5.0), ZERO, UP, 0.0, "angle"),
+        (half_circle(5.0), ZERO, UP, 1e-9, "angle"),
         (half_circle(5.0), ZERO, UP, 6.3, "angle"),
         (half_circle(5.0), ZERO, UP, np.nan, "angle"),
         (polyline([(3, 0, 0), (-2, 0, 5)]), ZERO, UP, 1.0, "crosses the axis"),
         (circle(5.0, (3, 0, 0)), ZERO, UP, 2 * pi, "crosses the axis"),
         (polyline([(0, 0, 0), (0, 0, 5)]), ZERO, UP, 2 * pi, "lies on the axis"),
+        (polyline([(3, 0, 0), (3, 0, 0)]), ZERO, UP, 2 * pi, "is a point"),
+        (polyline([(0, 0, 0), (1e300, 0, 0), (0, 0, 1e300)]), ZERO, UP, 2 * pi, "too far"),
+        (
+            Curve(1, (0, 0, 1, 1, 2, 2), [(3, 0, 0), (4, 0, 1), (4, 0, 2), (3, 0, 3)]),
+            ZERO,
+            UP,
+            1.0,
+            "has a gap",
+        ),
     ],
 )
 def test_what_cannot_be_turned_is_told(profile, point, axis, angle, said):
@@ -166,7 +176,23 @@ def test_what_cannot_be_turned_is_told(profile, point, axis, angle, said):
         surface_of_revolution(profile, point, axis, angle)
 
 
-@pytest.mark.parametrize("radius", [0.0, -1.0, np.nan])
+def test_a_corner_that_is_given_twice_is_one():
+    once = [(0, 0, 0), (3, 0, 0), (3, 0, 5), (0, 0, 5)]
+    twice = [once[0], once[1], once[1], once[2], once[3], once[3]]
+    one, two = (surface_of_revolution(polyline(p), ZERO, UP) for p in (once, twice))
+    assert (len(one.faces), len(two.faces)) == (4, 4)
+    assert two.is_closed
+
+
+@pytest.mark.parametrize("angle", [1e-6, 1e-3, 2 * pi - 1e-6])
+def test_angles_near_none_and_near_all_are_turned_through(angle):
+    made = surface_of_revolution(polyline([(3, 0, 0), (4, 0, 5)]), ZERO, UP, angle)
+    assert made.largest_gap() <= made.tolerance
+    assert len(made.rim) == len(made.edges) - (angle > pi)
+    assert surface_of_revolution(half_circle(5.0), ZERO, UP, 2 * pi - 1e-12).is_closed
+
+
+@pytest.mark.parametrize("radius", [0.0, -1.0, np.nan, np.inf])
 def test_a_cylinder_needs_a_radius_and_a_height(radius):
     with pytest.raises(UserError, match="radius"):
         cylinder(ZERO, UP, radius)
@@ -208,6 +234,11 @@ def test_ends_in_common_are_poles():
     fan = ruled_surface(polyline([ZERO, (5, 0, 0)]), polyline([ZERO, (0, 5, 0)]))
     assert [trim.edge is None for trim in fan.faces[0].trims].count(True) == 1
     assert len(fan.vertices[0]) == 3
+
+
+def test_two_points_span_nothing():
+    with pytest.raises(UserError, match="two points"):
+        ruled_surface(polyline([ZERO, ZERO]), polyline([UP, UP]))
 
 
 def test_a_curve_spans_nothing_with_itself():
@@ -257,6 +288,8 @@ def test_corners_keep_their_numbers():
         ([SQUARE, HOLE + np.array((30, 0, 0))], "cross"),
         ([SQUARE, HOLE, HOLE + np.array((1, 1, 0))], "cross"),
         ([np.outer([0, 1, 3], (1, 1, 1))], "no area"),
+        ([SQUARE * 1e-200], "no area"),
+        ([SQUARE * 1e200], "too far"),
         ([[polyline(SQUARE)]], "does not close"),
         ([[polyline(SQUARE[:2]), polyline(SQUARE[2:])]], "does not close"),
     ],
