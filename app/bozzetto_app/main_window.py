@@ -425,8 +425,8 @@ class Window(QMainWindow):
         room, self._room = self._room, None
         if room is not None and room[1] == self._ends():
             objects, history = room[0]
-            between = max(1, self.canvas.height() - objects - history)
-            heights = [objects, between, history]
+            middle = self.centralWidget() or self  # as high as the docks beside it
+            heights = [objects, max(1, middle.height() - objects - history), history]
             self.resizeDocks(self._docks, heights, Qt.Orientation.Vertical)
 
     @property

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+
+import numpy as np
 import pytest
 
 from tests.slider_drags import close, drag, open_sample
@@ -33,3 +36,35 @@ def test_a_drag_shows_its_values_in_order_and_ends_with_the_last(
     # Frames by what they cost: how fast a machine that others use as well shows them is its own.
     assert found.frames >= 1
     assert found.processor / found.frames < 0.5
+
+
+def test_a_car_over_its_sketch_follows_a_drag_and_is_not_solved_for_advice(
+    qapp, tmp_path, monkeypatch
+):
+    """The layers over a sketch are the advice's: where they lag behind, nothing seems to move."""
+    from bozzetto_car.body import build
+
+    solve, solved_in = build.solve_car, []
+
+    def solve_car(*arguments):
+        solved_in.append(threading.current_thread().name)
+        return solve(*arguments)
+
+    window = open_sample("bozzetto.car", "hatchback", tmp_path / "recovery")
+    try:
+        session = window.session
+        assert session.advice.holds_eye(session.view.camera)
+        monkeypatch.setattr(build, "solve_car", solve_car)
+        found = drag(window, ("", "length"), 2.0)
+        assert session.advice.holds_eye(session.view.camera)
+        (own,) = (i for layer in session.scene.visible.layers for i in bodies(layer))
+        (over,) = (i for layer in session.scene.advice.layers for i in bodies(layer))
+    finally:
+        close(window)
+    assert found.last_is_shown
+    assert not [name for name in solved_in if "advice" in name]
+    assert np.array_equal(own.mesh.vertices, over.mesh.vertices)
+
+
+def bodies(layer):
+    return layer.items if layer.name == "body" else ()

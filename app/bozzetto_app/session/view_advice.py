@@ -101,6 +101,7 @@ class ViewAdviser(QObject):
         drawing.closing.connect(self._forget)
         drawing.changed.connect(self._look_at_change)
         scene.changed.connect(self._look_at_frame)
+        solver.busy_changed.connect(self._look_at_rest)
 
     @property
     def busy(self) -> bool:
@@ -167,11 +168,17 @@ class ViewAdviser(QObject):
         elif dragging and self._is_pinned and self._took <= QUICK:
             self.look()
 
+    def _look_at_rest(self, busy: bool) -> None:
+        """Ask where there is no result to wait for: a model may have no solution, or be hidden."""
+        if not busy:
+            self.look_later()
+
     @property
     def _advises_on_results(self) -> bool:
         """Whether the advice is about what is shown, which may be a preview."""
-        modeler = self._toolbox.modeler
-        return self.about is not None and self._workbench.advises_on_results(modeler)
+        # Without tools the plugin may still have to be imported.
+        modeler = self._toolbox.modeler if self._toolbox.tools else ""
+        return bool(modeler) and self._workbench.advises_on_results(modeler)
 
     def _question(self) -> Question:
         modeler = self._toolbox.modeler
@@ -199,8 +206,10 @@ class ViewAdviser(QObject):
         self._pace.start()
         if self._channel.busy:
             return
+        modeler, model, camera, result = question
+        if self._advises_on_results and model is not None and result is None and self._solver.busy:
+            return  # it is being solved: to solve it here as well would take longer
         self._asked = question
-        modeler, model, camera, _ = question
         # The model itself as well: what its preview showed has another camera in the final result.
         seen = (*(() if model is None else (model,)), *self.seen(model))
         begun = perf_counter()
