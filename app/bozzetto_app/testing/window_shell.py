@@ -118,10 +118,7 @@ class WindowShell:
         """Press keys on the sheet, as "Ctrl+Z" or "Return"."""
         self.window.activateWindow()
         self.window.canvas.setFocus()
-        combination = QKeySequence(keys)[0]
-        QTest.keyClick(
-            self.window.canvas, combination.key(), combination.keyboardModifiers()
-        )  # as a person's key arrives
+        QTest.keySequence(self.window.canvas, QKeySequence(keys))
         self.settle()
 
     def undo(self) -> None:
