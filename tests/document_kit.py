@@ -90,6 +90,9 @@ class FakeRegistry:
     def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
         return {**state, "upgraded_from": version}
 
+    def sources(self, modeler_id: str, state: Any) -> tuple[str, ...]:
+        return ()
+
 
 def stroke(seed: int = 0, count: int = 12, camera: Camera = CAMERA, **more: Any) -> Stroke:
     rng = np.random.default_rng(seed)

@@ -46,6 +46,8 @@ class Dragged:
         Values that the window took.
     frames : int
         Values that were shown before the release.
+    followers : int
+        Frames of other models meanwhile, which follow the one that was dragged.
     painted : int
         Pictures that the viewport has painted meanwhile.
     seconds, processor : float
@@ -67,6 +69,7 @@ class Dragged:
     steps: int
     in_order: bool
     last_is_shown: bool
+    followers: int = 0
 
 
 def pump(until: Callable[[], bool], limit: float = MOST_WAITING) -> None:
@@ -145,8 +148,12 @@ def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
     low, high = _span(window, key)
     asked: list[Any] = []
     shown: list[Any] = []
+    followers: list[str] = []
 
     def changed(model_id: str, solved: bool) -> None:
+        if model_id != model.id:
+            followers.append(model_id)
+            return
         found = session.solver.shown(model_id)
         if found is not None and (not shown or shown[-1] is not found.state):
             shown.append(found.state)
@@ -176,6 +183,7 @@ def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
     pump(lambda: not timer.isActive())
     passed, spent = time.monotonic() - begun, time.process_time() - spent
     frames, released, painted = len(shown), time.monotonic(), paintings.count
+    following = len(followers)
     window.canvas.viewports.current.widget.removeEventFilter(paintings)
     row.drag_ended.emit()
     last = session.selection.model
@@ -191,7 +199,7 @@ def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
     steps = len(session.drawing.history.entries) - before
     result = Dragged(
         row.field.parameter.label, len(asked), frames, painted, passed, spent, settled, steps,
-        order == sorted(order), bool(shown) and shown[-1] is asked[-1],
+        order == sorted(order), bool(shown) and shown[-1] is asked[-1], following,
     )  # fmt: skip
     return result
 

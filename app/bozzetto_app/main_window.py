@@ -28,6 +28,7 @@ from bozzetto_app.actions.menu_actions import commands_of, number_keys
 from bozzetto_app.actions.registry import ActionRegistry
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.framing import Framing
+from bozzetto_app.canvas.input.state_machine import Mode
 from bozzetto_app.dialogs.file_dialogs import FileQuestions
 from bozzetto_app.dialogs.window_dialogs import Dialogs
 from bozzetto_app.panels.history import HistoryPanel
@@ -134,6 +135,7 @@ class Window(QMainWindow):
         self.replays.inked.connect(self.canvas.follow)
         self._closing = False
         self._said_first = ""
+        self._is_guided = False
 
         self.status = StatusLine(session)
         self.status.faults.lie_over(self.canvas)
@@ -144,17 +146,21 @@ class Window(QMainWindow):
         self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
         self.setDockOptions(QMainWindow.DockOption.AnimatedDocks)
         self.parameters = ParametersPanel(session)
+        objects = ObjectsPanel(session)
+        objects.reading_wanted.connect(self.dialogs.open_readings)
         self._docks = [
-            self._dock(ObjectsPanel(session)),
+            self._dock(objects),
             self._dock(self.parameters),
             self._dock(HistoryPanel(session)),
         ]
         self._plugin_panel = PluginPanel(session)
         self._plugin_dock = self._dock(self._plugin_panel)
+        self._room: tuple[tuple[int, int], tuple[int, int]] | None = None
         self.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
         self.tabifyDockWidget(self._docks[1], self._plugin_dock)
         self._plugin_panel.changed.connect(self._show_plugin_panel)
-        session.pictures.taken.connect(self._show_what_guides)
+        session.hints.changed.connect(self._show_what_guides)
+        self.canvas.hand.mode_changed.connect(self._show_what_guides)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
         self.changing_menus = ChangingMenus(self, self.actions_)
@@ -313,6 +319,7 @@ class Window(QMainWindow):
 
     def _leave(self) -> None:
         kept = settings()
+        self._give_room_back()
         kept.setValue("window/geometry", self.saveGeometry())
         kept.setValue("window/state", self.saveState(LAYOUT_VERSION))
         self.replays.stop()
@@ -388,15 +395,39 @@ class Window(QMainWindow):
         if title:
             self._plugin_dock.raise_()
             QTimer.singleShot(0, self, self._make_room)
+        else:
+            self._give_room_back()
 
     def _show_what_guides(self) -> None:
-        """Show the modeler's own panel, which says what to do with a new picture."""
-        if self._plugin_panel.is_filled:
+        """Show the modeler's own panel, once, where the next step is done there.
+
+        Not while the pen is down, and not over a panel that has the keyboard.
+        """
+        wanted = self.session.hints.step.panel and self._plugin_panel.is_filled
+        if wanted == self._is_guided or self.canvas.hand.machine.mode is not Mode.IDLE:
+            return
+        self._is_guided = wanted
+        if wanted and not self.parameters.isAncestorOf(QApplication.focusWidget() or self):
             self._plugin_dock.raise_()
 
     def _make_room(self) -> None:
         if self._plugin_dock.isVisible() and self._plugin_dock.height() < SCANT:
+            before = self._ends()
             self.resizeDocks(self._docks, list(GUIDED_HEIGHTS), Qt.Orientation.Vertical)
+            QTimer.singleShot(0, self, lambda: setattr(self, "_room", (before, self._ends())))
+
+    def _ends(self) -> tuple[int, int]:
+        """Return the heights of the objects and of the history; what is between has the rest."""
+        return self._docks[0].height(), self._docks[-1].height()
+
+    def _give_room_back(self) -> None:
+        """Undo `_make_room`, unless the person has moved a border since."""
+        room, self._room = self._room, None
+        if room is not None and room[1] == self._ends():
+            objects, history = room[0]
+            between = max(1, self.canvas.height() - objects - history)
+            heights = [objects, between, history]
+            self.resizeDocks(self._docks, heights, Qt.Orientation.Vertical)
 
     @property
     def is_dark(self) -> bool:
@@ -437,7 +468,7 @@ class Window(QMainWindow):
             or self.replays.current is not None
         )
         if modeler and not drawn:
-            self.canvas.show_hint(self.session.registry.info(modeler).hint)
+            self.canvas.show_hint(self.session.hints.step.sentence)
 
     def _show_title(self) -> None:
         if len(self.session.drawing.document):

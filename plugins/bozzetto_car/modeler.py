@@ -8,13 +8,14 @@ from typing import Any, Final
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
-from bozzetto.ink import Drawing
+from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import (
     Caution,
     Command,
     Context,
     Group,
     Job,
+    NextStep,
     PartsModeler,
     Tool,
     ViewAdvice,
@@ -23,13 +24,16 @@ from bozzetto.plugin import (
 from bozzetto.scene import Picture, Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of, preview_of
+from bozzetto_car.body.traced_ink import ink_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of
 from bozzetto_car.marks_file import car_from_facts, is_car_file
-from bozzetto_car.report import cautions_of, report_of
+from bozzetto_car.report import FIGURES, cautions_of, report_of
 from bozzetto_car.state import CarState, Sketch, StylingCurve
 from bozzetto_car.styling.commands import styling_commands
 from bozzetto_car.tools import all_tools
+from bozzetto_car.view.mark_items import MARK_TOOL
+from bozzetto_car.view.next_step import needs_marks, next_mark_step
 from bozzetto_car.view.scene import scene_of
 from bozzetto_car.view.view_advice import advice_following, advice_on, view_after
 
@@ -44,6 +48,8 @@ class Car(PartsModeler[CarState, Body]):
     id = "bozzetto.car"
     state_type = CarState
     part_types = (Sketch, StylingCurve, Group)
+    first_parameters = ("template", "trace", "shading")
+    figures = FIGURES
 
     @override
     def create(self, context: Context) -> CarState:
@@ -61,6 +67,11 @@ class Car(PartsModeler[CarState, Body]):
     def commands(self) -> Sequence[Command]:
         """Return the commands for a car and its styling curves."""
         return (*all_commands(), *styling_commands())
+
+    @override
+    def ink(self, state: CarState) -> Strokes:
+        """Return the strokes along edges, those on a sketch as seen through its camera."""
+        return ink_of(state)
 
     @override
     def read_drawing(self, drawing: Drawing, context: Context) -> CarState:
@@ -120,6 +131,13 @@ class Car(PartsModeler[CarState, Body]):
     def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:
         """Return what was left out, and whether any sketch shapes the car."""
         return cautions_of(result)
+
+    @override
+    def next_step(self, state: CarState, tool: Tool[CarState]) -> NextStep:
+        """Return the next mark while the sketch in work has no camera, else what the tool says."""
+        if tool.id != MARK_TOOL and needs_marks(state):
+            return replace(next_mark_step(state), tool=MARK_TOOL)
+        return tool.next_step(state)
 
     @override
     def view_advice(self, state: CarState, camera: Camera) -> ViewAdvice:

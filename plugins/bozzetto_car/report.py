@@ -2,20 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any, Final
 
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Caution
+from bozzetto.plugin import Caution, Figure
 from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.rational_projection import camera_matrix
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.solver.uncertainty import certainty, further_views
+
+FIGURES: Final[Mapping[str, Figure]] = {
+    "residual": Figure(
+        "Off the marks",
+        "Distance of the marks from where their points are seen",
+        "px",
+        digits=1,
+        spread=True,
+    ),
+    "leave_one_out": Figure(
+        "Without its say",
+        "Distance of each mark from where all the others have it",
+        "px",
+        digits=1,
+        spread=True,
+    ),
+    "crease": Figure(
+        "Creases", "Angles at which surfaces meet along their edges", "°", digits=1, spread=True
+    ),
+    "camera": Figure(""),
+    "LN": Figure("Length", "From nose to tail", "mm", digits=0),
+    "WD": Figure("Width", "Without mirrors", "mm", digits=0),
+    "HG": Figure("Height", "From the ground to the roof", "mm", digits=0),
+    "FO": Figure("Front overhang", "Nose to front wheel", "mm", digits=0),
+    "WB": Figure("Wheelbase", "Front wheel to rear wheel", "mm", digits=0),
+}
+"""The words of the report; `Modeler.figures`."""
 
 
 def report_of(body: Body) -> dict[str, Any]:

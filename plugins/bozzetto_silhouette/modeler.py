@@ -10,9 +10,10 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
-from bozzetto.ink import Drawing
-from bozzetto.plugin import Caution, Context, Job, PartsModeler, Tool, override
+from bozzetto.ink import Drawing, Strokes
+from bozzetto.plugin import Caution, Context, Job, NextStep, PartsModeler, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.analysis.figures import FIGURES
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
 from bozzetto_silhouette.appearance.surface_look import Painted, painted, texture_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
@@ -22,8 +23,9 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.rigging.posing import Posed, joints_layer, rig_facts, rig_of, skinned
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.evaluate import evaluated
-from bozzetto_silhouette.solids.placements import placement_of, shown_parts
+from bozzetto_silhouette.solids.placements import carried, outlined_parts, placement_of, shown_parts
 from bozzetto_silhouette.tools import all_tools
+from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.view.handles import handles_layer
 from bozzetto_silhouette.view.ink_layers import deviation_layer, ink_layer
 
@@ -64,11 +66,29 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     state_type = SilhouetteState
     state_version = 3
     part_types = (Part, Cut, Group)
+    first_parameters = ("inflation", "operation", "blend")
+    figures = FIGURES
 
     @override
     def tools(self) -> Sequence[Tool[SilhouetteState]]:
         """Return the tools, most used first."""
         return all_tools()
+
+    @override
+    def next_step(self, state: SilhouetteState, tool: Tool[SilhouetteState]) -> NextStep:
+        """Return what the tool says; where there is no part, that one is to be drawn first."""
+        if not state.nodes and tool.id != DrawOutline.id:
+            return NextStep(DrawOutline.hint, tool=DrawOutline.id)
+        return tool.next_step(state)
+
+    @override
+    def ink(self, state: SilhouetteState) -> Strokes:
+        """Return the outlines of the shown parts where they stand; not what was rubbed or cut."""
+        return Strokes(
+            stroke.moved(carried(state, part))
+            for part in outlined_parts(state)
+            for stroke in part.strokes
+        )
 
     @override
     def read_drawing(self, drawing: Drawing, context: Context) -> SilhouetteState:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Final
 
 import numpy as np
@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 
 PREVIEW_LEVEL: Final = 4
 """Finest level of a preview: 2562 vertices, a tenth of a second."""
+
+FOLLOWING_LEVEL: Final = 3
+"""The same of a skin that follows: 642 vertices, half as long, for its source is solved as well."""
 
 
 def _no_points() -> Array:
@@ -52,6 +55,8 @@ class SkinState:
         Percent.
     smoothing : float
         Percent.
+    sources : tuple of str
+        Ids of the models whose curves they are; then it holds none itself.
     """
 
     points: Array = field(default_factory=_no_points)
@@ -73,6 +78,7 @@ class SkinState:
         float,
         Parameter("Smoothing", 0, 100, 1, "%", "From taut with sharp edges to round and full."),
     ] = 20.0
+    sources: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", frozen(self.points, np.float64, 3))
@@ -97,10 +103,13 @@ class Skin:
     mesh : Mesh or None
     distances : (n,) float
         Of places along the curves from it, mm.
+    curves : tuple of (n, 3) float64
+        Those that it is drawn over, mm.
     """
 
     mesh: Mesh | None
     distances: Array
+    curves: tuple[Array, ...] = ()
 
 
 class RoughSkin(Modeler[SkinState, Skin]):
@@ -108,36 +117,68 @@ class RoughSkin(Modeler[SkinState, Skin]):
 
     id = "bozzetto.skin"
     state_type = SkinState
+    state_version = 2
 
     @override
     def read_shapes(self, shapes: Shapes) -> SkinState:
         """Return a state with the curves and patches of another model, or of a file."""
         lines = polylines(shapes)
         lengths = [0, *(len(line) for line in lines[:-1])]
-        return SkinState(np.vstack(lines), np.cumsum(lengths).astype(np.int32))
+        starts = np.cumsum(lengths).astype(np.int32)
+        return SkinState(np.vstack(lines), starts)
+
+    @override
+    def follow(self, sources: Mapping[str, Shapes]) -> SkinState:
+        """Return a state that is drawn over whatever curves other models have."""
+        polylines(sum(sources.values(), Shapes()))  # refuses what has none
+        return SkinState(sources=tuple(sources))
+
+    @override
+    def sources(self, state: SkinState) -> Sequence[str]:
+        """Return the models whose curves they are."""
+        return state.sources
+
+    @override
+    def with_sources(self, state: SkinState, sources: Sequence[str]) -> SkinState:
+        """Return the same skin over other models."""
+        return replace(state, sources=tuple(sources))
+
+    @override
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """Read version 1 as well: all skins held their curves."""
+        return {"sources": [], **state}
 
     @override
     def solve(self, state: SkinState, job: Job) -> Skin:
         """Shrink the sphere."""
-        if not len(state.starts):
+        curves = state.curves
+        if state.sources:
+            curves = polylines(sum(job.sources.values(), Shapes()))
+        if not curves:
             return Skin(None, np.zeros(0))
-        level = min(state.detail, PREVIEW_LEVEL) if job.quality == "preview" else state.detail
+        level = state.detail
+        if job.quality == "preview":
+            level = min(level, FOLLOWING_LEVEL if state.sources else PREVIEW_LEVEL)
         mesh = shrink_wrap(
-            state.curves,
+            curves,
             level=level,
             tightness=state.tightness / 100.0,
             smoothing=state.smoothing / 100.0,
             checkpoint=job.checkpoint,
         )
         if job.quality == "preview":
-            return Skin(mesh, np.zeros(0))
-        return Skin(mesh, curve_distances(state.curves, mesh))
+            return Skin(mesh, np.zeros(0), curves)
+        return Skin(mesh, curve_distances(curves, mesh), curves)
 
     @override
     def scene(self, state: SkinState, result: Skin | None) -> Scene:
         """Return the skin, shaded in clay, and the curves on it."""
-        curves = Lines(state.points.astype(np.float32), state.starts, color="ghost", width=1.0)
-        layers = [Layer("curves", (curves,))] if len(state.starts) else []
+        curves = state.curves if result is None else result.curves
+        if not curves:
+            return Scene()
+        points = np.vstack(curves).astype(np.float32)
+        starts = np.cumsum([0, *map(len, curves[:-1])]).astype(np.int32)
+        layers = [Layer("curves", (Lines(points, starts, color="ghost", width=1.0),))]
         if result is not None and result.mesh is not None:
             layers.insert(0, Layer("skin", (Shaded(result.mesh),)))
         return Scene(tuple(layers))
@@ -155,12 +196,12 @@ class RoughSkin(Modeler[SkinState, Skin]):
         if result.mesh is None:
             return {"curves": 0}
         told: dict[str, Any] = {
-            "curves": len(state.starts),
+            "curves": len(result.curves),
             "vertices": len(result.mesh.vertices),
             "faces": len(result.mesh.faces),
         }
         if len(result.distances):
-            size = float(np.linalg.norm(np.ptp(state.points, axis=0)))
+            size = float(np.linalg.norm(np.ptp(np.vstack(result.curves), axis=0)))
             median, most, greatest = np.quantile(result.distances, [0.5, 0.95, 1.0])
             told["distance_mm"] = {
                 "median": float(median),

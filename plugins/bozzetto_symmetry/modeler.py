@@ -17,6 +17,7 @@ from bozzetto.plugin import (
     Context,
     Group,
     Job,
+    NextStep,
     PartsModeler,
     Tool,
     ViewAdvice,
@@ -30,9 +31,11 @@ from bozzetto_symmetry.ink.same_view import is_one_view
 from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view
-from bozzetto_symmetry.report import cautions_of, report_of
+from bozzetto_symmetry.report import FIGURES, cautions_of, report_of
 from bozzetto_symmetry.solve.curve_solver import Trace, directions, trace_of
 from bozzetto_symmetry.tools import all_tools
+from bozzetto_symmetry.tools.draw_curve import DrawCurve
+from bozzetto_symmetry.view.hints import next_step
 from bozzetto_symmetry.view.scene import scene_of
 from bozzetto_symmetry.view.vanishing_lines import seen_from
 from bozzetto_symmetry.view.view_advice import advice
@@ -45,6 +48,9 @@ FIRST_NEEDED: Final = (
 ON_GROUND: Final[Mapping[str, Any]] = {"centre": (0.0, 0.0, 0.5 * SymmetryState().height)}
 """Where a box stands that no file describes: things stand on the ground, at z = 0."""
 
+
+FOR_CURVES: Final = ("join", "split", "modify")
+"""Tools that have nothing to work on where the chosen curve is half a curve."""
 
 WAITS_ELSEWHERE: Final = (
     "The chosen curve waits for its other side. Draw it in the view of the first one."
@@ -73,6 +79,8 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
     id = "bozzetto.symmetry"
     state_type = SymmetryState
     part_types = (Curve, Line, Group)
+    first_parameters = ("symmetry", "reading", "other")
+    figures = FIGURES
 
     @override
     def create(self, context: Context) -> SymmetryState:
@@ -146,6 +154,13 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
     def commands(self) -> Sequence[Command]:
         """Return the commands on the chosen curve."""
         return all_commands()
+
+    @override
+    def next_step(self, state: SymmetryState, tool: Tool[SymmetryState]) -> NextStep:
+        """Return what the tool says; of a side that waits for the other, that it is to be drawn."""
+        if tool.id in FOR_CURVES and waiting_view(state) is not None:
+            return NextStep(next_step(state), tool=DrawCurve.id)
+        return tool.next_step(state)
 
     @override
     def view_advice(self, state: SymmetryState, camera: Camera) -> ViewAdvice:

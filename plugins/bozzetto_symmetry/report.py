@@ -3,11 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
-from bozzetto.plugin import Caution
+from bozzetto.plugin import Caution, Figure
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.solve.curve_solver import Trace
+from bozzetto_symmetry.solve.curve_solver import MOST_MARGIN, Trace
+
+FIGURES: Final[Mapping[str, Figure]] = {
+    "reading": Figure(
+        "Read as",
+        "What the strokes of the curve were taken for",
+        values={
+            "pair": "left and right",
+            "self": "across the plane",
+            "plane": "in the plane",
+            "half": "one side, waiting",
+            "none": "nothing",
+        },
+        verdicts={"none": False},
+    ),
+    "margin": Figure(
+        "Next reading",
+        "How many times worse the next best reading fits; near 1 it is a guess",
+        "×",
+        digits=1,
+        most=MOST_MARGIN,
+        beyond="none",
+    ),
+    "sigma": Figure(
+        "Off per pixel",
+        "Error of points in space for one pixel of error in the drawing",
+        "mm",
+        digits=2,
+        spread=True,
+    ),
+    "rms": Figure(
+        "Off the ink",
+        "Distance of the strokes from the picture of the curve (RMS)",
+        "px",
+        digits=2,
+    ),
+    "degree": Figure(""),
+    "size": Figure("Size", "Length, width and height", "mm", digits=1),
+    "center": Figure("Centre", "Middle of the box", "mm", digits=1),
+}
+"""The words of the report; `Modeler.figures`."""
 
 
 def report_of(

@@ -11,7 +11,9 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Document, Model, Underlay
 from bozzetto.parameters import Parameter, set_parameters
+from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.host.registry import ModelerInfo, PluginInfo
+from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
@@ -232,6 +234,14 @@ class Solver(Part):
         pass
 
 
+class Hints(Part):
+    changed = Signal()
+
+    def say(self, sentence: str, **more: Any) -> None:
+        self.step = NextStep(sentence, **more)
+        self.changed.emit()
+
+
 class Notices(Part):
     noticed = Signal(object)
     recorded = "tell complain"
@@ -312,6 +322,7 @@ PARTS = {
     "advice": Advice,
     "solver": Solver,
     "notices": Notices,
+    "hints": Hints,
     "pictures": Pictures,
     "gestures": Gestures,
     "files": Files,
@@ -349,8 +360,8 @@ class EmptySession(QObject):
         )
         self.scene = DisplayedScene(calls, visible=Scene(), live=Scene(), advice=Scene())
         self.advice = Advice(calls, advice=None, about=None)
-        self.solver = Solver(calls, report={})
-        self.notices = Notices(calls, hint="")
+        self.solver = Solver(calls, report={}, figures={})
+        self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
         self.gestures.motion = Motion(calls, is_playing=False, can_play=False)
 
@@ -392,7 +403,7 @@ class FakeSession(EmptySession):
         edges = ((0.0, 0.0, 0.0), (80.0, 0.0, 0.0), (0.0, 0.0, -60.0))
         self.drawing.history = FakeHistory()
         self.drawing.path, self.drawing.title = None, "Horse"
-        self.notices.hint = "Draw a closed outline."
+        self.hints.step = NextStep("Draw a closed outline.")
         self.drawing.document = Document(
             models=(
                 Model("m1", "Horse", "bozzetto.silhouette", State()),
@@ -433,6 +444,10 @@ class FakeSession(EmptySession):
             ToolInfo("erase", "Erase", icons / "eraser.svg", "Draw over what is to go."),
         )
         self.toolbox.tool = "outline"
+        self.solver.figures = {
+            "watertight": Figure("Watertight", "Without a gap", good=True, bad=False),
+            "genus": Figure("Holes", "Holes that go through it (genus)"),
+        }
         self.solver.report = {
             "watertight": True,
             "volume_mm3": 48213.52,

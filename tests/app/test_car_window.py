@@ -106,7 +106,7 @@ def test_a_sketch_is_dropped_marked_and_becomes_a_car(window, settle, qtbot):
     seen = corners(window)
     assert ((seen >= -1.0) & (seen <= np.array(session.view.camera.viewport) + 1.0)).all()
     assert session.advice.advice.pinned
-    assert "front wheel" in session.notices.hint
+    assert "front wheel" in session.hints.step.sentence
     assert session.toolbox.tool == "mark"
     qtbot.waitUntil(lambda: guide(window) is not None and not guide(window).busy, timeout=20_000)
     assert guide(window).title.text() == "Front wheel, near side"
@@ -137,7 +137,7 @@ def test_a_sketch_is_dropped_marked_and_becomes_a_car(window, settle, qtbot):
     assert thin.opacity < 0.5, "the drawing shows through"
 
     # The next point is expected near where it is.
-    asked = session.notices.hint
+    asked = session.hints.step.sentence
     (label,) = [i for i in shown(window, "marks") if isinstance(i, Label)]
     assert label.text
     assert asked.startswith("Touch")
@@ -257,10 +257,23 @@ def test_keys_pass_points_over(window, settle):
     drop(window, picture_of(FIRST), settle)
     window.activateWindow()
     window.canvas.setFocus()
-    first = session.notices.hint
+    first = session.hints.step.sentence
     QTest.keyClick(window.canvas, Qt.Key.Key_S)
     settle(session, window.keeper)
-    assert session.notices.hint != first
+    assert session.hints.step.sentence != first
     QTest.keyClick(window.canvas, Qt.Key.Key_N)
     settle(session, window.keeper)
     assert len(state(window).sketch.skipped) == 1
+
+
+def test_the_panel_of_a_car_gives_its_room_back(make_window, settle, qtbot):
+    window = make_window("bozzetto.car")
+    window.welcome.hide()
+    window.setAnimated(False)
+    QTest.qWait(1)
+    before = window._ends()
+    drop(window, picture_of(FIRST), settle)
+    qtbot.waitUntil(lambda: window._ends()[0] < before[0])
+    window.session.files.new()
+    settle(window.session, window.keeper)
+    qtbot.waitUntil(lambda: window._ends() == pytest.approx(before, abs=3))

@@ -207,12 +207,12 @@ def test_parts_that_are_gone_are_no_catastrophe(session):
 def test_the_context_brings_the_picture_that_is_traced(session):
     from tests.document_kit import underlay
 
-    assert session.context.now().underlay is None
+    assert session.gestures.context.now().underlay is None
     picture = replace(underlay(), visible=True)
     session.objects.edit(edit.add_underlay, picture)
-    assert session.context.now().underlay.pixels is picture.pixels
+    assert session.gestures.context.now().underlay.pixels is picture.pixels
     session.objects.set_underlay_visible(picture.id, False)
-    assert session.context.now().underlay is None
+    assert session.gestures.context.now().underlay is None
 
 
 # -- gestures -------------------------------------------------------------------------------------

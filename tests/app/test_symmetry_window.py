@@ -111,12 +111,12 @@ def test_an_empty_sheet_leads_to_the_first_stroke(make_window, settle):
 
 def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     session = window.session
-    first, camera = session.notices.hint, session.view.camera
+    first, camera = session.hints.step.sentence, session.view.camera
     window.canvas.motion.reduced = False
     draw(window, RAIL)
     assert not window.canvas.motion.is_running, "the other side is aimed at a sheet that stands"
     assert session.view.camera == camera
-    assert "draw its mirror image" in session.notices.hint.lower()
+    assert "draw its mirror image" in session.hints.step.sentence.lower()
     # It grows while the second side is drawn.
     stylus, _ = draw(window, (RAIL * MIRROR)[:110], lift=False)
     qtbot.waitUntil(lambda: len(shown(window, "heat")) == 2, timeout=5000)
@@ -136,15 +136,15 @@ def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     assert np.median(away(report(window)["points"], RAIL)) < 0.5
     near, far = shown(window, "curves")
     assert np.allclose(far.points, near.points * MIRROR, atol=1e-3)
-    assert session.notices.hint.startswith("Left and right belong together.")
+    assert session.hints.step.sentence.startswith("Left and right belong together.")
     # Taken back, each in its turn, and what is expected with it.
     press(window, Qt.Key.Key_Z, settle, CTRL)
-    assert "draw its mirror image" in session.notices.hint.lower()
+    assert "draw its mirror image" in session.hints.step.sentence.lower()
     press(window, Qt.Key.Key_Z, settle, CTRL)
-    assert session.notices.hint == first
+    assert session.hints.step.sentence == first
     session.toolbox.take_tool("split")
     settle(session)
-    assert session.notices.hint.startswith("Draw a short stroke across a curve")
+    assert session.hints.step.sentence.startswith("Draw a short stroke across a curve")
     session.drawing.redo()
     session.drawing.redo()
     settle(session)
@@ -167,12 +167,14 @@ def test_warnings_and_impossible_readings_reach_the_person(window, draw, settle)
     settle(session)
     warnings = report(window)["warnings"]
     assert warnings
-    assert session.notices.hint.startswith(warnings[0])
+    assert session.hints.step.sentence.startswith(warnings[0])
     words = [label.text() for label in window.parameters.findChildren(QLabel)]
     assert warnings[0] in words
     session.parts.set_parameter("reading", "self")
     settle(session)
-    assert session.notices.hint.startswith((*report(window)["warnings"], "A curve across")[0])
+    assert session.hints.step.sentence.startswith(
+        (*report(window)["warnings"], "A curve across")[0]
+    )
 
 
 def test_keys_take_the_curve_for_something_else(pair, draw, settle):
@@ -269,7 +271,7 @@ def test_a_drawing_is_saved_comes_back_and_is_handed_over(pair, settle, tmp_path
     settle(session, pair.keeper)
     assert state(pair) == before
     assert report(pair) == told
-    assert session.notices.hint.startswith("Left and right belong together.")
+    assert session.hints.step.sentence.startswith("Left and right belong together.")
     for name, mark in (("out.step", "B_SPLINE_CURVE"), ("out.svg", "<path")):
         session.files.export(tmp_path / name)
         settle(session)

@@ -137,7 +137,7 @@ def test_refused_ink_does_not_stand_in_the_way_of_other_ink(session, pair, lift,
     assert session.drawing.marked_ink[0].reason == REFUSAL
     lift(circle(radius=60, share=ARC))
     assert statuses(session) == ["refused", "unfinished"]
-    assert session.notices.hint == "Close the box, or press Enter."
+    assert session.hints.step.sentence == "Close the box, or press Enter."
 
 
 def test_a_stroke_and_what_comes_of_it_are_one_step_however_fast_they_come(session, pair, settle):
@@ -219,7 +219,7 @@ def test_ink_that_a_plugin_failed_over_waits_and_is_not_tried_again_unasked(
     assert statuses(session) == ["failed"]
     assert session.drawing.marked_ink[0].reason == session.heard[-1].text
     assert session.heard[-1].kind == "fault"
-    assert session.notices.hint.startswith("The ink waits.")
+    assert session.hints.step.sentence.startswith("The ink waits.")
     pair[0].mood = "well"
     lift(circle(radius=50))
     assert (strokes(session), session.drawing.pending) == ([1], (drawn,))
@@ -236,7 +236,9 @@ def test_ink_whose_plugin_hangs_waits_and_later_strokes_come_through(
     pair[0].mood = "hang"
     first, second = (stroke_of(circle(radius=r), session.view.camera) for r in (50, 60))
     session.gestures.stroke_lifted(first)
-    qtbot.waitUntil(lambda: session.heard and session.heard[-1].kind == "slow", timeout=10_000)
+    qtbot.waitUntil(
+        lambda: bool(session.heard) and session.heard[-1].kind == "slow", timeout=10_000
+    )
     assert session.drawing.pending == (first,)
     session.cancel_work()
     settle(session)

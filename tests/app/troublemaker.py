@@ -106,6 +106,9 @@ class DrawBox(Tool[BoxesState]):
 
         return self.owner.do("preview", well, state, gesture, context)
 
+    def tap(self, state, gesture, context):
+        return self.owner.do("apply", lambda: state, state, gesture, context)
+
     def draw(self, state, gesture, context):
         def well():
             first, last = gesture.strokes[0].points[0], gesture.strokes[-1].points[-1]

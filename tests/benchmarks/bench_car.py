@@ -47,6 +47,7 @@ from tests.plugins.car.sketched import (
     sketched,
     styled,
 )
+from tests.previews import preview_of
 
 VIEWS = (FRONT_QUARTER, REAR_QUARTER, SIDE, FRONT)
 
@@ -164,7 +165,7 @@ def dragging(state: CarState) -> Callable[[], object]:
         there = mark.u + 6.0 * np.sin(turn), mark.v + 4.0 * np.cos(turn)
         way = sketch_camera.lifted([(mark.u, mark.v), there])
         x, y = camera.project(way)[0].T
-        return tool.preview(state, Drag(MARK + mark.node, Stroke(x, y, camera)), Context())
+        return preview_of(tool, state, Drag(MARK + mark.node, Stroke(x, y, camera)), Context())
 
     return frame
 

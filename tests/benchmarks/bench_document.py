@@ -58,6 +58,9 @@ class States:
     def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
         return state
 
+    def sources(self, modeler_id: str, state: Any) -> tuple[str, ...]:
+        return ()
+
 
 def stroke(rng: np.random.Generator, camera: Camera) -> Stroke:
     """A random walk with pressure, time and one tilt: five columns."""

@@ -202,6 +202,20 @@ def _object(window: Window) -> Iterator[Action]:
             return no_selection()
         return tr("Object", "This object is locked. Unlock it to change it.")
 
+    def is_linked() -> bool:
+        model = session.selection.model
+        return model is not None and bool(model.sources)
+
+    def not_linked() -> str:
+        if not free():
+            return not_free()
+        return tr("Object", "This object follows no other.")
+
+    def no_ink() -> str:
+        if session.selection.model is None:
+            return no_selection()
+        return tr("Object", "The plugin of this object is not here, so its ink cannot be read.")
+
     def no_group() -> str:
         if not free():
             return not_free()
@@ -259,8 +273,34 @@ def _object(window: Window) -> Iterator[Action]:
             menu=(*menu, tr("Object", "U&se as input for")),
             enabled=has_selection,
             why_not=no_selection,
-            tip=tr("Object", "A new object starts from a copy of the chosen shape"),
+            tip=(
+                tr("Object", "A new object is made from the chosen shape, and follows it")
+                if "follow" in info.abilities
+                else tr("Object", "A new object starts from a copy of the chosen shape")
+            ),
         )
+    yield Action(
+        "object.unlink",
+        tr("Object", "Unlin&k, or link again"),
+        session.objects.unlink_selected,
+        "link-off",
+        (),
+        menu,
+        enabled=lambda: free() and is_linked(),
+        why_not=not_linked,
+        tip=tr("Object", "The object keeps what it follows as it is now, or follows it again"),
+    )
+    yield Action(
+        "object.read-ink",
+        tr("Object", "&Read this ink as…"),
+        window.dialogs.open_readings,
+        "pen",
+        (),
+        menu,
+        enabled=lambda: session.readings.ink is not None,
+        why_not=no_ink,
+        tip=tr("Object", "What other modelers make of the waiting or the selected ink"),
+    )
     yield Action(
         "object.hide",
         tr("Object", "&Hide or show"),

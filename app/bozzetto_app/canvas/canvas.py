@@ -27,6 +27,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QApplication, QWidget
 
 from bozzetto.errors import UserError
+from bozzetto.ink.checked_points import is_seen
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene, Shaded
 from bozzetto.scene.palette import Palette
@@ -150,9 +151,10 @@ class Canvas(QWidget):
         session.notices.noticed.connect(self._notice)
         session.solver.settled.connect(self._settled)
         session.advice.changed.connect(self._show_advice)
+        session.hints.changed.connect(self._show_next_step)
         session.pictures.taken.connect(self._got_picture)
         self.hand.pressed.connect(self.motion.finish)
-        self.hand.ink_began.connect(self.empty_hint.fade)
+        self.hand.ink_began.connect(self._fade_hint)
         self.hand.aimed.connect(self._aim)
         self.hand.aim_ended.connect(self.loupe.put_away)
         self.hand.mode_changed.connect(self._mode_changed)
@@ -197,6 +199,11 @@ class Canvas(QWidget):
     def show_hint(self, text: str) -> None:
         """Show a line in the middle of the sheet until ink begins; "" takes it away."""
         self.empty_hint.say(text)
+        self._show_words()
+
+    def _fade_hint(self) -> None:
+        self.empty_hint.fade()
+        self._show_words()
 
     def leave_room(self, left: int) -> None:
         """Centre what is said beside what covers so many pixels of the sheet's left."""
@@ -335,7 +342,7 @@ class Canvas(QWidget):
     def _aim(self, place: QPointF) -> None:
         """Magnify the place that the pen aims at."""
         if not self.loupe.isVisible():
-            self.empty_hint.fade()
+            self._fade_hint()
             self.loupe.show_scene(self._all_shown(), self._session.view.camera)
         self.loupe.point(place.x(), place.y())
 
@@ -356,6 +363,7 @@ class Canvas(QWidget):
     def _show_camera(self) -> None:
         self.viewports.show_camera()
         self.cube.set_camera(self._session.view.camera)
+        self._show_next_place()
         self.hand.scene_or_view_changed()
         if self._session.drawing.pending:
             self._show_pending()
@@ -388,9 +396,30 @@ class Canvas(QWidget):
         strokes = self._good_ink() if stroke is None else (*self._good_ink(), stroke)
         self.overlay.set_pending(strokes, self._session.view.camera, self._marked_ink())
 
+    def _show_next_step(self) -> None:
+        if self.empty_hint.is_read:
+            self.empty_hint.say(self._session.hints.step.sentence)
+        self._show_words()
+        self._show_next_place()
+
+    def _show_words(self) -> None:
+        """Show what is next over the sheet, unless it stands in the middle of it."""
+        said = "" if self.empty_hint.is_read else self._session.hints.step.sentence
+        self.light.show_advice(self._session.advice.advice, said)
+
+    def _show_next_place(self) -> None:
+        """Mark where the next step is done, while the pen is up."""
+        place = self._session.hints.step.place
+        if place is None or self.hand.machine.mode not in (Mode.IDLE, Mode.NAVIGATING):
+            self.overlay.mark_next(None)
+            return
+        seen, depth = self._session.view.camera.project([place])
+        ahead = is_seen(seen)[0] and depth[0] > 0.0
+        self.overlay.mark_next((float(seen[0, 0]), float(seen[0, 1])) if ahead else None)
+
     def _show_advice(self) -> None:
         advising = self._session.advice
-        self.light.show_advice(advising.advice)
+        self._show_words()
         self.viewports.show_advice()
         self.hand.scene_or_view_changed()
         model = self._session.selection.model if self._pictured else None
@@ -423,6 +452,7 @@ class Canvas(QWidget):
         mode = self.hand.machine.mode
         if mode not in (Mode.IDLE, Mode.CHOOSING):
             self.menu.close_menu()
+        self._show_next_place()
         if mode is Mode.IDLE:
             # Later: what the hand has just done belongs to the view in which it was done.
             QTimer.singleShot(0, self, self._follow)

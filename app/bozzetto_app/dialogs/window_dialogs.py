@@ -39,6 +39,22 @@ class Dialogs:
         palette.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         palette.open_over(self._window)
 
+    def open_readings(self, model_id: str = "") -> None:
+        """Ask other modelers what they make of ink, and choose one; see `InkReadings.ink`.
+
+        Parameters
+        ----------
+        model_id : str
+            The object with the ink; "" for what waits, or else the selected one.
+        """
+        from bozzetto_app.dialogs.read_ink import ReadInkDialog
+
+        session = self._window.session
+        readings, document = session.readings, session.drawing.document
+        ink = readings.ink_of(document.model(model_id)) if model_id else readings.ink
+        if ink is not None:
+            self.show(ReadInkDialog(session, ink, self._window))
+
     def open_guide(self) -> None:
         """Show the guide beside the sheet."""
         from bozzetto_app.dialogs.guide import GuideDialog

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +11,13 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.workbench.links import with_state
 from bozzetto_app.i18n import tr
 from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
+    from bozzetto.plugin.next_step import NextStep
     from bozzetto_app.session.session import Session
 
 __all__ = ["PluginPanel"]
@@ -29,13 +30,17 @@ class _Host:
         self._session = session
         self._modeler = modeler
         self._callbacks: list[Callable[[], None]] = []
-        self._shown: Any = None
+        self._shown: tuple[Any, NextStep] | None = None
         self._going = ""
 
     @property
     def state(self) -> Any | None:
         model = self._model
         return None if model is None else model.state
+
+    @property
+    def next_step(self) -> NextStep:
+        return self._session.hints.step
 
     def change(self, state: Any, label: str, *, going: bool = False) -> None:
         session, model = self._session, self._model
@@ -45,11 +50,12 @@ class _Host:
             if model.locked:
                 raise UserError(tr("PluginPanel", "This object is locked. Unlock it to change it."))
             session.registry.guarded(self._modeler).check_state(state, "its panel")
+            changed = with_state(session.registry, model, state)
+            document = session.drawing.document.with_model(changed)
         except (UserError, PluginFault) as problem:
             session.notices.complain(problem)
             return
         key = f"panel {model.id} {label}"
-        document = session.drawing.document.with_model(replace(model, state=state))
         session.drawing.commit(label, document, key if going or key == self._going else None)
         if self._going and not going:
             session.objects.end_drag()
@@ -59,11 +65,10 @@ class _Host:
         self._callbacks.append(callback)
 
     def tell(self) -> None:
-        """Call the panel back if the state is another than before."""
-        state = self.state
-        if state is self._shown:
+        """Call the panel back if the state, or what is next, is another than before."""
+        shown, self._shown = self._shown, (self.state, self.next_step)
+        if shown is not None and shown[0] is self.state and shown[1] == self.next_step:
             return
-        self._shown = state
         guard = self._session.registry.guard
         for callback in tuple(self._callbacks):
             try:
@@ -103,7 +108,8 @@ class PluginPanel(QWidget):
         self._made: QWidget | None = None
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(12, 8, 12, 12)
-        for signal in (session.selection.changed, session.drawing.models_changed):
+        changes = (session.selection.changed, session.drawing.models_changed, session.hints.changed)
+        for signal in changes:
             signal.connect(self.refresh)
 
     @property

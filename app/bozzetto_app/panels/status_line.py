@@ -215,7 +215,7 @@ class StatusLine(QWidget):
         room.setRetainSizeWhenHidden(True)
         self._progress.setSizePolicy(room)
         self._sign = _Sign()
-        self._words = _Elided(session.notices.hint)
+        self._words = _Elided(session.hints.step.sentence)
         self._words.setObjectName("status-words")
         self._step = QLabel()
         self._step.setObjectName("status-step")
@@ -250,6 +250,7 @@ class StatusLine(QWidget):
         self._patience = QTimer(self, singleShot=True, interval=PATIENCE)
         self._patience.timeout.connect(lambda: self._show_work(True))
         session.notices.noticed.connect(self.show_notice)
+        session.hints.changed.connect(self._next_step_changed)
         session.progressed.connect(self._advance)
         session.busy_changed.connect(self._busy)
         session.drawing.changed.connect(self.went_on)
@@ -262,13 +263,14 @@ class StatusLine(QWidget):
         """Say something in the way that its kind asks for."""
         if notice.kind in ("fault", "slow"):
             self.faults.show_fault(notice)
-        elif notice.kind == "hint":
-            # What was said before it is read first, unless the person goes on.
-            if self._sign.kind == "hint":
-                self._show_hint()
         else:
             self._say(notice.kind, notice.text)
             self._return.start(ERROR_TIME if notice.kind == "error" else INFO_TIME)
+
+    def _next_step_changed(self) -> None:
+        """Show what is next, unless something is being said that is to be read first."""
+        if self._sign.kind == "hint":
+            self._show_hint()
 
     def went_on(self) -> None:
         """Show the hint again: the person went on, so the last message has been read."""
@@ -277,7 +279,7 @@ class StatusLine(QWidget):
 
     def _show_hint(self) -> None:
         self._return.stop()
-        self._say("hint", self._session.notices.hint)
+        self._say("hint", self._session.hints.step.sentence)
 
     def _say(self, kind: str, words: str) -> None:
         self._sign.kind = kind

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QRectF, QSize, Qt
-from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from bozzetto_app.i18n import tr
@@ -28,6 +28,10 @@ LOWEST = 24
 would make the window higher than the screen when the first ink waits."""
 
 
+DOT = 4.0
+"""Radius of the dot at the tool that is to be taken next, px."""
+
+
 class _RailButton(IconButton):
     """A button of the rail, lower than wide where there is no room."""
 
@@ -41,12 +45,27 @@ class _RailButton(IconButton):
 
 
 class _ToolButton(_RailButton):
-    """A tool; the active one has a bar at its left besides its ground."""
+    """A tool; the active one has a bar at its left, the one to take next a frame and a dot."""
+
+    is_next = False
 
     def paint_ground(self, painter: QPainter) -> None:
         super().paint_ground(painter)
-        if not self.isChecked():
-            return
+        if self.is_next:
+            self._paint_next(painter)
+        if self.isChecked():
+            self._paint_active(painter)
+
+    def _paint_next(self, painter: QPainter) -> None:
+        accent = qcolor(tones().accent)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(QPen(accent, 1.5))
+        painter.drawRoundedRect(QRectF(self.rect()).adjusted(3, 3, -3, -3), RADIUS, RADIUS)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(accent)
+        painter.drawEllipse(QPointF(self.width() - DOT - 3.5, DOT + 3.5), DOT, DOT)
+
+    def _paint_active(self, painter: QPainter) -> None:
         colors = tones()
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(qcolor(colors.chosen))
@@ -119,6 +138,7 @@ class ToolRail(QWidget):
         session.toolbox.modeler_changed.connect(self.refresh)
         session.toolbox.tool_changed.connect(self._mark)
         session.gestures.motion.changed.connect(self._show_play)
+        session.hints.changed.connect(self._mark)
         session.drawing.waiting_changed.connect(self._show_waiting)
         self.refresh()
         self._show_waiting()
@@ -133,7 +153,6 @@ class ToolRail(QWidget):
         for place, tool in enumerate(self._session.toolbox.tools):
             key = TOOL_KEYS[place : place + 1]
             button = _ToolButton(tool.icon, tool.title, key)
-            button.setAccessibleDescription(tool.hint)
             button.setStatusTip(tool.hint)
             button.setCheckable(True)
             button.clicked.connect(lambda _, name=tool.id: self._take(name))
@@ -146,8 +165,15 @@ class ToolRail(QWidget):
         self._mark()  # the session decides; a click alone does not check a button
 
     def _mark(self) -> None:
-        for name, button in self._buttons.items():
-            button.setChecked(name == self._session.toolbox.tool)
+        """Show which tool is in the hand, and which is to be taken next."""
+        active, step = self._session.toolbox.tool, self._session.hints.step
+        for tool in self._session.toolbox.tools:
+            button = self._buttons.get(tool.id)
+            if button is not None:
+                button.setChecked(tool.id == active)
+                button.is_next = tool.id == step.tool != active
+                button.setAccessibleDescription(step.sentence if button.is_next else tool.hint)
+                button.update()
 
     def _show_play(self) -> None:
         motion = self._session.gestures.motion

@@ -15,6 +15,7 @@ from urllib.parse import unquote_to_bytes
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.atomic_files import FileChanged, FileStamp, Over, Written
+from bozzetto.document.links import resolved
 from bozzetto.document.model import Document, Model
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path
 from bozzetto.errors import UserError
@@ -460,7 +461,7 @@ class Files(QObject):
 
     def export(self, path: Path) -> None:
         """Export all visible objects to a file of another program."""
-        models = [model for model in self._drawing.document if model.visible]
+        models = [model for model in resolved(self._drawing.document).values() if model.visible]
         bench, camera, waiting = (
             self._workbench,
             self._view.camera,

@@ -1,4 +1,4 @@
-"""New objects that start from the shapes of others."""
+"""New objects that start from the shapes of others, or follow them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import QObject
 
+from bozzetto.document.links import resolved
 from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.host.registry import ModelerInfo
@@ -45,7 +46,9 @@ class ShapeInput:
     def takers(self) -> tuple[ModelerInfo, ...]:
         """The modelers that can start from shapes; also those that nobody draws with."""
         return tuple(
-            info for info in self._workbench.registry.modelers() if "read_shapes" in info.abilities
+            info
+            for info in self._workbench.registry.modelers()
+            if not info.abilities.isdisjoint({"read_shapes", "follow"})
         )
 
     def use_chosen(self, modeler_id: str) -> None:
@@ -61,6 +64,9 @@ class ShapeInput:
     ) -> None:
         """Start a new object from others.
 
+        It follows them where its modeler can. Of single parts it gets a copy instead, or follows
+        the whole object where its modeler takes no copy.
+
         Parameters
         ----------
         modeler_id : str
@@ -71,9 +77,14 @@ class ShapeInput:
             By the id of an object, its parts to start from; all parts of the other objects.
         """
         bench, history = self._workbench, self._drawing.history
-        models = [self._drawing.document.model(model_id) for model_id in model_ids]
+        known = resolved(self._drawing.document)
+        models = [known[model_id] for model_id in model_ids]
+        abilities = bench.registry.info(modeler_id).abilities
+        follows = "follow" in abilities and not (parts and "read_shapes" in abilities)
 
         def work(job: Job) -> Model:
+            if follows:
+                return bench.sources.following(modeler_id, models, job)
             meant = [
                 bench.parts.only(model, parts[model.id]) if model.id in parts else model
                 for model in models
@@ -81,8 +92,18 @@ class ShapeInput:
             return bench.sources.from_models(modeler_id, meant, job)
 
         def done(model: Model) -> None:
-            if self._drawing.history is history:
+            if self._drawing.history is not history:
+                return
+            there = {other.id: other for other in self._drawing.document}
+            if not there.keys() >= set(model.sources):
+                gone = tr("Session", "What was to be followed is no longer there.")
+                self._notices.complain(UserError(gone))
+                return
+            if follows:
+                names = " and ".join(f"“{there[source].name}”" for source in model.sources)
+                label = tr("Session", "Follow {names}", names=names)
+            else:
                 label = tr("Session", "Start from “{name}”", name=model.name)
-                self._drawing.apply_model(label, model, is_new=True)
+            self._drawing.apply_model(label, model, is_new=True)
 
         self.channel.submit(Request(work, done, self._notices.complain))

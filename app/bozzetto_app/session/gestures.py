@@ -69,6 +69,8 @@ class Gestures(QObject):
     edits, previews : Channel
         The work on complete gestures, in their order, and on the newest preview. Other work
         on the document takes its turn in `edits`.
+    context : GestureContext
+        The surroundings of a gesture.
     motion : Motion
         What a tool moves, while it is held or plays.
     """
@@ -93,7 +95,7 @@ class Gestures(QObject):
         self.previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox, self._scene = toolbox, scene
-        self._context, self.motion, self._notices = context, motion, notices
+        self.context, self.motion, self._notices = context, motion, notices
         self._pen_is_down = False
         self._awaited = ""
         self._live: _LivePreview | None = None
@@ -142,7 +144,7 @@ class Gestures(QObject):
         """Try the waiting ink as it is (Enter); without any, the next stroke starts an object."""
         if not self._drawing.pending:
             self._selection.select(None)
-            self._notices.say_hint(tr("Session", "The next stroke starts a new object."))
+            self._notices.tell(tr("Session", "The next stroke starts a new object."))
             return
         if not self._has_modeler():
             return
@@ -300,7 +302,7 @@ class Gestures(QObject):
         tool = self._toolbox.tool_for(kind)
         if not modeler or not tool or (modeler, tool) in self._unpreviewable:
             return
-        context, target = self._context.now(), self._selection.target(modeler)
+        context, target = self.context.now(), self._selection.target(modeler)
         known = self._live
         if known is None or not known.is_for(modeler, tool, target, context.scene):
             known = self._live = _LivePreview(bench, modeler, tool, target, context)
@@ -326,7 +328,7 @@ class Gestures(QObject):
 
     def _has_modeler(self) -> bool:
         if not self._toolbox.modeler:
-            self._notices.say_hint(tr("Session", "Choose a modeler first."))
+            self._notices.complain(UserError(tr("Session", "Choose a modeler first.")))
             return False
         return True
 
@@ -349,7 +351,6 @@ class Gestures(QObject):
             notice = self._notices.of_problem(problem)
             for ink in gestures()[:1]:
                 self._mark(ink.strokes, "failed", notice.text, modeler=modeler, tool=tool)
-                self._say_what_can_be_done()
             self._notices.noticed.emit(notice)
 
         self._submit(gestures, tool, failed)
@@ -361,8 +362,6 @@ class Gestures(QObject):
         is_meant = any(id(stroke) in waits for stroke in strokes)
         if isinstance(problem, Unfinished):
             self._mark(strokes, "unfinished", problem.hint, modeler=modeler, tool=answer.tool)
-            if is_meant:
-                self._notices.say_hint(problem.hint)
             return
         is_refused = isinstance(problem, UserError)
         if is_refused and not is_meant:
@@ -376,14 +375,7 @@ class Gestures(QObject):
             tool=answer.tool,
             places=notice.places,
         )
-        if is_meant and not is_refused:
-            self._say_what_can_be_done()
         self._notices.noticed.emit(notice)
-
-    def _say_what_can_be_done(self) -> None:
-        self._notices.say_hint(
-            tr("Session", "The ink waits. Enter tries it again, Backspace takes it back.")
-        )
 
     def _mark(
         self, strokes: tuple[Stroke, ...], status: WaitingStatus, reason: str, **more: Any
@@ -411,7 +403,7 @@ class Gestures(QObject):
             Called with the problem if the gesture was not taken.
         """
         bench, drawing = self._workbench, self._drawing
-        modeler_id, context = self._toolbox.modeler, self._context.now()
+        modeler_id, context = self._toolbox.modeler, self.context.now()
 
         def attempt() -> Attempt:
             return Attempt(gestures_now(), self._selection.model, modeler_id, tool_id, context)
@@ -435,6 +427,11 @@ class Gestures(QObject):
                 self._mark(used, "refused", hint, modeler=modeler_id, tool=answer.tool)
                 self._clear_preview()
                 self._notices.say_nothing_changed(hint)
+                return
+            try:
+                drawing.document.refuse_circle(answer.model)
+            except UserError as problem:
+                failed(NotTaken(problem, answer.tool, used) if used else problem)
                 return
             self.previews.cancel()
             self._awaited = answer.model.id

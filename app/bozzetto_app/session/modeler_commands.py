@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Model
+from bozzetto.errors import UserError
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.job import Job
 from bozzetto.workbench.workbench import Workbench
@@ -142,6 +143,11 @@ class ModelerCommands(QObject):
             elif all(answer.base is not known for known in self._drawing.document):
                 self.run(command_id)  # the document changed meanwhile
             else:
+                try:
+                    self._drawing.document.refuse_circle(answer.made)
+                except UserError as problem:
+                    self._notices.complain(problem)
+                    return
                 self._drawing.apply_model(
                     answer.title, answer.made, is_new=False, only_chosen=answer.only_chosen
                 )

@@ -1,4 +1,4 @@
-"""Messages to the person: hints, news, errors and faults of plugins."""
+"""Messages to the person: news, errors and faults of plugins."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Notice:
 
     Attributes
     ----------
-    kind : {"hint", "info", "error", "fault", "slow"}
-        "hint" is the next expected gesture; "error" is a `UserError`; "fault" a plugin's;
-        "slow" is work that takes long and can be stopped.
+    kind : {"info", "error", "fault", "slow"}
+        "error" is a `UserError`; "fault" a plugin's; "slow" is work that takes long and can be
+        stopped.
     text : str
     places : tuple of (x, y)
         Canvas positions to highlight, pixels.
@@ -37,7 +37,7 @@ class Notice:
         A traceback, for the Details button only.
     """
 
-    kind: Literal["hint", "info", "error", "fault", "slow"]
+    kind: Literal["info", "error", "fault", "slow"]
     text: str
     places: tuple[tuple[float, float], ...] = ()
     plugin: str = ""
@@ -46,11 +46,6 @@ class Notice:
 
 class Notices(QObject):
     """Sends messages to the window.
-
-    Attributes
-    ----------
-    hint : str
-        The gesture that is expected next.
 
     Signals
     -------
@@ -61,13 +56,7 @@ class Notices(QObject):
 
     def __init__(self, guard: Guard, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self.hint = ""
         self._guard = guard
-
-    def say_hint(self, text: str) -> None:
-        """Show the gesture that is expected next."""
-        self.hint = text
-        self.noticed.emit(Notice("hint", text))
 
     def tell(self, text: str) -> None:
         """Report a success."""

@@ -2,31 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 from bozzetto.document import edit
 from bozzetto.document.edit import Edit
+from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.parameters import Field, parameter_fields
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.workbench.links import with_sources
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_model import DocumentModel
 from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.solver import Solver
+from bozzetto_app.workers.time_limit import in_time
 
 __all__ = ["ObjectEdits", "fields_of"]
 
 
-def fields_of(state: object) -> tuple[tuple[Field, Any], ...]:
-    """Return the parameters of a state, or of a part, with their values."""
+def fields_of(state: object, first: Sequence[str] = ()) -> tuple[tuple[Field, Any], ...]:
+    """Return the parameters of a state, or of a part, with their values; some of them first."""
     if not hasattr(state, "__dataclass_fields__"):
         return ()
-    return tuple((field, getattr(state, field.name)) for field in parameter_fields(type(state)))
+    place = {name: number for number, name in enumerate(first)}
+    fields = sorted(
+        parameter_fields(type(state)), key=lambda field: place.get(field.name, len(place))
+    )
+    return tuple((field, getattr(state, field.name)) for field in fields)
 
 
 class ObjectEdits:
@@ -59,7 +66,7 @@ class ObjectEdits:
         """
         try:
             document, label = change(self._drawing.document, *details)
-        except UserError as problem:
+        except (UserError, PluginFault) as problem:
             self._notices.complain(problem)
             return
         self._drawing.commit(label, document, merge_key)
@@ -70,7 +77,9 @@ class ObjectEdits:
     def parameters(self) -> tuple[tuple[Field, Any], ...]:
         """The parameters of the selected model with their values."""
         model = self._selection.model
-        return () if model is None else fields_of(model.state)
+        if model is None:
+            return ()
+        return fields_of(model.state, self._workbench.first_parameters(model))
 
     def set_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
         """Change one parameter of the selected model; the drag of a slider is one step."""
@@ -81,13 +90,14 @@ class ObjectEdits:
             if model.locked:
                 raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
             changed = self._workbench.set_parameters(model, {name: value})
+            document = self._drawing.document.with_model(changed)
         except (UserError, PluginFault) as problem:
             self._notices.complain(problem)
             return
         fields = self.parameters
         label = next((field.parameter.label for field, _ in fields if field.name == name), name)
         key = f"parameter {model.id} {name}" if dragging else None
-        self._drawing.commit(label, self._drawing.document.with_model(changed), key)
+        self._drawing.commit(label, document, key)
 
     def end_drag(self) -> None:
         """Note that a slider was released: the next change is a step of its own."""
@@ -130,11 +140,55 @@ class ObjectEdits:
 
     def delete(self, model_id: str) -> None:
         """Delete a model."""
+        before = self._drawing.document
         self.edit(edit.delete_models, [model_id])
+        self.tell_frozen(before)
 
-    def duplicate(self, model_id: str) -> None:
-        """Put a copy of a model beside it."""
-        self.edit(edit.duplicate_model, model_id)
+    def duplicate(self, *model_ids: str) -> None:
+        """Put copies of models beside them; a copy follows copies where there are any."""
+        registry = self._workbench.registry
+
+        def linked(model: Model, sources: tuple[str, ...]) -> Model:
+            return in_time(
+                registry.guard,
+                model.modeler,
+                "with_sources",
+                lambda: with_sources(registry, model, sources),
+            )
+
+        self.edit(edit.duplicate_models, model_ids, linked)
+
+    # -- links --
+
+    def unlink(self, model_id: str) -> None:
+        """Let a model follow nothing any more; what it followed stays frozen in it."""
+        self.edit(edit.unlink_model, model_id)
+
+    def link(self, model_id: str) -> None:
+        """Let a model follow again what it was unlinked from."""
+        self.edit(edit.link_model, model_id)
+
+    def unlink_selected(self) -> None:
+        """Let the selected model follow nothing any more, or again what it was unlinked from."""
+        model = self._selection.model
+        if model is not None:
+            (self.unlink if model.followed else self.link)(model.id)
+
+    def tell_frozen(self, before: Document) -> None:
+        """Say which models keep something frozen that they followed before."""
+        were = {model.id: model for model in before}
+        for model in self._drawing.document:
+            followed = were[model.id].followed if model.id in were else ()
+            kept = [f"“{source.name}”" for source in model.frozen if source.id in followed]
+            if kept:
+                self._notices.tell(
+                    tr(
+                        "Object",
+                        "“{name}” keeps {names} as it was. Undo links them again.",
+                        name=model.name,
+                        names=" and ".join(kept),
+                    )
+                )
 
     def move_to(self, model_id: str, index: int) -> None:
         """Move a model to another place in the list, counted from 0."""

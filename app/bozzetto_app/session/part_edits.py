@@ -81,7 +81,9 @@ class ObjectParts:
     @property
     def parameters(self) -> tuple[tuple[Field, Any], ...]:
         """The parameters of the chosen part with their values."""
-        return fields_of(self.chosen)
+        model = self._selection.model
+        first = () if model is None else self._workbench.first_parameters(model)
+        return fields_of(self.chosen, first)
 
     @property
     def chosen_group(self) -> str:
@@ -186,7 +188,9 @@ class ObjectParts:
             self._notices.complain(problem)
             return
         several = tr("Session", "Delete what is chosen")
+        before = self._drawing.document
         self._drawing.commit(labels[0] if len(labels) == 1 else several, document)
+        self._objects.tell_frozen(before)
 
     def duplicate_chosen(self) -> None:
         """Copy the chosen part, or the selected model if no part among several is chosen."""
@@ -234,10 +238,11 @@ class ObjectParts:
         try:
             model = document.model(model_id)
             changed, label = self._in_time(model, lambda edits: change(edits, model))
+            document = document.with_model(changed)
         except (UserError, PluginFault) as problem:
             self._notices.complain(problem)
             return
-        self._drawing.commit(label, document.with_model(changed), merge_key)
+        self._drawing.commit(label, document, merge_key)
 
     def _in_time(self, model: Model, ask: Callable[[PartEdits], Answer]) -> Answer:
         bench = self._workbench

@@ -55,7 +55,7 @@ class Replay(QObject):
     ) -> None:
         super().__init__(parent)
         self._drawing, self._gestures = session.drawing, session.gestures
-        self._context = session.context
+        self._context = session.gestures.context
         self._strokes = list(drawing.strokes)
         self._facts, self._pictures = drawing.facts, drawing.pictures
         self._speed = speed

@@ -18,9 +18,9 @@ new. A revision goes through the stages ``INK < PREVIEW < FINAL < REPORT``. The 
 3. An answer is shown if its model is still asked for and nothing newer of it, or of the
    same revision and further, was shown.
 4. While a drag goes on no final is begun: it would be abandoned at the next value.
-5. While a drag goes on in a window, one preview is solved while the one before it is painted,
-   and no third is begun, unless a model has no picture: a preview that nobody sees takes the
-   time that painting needs.
+5. While a drag goes on in a window, one preview of a model is solved while the one before it is
+   painted, and no third is begun: a preview that nobody sees takes the time that painting needs.
+   Those of models that follow the dragged one are of the same frame, and need not wait for it.
 
 So what is shown never goes back, what is shown last is the last value, and a drag shows a
 frame for each preview that the worker can make. One lock guards the numbers: the window
@@ -34,8 +34,8 @@ import threading
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Any
 
+from bozzetto.document.links import is_same_recipe
 from bozzetto.document.model import Model
 
 __all__ = ["MOST_AHEAD", "Revisions", "Stage", "Task"]
@@ -71,13 +71,18 @@ class Task:
 
 @dataclass
 class _Course:
-    """The three numbers of one model, and when it was served last."""
+    """The three numbers of one model, when it was served last, and previews not yet seen.
+
+    `untaken` are those that the window has not taken yet, `unpainted` those that it has.
+    """
 
     model: Model
     asked: int
     made: tuple[int, Stage] = (0, Stage.NOTHING)
     shown: tuple[int, Stage] = (0, Stage.NOTHING)
     served: int = 0
+    untaken: int = 0
+    unpainted: int = 0
 
     @property
     def has_picture(self) -> bool:
@@ -87,6 +92,11 @@ class _Course:
     def lacks(self, stage: Stage) -> bool:
         """Whether the newest revision has not come as far as a stage."""
         return self.made < (self.asked, stage)
+
+    @property
+    def is_far_ahead(self) -> bool:
+        """Whether a preview that was begun now would be seen late, if at all."""
+        return self.untaken + self.unpainted >= MOST_AHEAD
 
     def tell_again(self) -> None:
         """Have the figures reported again: the model was selected again."""
@@ -102,13 +112,11 @@ class Revisions:
         self._numbers = itertools.count(1)
         self._turns = itertools.count(1)
         self._courses: dict[str, _Course] = {}
-        self._hopeless: dict[str, Any] = {}
+        self._hopeless: dict[str, Model] = {}
         self._selected = ""
         self._running: Task | None = None
         self._dragging = False
         self._paints = False
-        self._untaken = 0
-        self._unpainted = 0
 
     # -- the window --
 
@@ -142,7 +150,8 @@ class Revisions:
                     course = _Course(model, next(self._numbers))
                 elif course.model is not model:
                     course.model, course.asked = model, next(self._numbers)
-                if model.id in self._hopeless and self._hopeless[model.id] is model.state:
+                hopeless = self._hopeless.get(model.id)
+                if hopeless is not None and is_same_recipe(hopeless, model):
                     course.made = (course.asked, Stage.REPORT)
                 self._courses[model.id] = course
             unwanted = self._running is not None and self._is_unwanted(self._running)
@@ -173,9 +182,11 @@ class Revisions:
             How many scenes newer than the painted one the viewport was given.
         """
         with self._lock:
-            waited = self._is_far_ahead
-            self._unpainted = min(self._unpainted, behind)
-            return waited and not self._is_far_ahead
+            courses = self._courses.values()
+            waited = [course for course in courses if course.is_far_ahead]
+            for course in courses:
+                course.unpainted = min(course.unpainted, behind)
+            return any(not course.is_far_ahead for course in waited)
 
     def stop(self) -> None:
         """Note that what runs was abandoned."""
@@ -194,10 +205,10 @@ class Revisions:
     def show(self, task: Task) -> bool:
         """Whether an answer may be shown; it then counts as shown."""
         with self._lock:
-            if task.stage is Stage.PREVIEW and self._untaken:
-                self._untaken -= 1
-                self._unpainted += 1
             course = self._courses.get(task.model.id)
+            if course is not None and task.stage is Stage.PREVIEW and course.untaken:
+                course.untaken -= 1
+                course.unpainted += 1
             if course is None or task.progress <= course.shown:
                 return False
             if task.stage is Stage.INK and course.shown[1] is not Stage.NOTHING:
@@ -237,16 +248,16 @@ class Revisions:
                 done = replace(task, stage=task.stage if stage is None else stage)
                 course.made = max(course.made, done.progress)
                 if done.stage is Stage.PREVIEW and self._paints and self._dragging:
-                    self._untaken += 1
+                    course.untaken += 1
 
     def give_up(self, model: Model) -> None:
         """Do not try this state again."""
         with self._lock:
-            self._hopeless[model.id] = model.state
-            if self._running is not None and self._running.model.state is model.state:
+            self._hopeless[model.id] = model
+            if self._running is not None and is_same_recipe(self._running.model, model):
                 self._running = None
             course = self._courses.get(model.id)
-            if course is not None and course.model.state is model.state:
+            if course is not None and is_same_recipe(course.model, model):
                 course.made = (course.asked, Stage.REPORT)
 
     @property
@@ -257,20 +268,15 @@ class Revisions:
 
     # -- the rules; the lock is held --
 
-    @property
-    def _is_far_ahead(self) -> bool:
-        """Whether a preview that was begun now would be seen late, if at all."""
-        return self._untaken + self._unpainted >= MOST_AHEAD
-
     def _count_afresh(self) -> None:
         """Wait for no painting of what was made before."""
-        self._untaken = self._unpainted = 0
+        for course in self._courses.values():
+            course.untaken = course.unpainted = 0
 
     def _most_urgent(self) -> Task | None:
         courses = self._courses.values()
         waiting = [course for course in courses if course.lacks(Stage.PREVIEW)]
-        if self._is_far_ahead:
-            waiting = [course for course in waiting if not course.has_picture]
+        waiting = [c for c in waiting if not (c.is_far_ahead and c.has_picture)]
         if waiting:
             first = min(waiting, key=lambda c: (c.has_picture, c.served))
             return Task(first.model, first.asked, Stage.PREVIEW)

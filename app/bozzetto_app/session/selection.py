@@ -39,7 +39,7 @@ class Selection(QObject):
     Signals
     -------
     changed
-        Another model is selected, or none.
+        Another model is selected, or none; or the selected one belongs to another modeler now.
     """
 
     changed = Signal()
@@ -47,8 +47,9 @@ class Selection(QObject):
     def __init__(self, drawing: DocumentModel, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.id: str | None = None
+        self._modeler = ""
         self._drawing = drawing
-        drawing.models_changed.connect(self._drop_removed)
+        drawing.models_changed.connect(self._look_at_selected)
         drawing.applied.connect(self.select)
         drawing.jumped.connect(self._select_returned)
         drawing.closing.connect(self._clear)
@@ -70,11 +71,22 @@ class Selection(QObject):
         """Select a model, or none."""
         if model_id != self.id:
             self.id = model_id
+            self._note_modeler()
             self.changed.emit()
 
-    def _drop_removed(self) -> None:
-        if self.model is None:
+    def _look_at_selected(self) -> None:
+        """Drop a model that was removed, and tell of one that another modeler has read."""
+        model, before = self.model, self._modeler
+        if model is None:
             self.select(None)
+            return
+        self._modeler = model.modeler
+        if before not in ("", model.modeler):
+            self.changed.emit()
+
+    def _note_modeler(self) -> None:
+        model = self.model
+        self._modeler = "" if model is None else model.modeler
 
     def _select_returned(self, returned: list[str]) -> None:
         """Select a model that undo brought back, where nothing is selected."""
@@ -87,4 +99,5 @@ class Selection(QObject):
     def _select_last(self) -> None:
         models = self._drawing.document.models
         self.id = models[-1].id if models else None
+        self._note_modeler()
         self.changed.emit()

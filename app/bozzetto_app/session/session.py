@@ -5,7 +5,8 @@ them holds the session:
 
 * the state: `document_model`, `selection`, `view_state`, `toolbox`, `scene_model`;
 * the services that work on it: `gestures`, `motion`, `object_edits`, `part_edits`,
-  `modeler_commands`, `from_shapes`, `pictures`, `files`, `solver`, `view_advice`, `tool_hints`;
+  `modeler_commands`, `from_shapes`, `ink_readings`, `pictures`, `files`, `solver`,
+  `view_advice`, `hints`;
 * `notices`, which tells the person about it.
 
 Widgets read the parts, call their methods and listen to their signals; they never change a
@@ -28,6 +29,8 @@ from bozzetto_app.session.files import Files
 from bozzetto_app.session.from_shapes import ShapeInput
 from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.gestures import Gestures
+from bozzetto_app.session.hints import Hints
+from bozzetto_app.session.ink_readings import InkReadings
 from bozzetto_app.session.modeler_commands import ModelerCommands
 from bozzetto_app.session.motion import Motion
 from bozzetto_app.session.notices import Notices
@@ -37,7 +40,6 @@ from bozzetto_app.session.pictures import PictureInput
 from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.solver import Solver
-from bozzetto_app.session.tool_hints import ToolHints
 from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.session.view_advice import ViewAdviser
 from bozzetto_app.session.view_state import ViewState
@@ -90,9 +92,7 @@ class Session(QObject):
         self.advice = advice = ViewAdviser(
             bench, drawing, selection, view, toolbox, solver, scene, notices, self
         )
-        self.context = context = GestureContext(
-            bench, drawing, selection, view, toolbox, scene, advice
-        )
+        context = GestureContext(bench, drawing, selection, view, toolbox, scene, advice)
         motion = Motion(bench, drawing, selection, toolbox, solver, context, notices, self)
         self.gestures = gestures = Gestures(
             bench, drawing, selection, toolbox, solver, scene, context, motion, notices, self
@@ -101,8 +101,9 @@ class Session(QObject):
         self.objects = objects = ObjectEdits(bench, drawing, selection, solver, notices)
         self.parts = parts = ObjectParts(bench, drawing, selection, objects, notices)
         self.commands = ModelerCommands(bench, drawing, selection, context, edits, notices, self)
-        self.hints = ToolHints(bench, drawing, selection, toolbox, notices, self)
+        self.hints = Hints(bench, drawing, selection, toolbox, notices, self)
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
+        self.readings = InkReadings(bench, drawing, selection, context, notices, self)
         self.pictures = PictureInput(
             bench, drawing, selection, toolbox, objects, context, edits, notices, self
         )
@@ -128,6 +129,7 @@ class Session(QObject):
             self.gestures.motion.channel,
             self.commands.channel,
             self.hints.channel,
+            self.readings.channel,
             self.advice,
         )
         return any(work.busy for work in (*self._shown_work, *hidden))
@@ -164,6 +166,7 @@ class Session(QObject):
     def cancel_all(self) -> None:
         """Stop everything but a save: the window closes."""
         self._cancel_shown_work()
+        self.readings.cancel()
         self.gestures.restart()
 
     def _cancel_shown_work(self) -> None:

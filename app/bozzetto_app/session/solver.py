@@ -8,14 +8,16 @@ ink is shown all the same.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from bozzetto.document.links import LinkedModels, is_same_recipe
 from bozzetto.document.model import Model
 from bozzetto.errors import UserError
+from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Layer, Scene
@@ -28,6 +30,9 @@ from bozzetto_app.workers.channel import Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
 __all__ = ["Solver"]
+
+Report = tuple[dict[str, Any], Mapping[str, Figure]]
+"""Values, and the words in which they are said."""
 
 SOLVE_LIMIT = 60.0
 """Seconds a solve may take without progress before it counts as hung."""
@@ -46,7 +51,9 @@ class Solver(QObject):
     Attributes
     ----------
     report : dict
-        Figures of the final result of the selected model; empty until they are known.
+        How good the final result of the selected model is; empty until it is known.
+    figures : mapping of str to Figure
+        In which words and units its values are said; see `Modeler.figures`.
 
     Signals
     -------
@@ -80,11 +87,13 @@ class Solver(QObject):
     ) -> None:
         super().__init__(parent)
         self.report: dict[str, Any] = {}
+        self.figures: Mapping[str, Figure] = {}
         self._workbench, self._notices = workbench, notices
         self._drawing, self._selection = drawing, selection
         self._shown: dict[str, tuple[Model, Scene]] = {}
         self._revisions = Revisions()
-        self._last_report: tuple[Any, dict[str, Any]] | None = None
+        self._linked = LinkedModels()
+        self._last_report: tuple[Model, Report] | None = None
         self._awaited: set[str] = set()
         self._channel = Channel("solve", time_limit=SOLVE_LIMIT, is_patient=True, parent=self)
         self._channel.slow.connect(notices.tell_slow)
@@ -119,6 +128,7 @@ class Solver(QObject):
         """Drop all scenes and all work: another document comes."""
         self.cancel()
         self._revisions.forget()
+        self._linked.forget()
         self._shown.clear()
         self._awaited.clear()
         self._last_report = None
@@ -178,7 +188,7 @@ class Solver(QObject):
 
     def _selection_changed(self) -> None:
         """Report on the model that is selected now."""
-        self.report = {}
+        self.report, self.figures = {}, {}
         self.report_changed.emit()
         if self._selection.model is not None:
             self._ask(dragging=False)
@@ -186,8 +196,9 @@ class Solver(QObject):
 
     def _ask(self, *, dragging: bool) -> None:
         """Ask for the visible models whose plugin is here."""
+        models = self._linked.resolved(self._drawing.document)
         soluble = [
-            model
+            models[model.id]
             for model in self._drawing.document
             if model.visible and not self._workbench.is_foreign(model)
         ]
@@ -245,10 +256,11 @@ class Solver(QObject):
     def _report(self, task: Task, job: Job) -> None:
         """Compute the figures of a model that has its final result."""
         model = task.model
-        if self._last_report is None or self._last_report[0] is not model.state:
+        if self._last_report is None or not is_same_recipe(self._last_report[0], model):
             # Empty first, so that a report which fails or hangs is not asked for again.
-            self._last_report = (model.state, {})
-            self._last_report = (model.state, self._workbench.report(model, job))
+            self._last_report = (model, ({}, {}))
+            report = self._workbench.report(model, job)
+            self._last_report = (model, (report, self._workbench.figures(model)))
         if not job.cancelled():
             self._revisions.made(task)
             call_on_main_thread(self, self._take_report, task, self._last_report[1])
@@ -269,12 +281,12 @@ class Solver(QObject):
             self._awaited.discard(model_id)
             self.settled.emit(model_id)
 
-    def _take_report(self, task: Task, report: dict[str, Any]) -> None:
+    def _take_report(self, task: Task, report: Report) -> None:
         selected = self._selection.model
         if not self._revisions.show(task) or selected is None:
             return
         if task.model.state is selected.state:
-            self.report = report
+            self.report, self.figures = report
             self.report_changed.emit()
 
     def _complain(self, task: Task, problem: BaseException) -> None:

@@ -112,7 +112,6 @@ class Toolbox(QObject):
         """Draw with another modeler, without asking for its tools yet."""
         self.modeler, self.tools, self.tool = modeler_id, (), ""
         self.modeler_changed.emit()
-        self._notices.say_hint(self._registry.info(modeler_id).hint)
 
     def ask_for_tools(self) -> None:
         """Ask for the tools of the active modeler, whose plugin is imported for that."""
@@ -178,7 +177,6 @@ class Toolbox(QObject):
             if tool.id == tool_id:
                 self.tool = tool_id
                 self.tool_changed.emit()
-                self._notices.say_hint(tool.hint)
 
     def take_first_tool(self) -> None:
         """Draw with the first tool of the active modeler."""

@@ -155,16 +155,16 @@ class ViewAdviser(QObject):
             self.look_later()
 
     def _look_at_frame(self) -> None:
-        """Let a pinned view follow what is shown while a value is dragged.
+        """Ask about another result; let a pinned view follow while a value is dragged.
 
         Any other has time until the drag pauses, and so has one for which the modeler would have
         to solve: the shape comes first.
         """
-        if not self._is_pinned:
-            return
+        dragging = self._drawing.is_dragging
         if self._advises_on_results:
-            self._ask()
-        elif self._drawing.is_dragging and self._took <= QUICK:
+            if self._is_pinned or not dragging:
+                self._ask()
+        elif dragging and self._is_pinned and self._took <= QUICK:
             self.look()
 
     @property

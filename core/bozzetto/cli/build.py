@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from bozzetto.cli.output import (
     EXIT_FAULT,
     complain,
     fault_message,
+    open_document,
     refuse_overwriting,
     warn,
     workbench,
@@ -79,8 +81,16 @@ def _build_one(
     from bozzetto.exchange.import_file import is_picture, read_drawing, read_picture
     from bozzetto.plugin.job import Job
 
-    picture = read_picture(source, trusted=options.trust_file) if is_picture(source) else None
-    drawing = read_drawing(source, trusted=options.trust_file) if picture is None else None
+    picture = drawing = None
+    underlays: tuple[Any, ...] = ()
+    if source.suffix.lower() == ".bozz":
+        document = open_document(bench, source)
+        underlays = document.underlays
+        drawing = replace(bench.readings.drawing_of_document(document), name=source.stem)
+    elif is_picture(source):
+        picture = read_picture(source, trusted=options.trust_file)
+    else:
+        drawing = read_drawing(source, trusted=options.trust_file)
     warn(() if drawing is None else drawing.left_out)
     try:
         if picture is not None:
@@ -91,7 +101,7 @@ def _build_one(
         camera = None if drawing is None else drawing.camera
         written = write_output(
             bench,
-            Document((model,), camera=camera),
+            Document((model,), camera=camera, underlays=underlays),
             target,
             view=options.view,
             refuse_baseless=not options.allow_template,

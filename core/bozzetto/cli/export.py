@@ -17,7 +17,7 @@ from bozzetto.cli.output import (
 def export(options: argparse.Namespace) -> int:
     """Export a document; the exit code."""
     from bozzetto.plugin.job import Job
-    from bozzetto.workbench.export_document import chosen_models, unusable
+    from bozzetto.workbench.export_document import chosen_models, links_of, unusable
 
     refuse_overwriting([options.document], [options.output], options.report)
     bench = workbench()
@@ -32,6 +32,7 @@ def export(options: argparse.Namespace) -> int:
                 {
                     "name": model.name,
                     "modeler": model.modeler,
+                    **links_of(model),
                     "report": {} if unusable(bench, model) else bench.report(model, Job()),
                 }
                 for model in models

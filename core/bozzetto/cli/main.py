@@ -98,7 +98,10 @@ def _parser() -> argparse.ArgumentParser:
     build = commands.add_parser("build", help="turn drawings into shapes")
     build.add_argument("modeler", help="for example: silhouette")
     build.add_argument(
-        "inputs", nargs="+", metavar="INPUT", help="ink JSON, SVG or InkML; for some a picture"
+        "inputs",
+        nargs="+",
+        metavar="INPUT",
+        help="ink JSON, SVG, InkML, or a document whose ink is read; for some a picture",
     )
     build.add_argument("-o", "--output", required=True, help="a file, or a folder for several")
     build.add_argument("--format", help="file ending of the outputs, for a folder")

@@ -6,10 +6,11 @@ which the history keeps it. None of them changes anything; a locked object refus
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from bozzetto.document.links import with_frozen, without_sources
 from bozzetto.document.model import Document, Model, NamedView, Underlay, new_id
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
@@ -34,8 +35,10 @@ def add_model(document: Document, model: Model, *, at: int | None = None) -> Edi
     return Edit(document.with_model(named, at=at), f"Add “{named.name}”")
 
 
-def change_state(document: Document, model_id: str, state: Any, label: str) -> Edit:
-    """Give an object a new state.
+def change_state(
+    document: Document, model_id: str, state: Any, label: str, sources: tuple[str, ...] = ()
+) -> Edit:
+    """Give an object a new state, and the sources that its modeler says this has.
 
     Raises
     ------
@@ -43,7 +46,7 @@ def change_state(document: Document, model_id: str, state: Any, label: str) -> E
         If it is locked or gone; so do all functions below that change an object.
     """
     model = _unlocked(document, model_id)
-    return Edit(document.with_model(replace(model, state=state)), label)
+    return Edit(document.with_model(model.with_state(state, sources)), label)
 
 
 def rename_model(document: Document, model_id: str, name: str) -> Edit:
@@ -80,29 +83,93 @@ def place_model(document: Document, model_id: str, placement: Placement) -> Edit
 
 
 def delete_models(document: Document, model_ids: Iterable[str]) -> Edit:
-    """Take objects out."""
+    """Take objects out; those that follow them keep them frozen, as they are now."""
     models = [_unlocked(document, model_id) for model_id in model_ids]
     if not models:
         raise UserError("Choose an object to delete.")
+    document = without_sources(document, [model.id for model in models])
     for model in models:
         document = document.without_model(model.id)
-    what = f"“{models[0].name}”" if len(models) == 1 else f"{len(models)} objects"
-    return Edit(document, f"Delete {what}")
+    return Edit(document, f"Delete {_named(models)}")
 
 
 def duplicate_model(document: Document, model_id: str) -> Edit:
-    """Put a copy behind an object in the list; it is visible and unlocked."""
-    model = document.model(model_id)
-    name = document.unused_name(model.name)
-    copy = replace(model, id=new_id(), name=name, visible=True, locked=False)
-    after = document.place_of(model_id) + 1
-    return Edit(document.with_model(copy, at=after), f"Duplicate “{model.name}”")
+    """Put a copy behind an object; it follows what the object follows. See `duplicate_models`."""
+    return duplicate_models(document, [model_id], lambda model, _: model)
+
+
+def duplicate_models(
+    document: Document,
+    model_ids: Iterable[str],
+    with_sources: Callable[[Model, tuple[str, ...]], Model],
+) -> Edit:
+    """Put copies behind objects in the list; they are visible and unlocked.
+
+    A copy follows the copies of what its original follows, and what was not copied with it.
+
+    Parameters
+    ----------
+    document : Document
+        The document.
+    model_ids : iterable of str
+        The objects to copy, at least one.
+    with_sources : callable
+        Gives a model the sources of these ids instead, in their order; only called where they
+        differ.
+    """
+    models = [document.model(model_id) for model_id in model_ids]
+    if not models:
+        raise UserError("Choose an object to duplicate.")
+    copies = {model.id: new_id() for model in models}
+    for model in models:
+        frozen = {source.id for source in model.frozen}
+        sources = tuple(
+            source if source in frozen else copies.get(source, source) for source in model.sources
+        )
+        changed = model if sources == model.sources else with_sources(model, sources)
+        name = document.unused_name(model.name)
+        copy = replace(changed, id=copies[model.id], name=name, visible=True, locked=False)
+        document = document.with_model(copy, at=document.place_of(model.id) + 1)
+    return Edit(document, f"Duplicate {_named(models)}")
+
+
+# -- links ----------------------------------------------------------------------------------------
+
+
+def unlink_model(document: Document, model_id: str) -> Edit:
+    """Let an object follow nothing any more: its sources stay frozen in it, as they are now."""
+    model = _unlocked(document, model_id)
+    if not model.followed:
+        raise UserError(f"“{model.name}” follows no other object.")
+    kept = with_frozen(document, model, model.followed)
+    if kept.followed:
+        raise UserError(
+            f"What “{model.name}” follows is not in this document, so it cannot be kept."
+        )
+    return Edit(document.with_model(kept), f"Unlink “{model.name}”")
+
+
+def link_model(document: Document, model_id: str) -> Edit:
+    """Let an object follow again what it was unlinked from, as far as that is still there."""
+    model = _unlocked(document, model_id)
+    there = {other.id for other in document}
+    frozen = tuple(source for source in model.frozen if source.id not in there)
+    if len(frozen) == len(model.frozen):
+        raise UserError(f"What “{model.name}” followed is no longer in the document.")
+    return Edit(document.with_model(replace(model, frozen=frozen)), f"Link “{model.name}” again")
+
+
+# -- order ----------------------------------------------------------------------------------------
 
 
 def move_model(document: Document, model_id: str, at: int) -> Edit:
     """Give an object another place in the list, counted from 0 without it; locked ones too."""
     model = document.model(model_id)
     return Edit(document.with_model(model, at=at), f"Reorder “{model.name}”")
+
+
+def _named(models: Sequence[Model]) -> str:
+    return f"“{models[0].name}”" if len(models) == 1 else f"{len(models)} objects"
 
 
 def _unlocked(document: Document, model_id: str) -> Model:

@@ -26,6 +26,9 @@ ID_PATTERN: Final = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}\Z"
 NAME_PATTERN: Final = r"^[^\x00-\x1f\x7f\ud800-\udfff]{1,200}\Z"
 """Names of models, views and underlays: no control characters, no halves of characters."""
 
+LONGEST_CHAIN: Final = 64
+"""Models of which each follows the next: more are refused, and not solved."""
+
 STANDING: Final = Placement()
 """Placement of a model that nobody has moved."""
 
@@ -82,6 +85,15 @@ class Model:
         later version knows what to upgrade.
     color : (r, g, b), optional
         None is the theme's clay.
+    sources : tuple of str
+        Ids of the models that this one is made from, as its modeler says of the state; kept
+        beside it for the time when the modeler is absent.
+    frozen : tuple of Model
+        Those of the sources that are followed no longer, as they were last, placed in this
+        model's own frame.
+    linked : tuple of Model
+        Those that are followed, in the same way: given for a solve (`links.resolved`), empty
+        in a document.
     """
 
     id: str
@@ -93,13 +105,34 @@ class Model:
     locked: bool = False
     color: tuple[int, int, int] | None = None
     state_version: int = 1
+    sources: tuple[str, ...] = ()
+    frozen: tuple[Model, ...] = ()
+    linked: tuple[Model, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_id(self.id)
-        _check_id(self.modeler)
+        for name in (self.id, self.modeler, *self.sources):
+            _check_id(name)
         check_name(self.name)
         if self.color is not None and not all(0 <= part <= 255 for part in self.color):
             raise ValueError(f"{self.color} is no colour")
+        ids = [model.id for model in self.frozen]
+        if ids and (len(set(ids)) < len(ids) or not set(ids) <= set(self.sources)):
+            raise ValueError("what a model keeps frozen are sources of it, each once")
+
+    @property
+    def followed(self) -> tuple[str, ...]:
+        """Ids of the sources that are not frozen."""
+        if not self.frozen:
+            return self.sources
+        frozen = {model.id for model in self.frozen}
+        return tuple(source for source in self.sources if source not in frozen)
+
+    def with_state(self, state: Any, sources: tuple[str, ...]) -> Model:
+        """Return the model with another state, and what its modeler says that it is made from."""
+        if sources == self.sources:
+            return replace(self, state=state)
+        frozen = tuple(model for model in self.frozen if model.id in sources)
+        return replace(self, state=state, sources=sources, frozen=frozen, linked=())
 
 
 @dataclass(frozen=True)
@@ -213,7 +246,18 @@ class Document:
         return self.models[self.place_of(model_id)]
 
     def with_model(self, model: Model, *, at: int | None = None) -> Document:
-        """Add a model, or exchange the one of the same id (keeping its place)."""
+        """Add a model, or exchange the one of the same id (keeping its place).
+
+        What was given to it for a solve (`Model.linked`) stays behind.
+
+        Raises
+        ------
+        UserError
+            If it would follow itself.
+        """
+        self.refuse_circle(model)
+        if model.linked:
+            model = replace(model, linked=())
         models = self._models
         known = next((i for i, old in enumerate(models) if old.id == model.id), None)
         if known is not None and at is None:
@@ -222,6 +266,33 @@ class Document:
             models = models.without(known)
         place = len(models) if at is None else max(0, min(at, len(models)))
         return replace(self, models=models.inserted(place, model))
+
+    def refuse_circle(self, model: Model) -> None:
+        """Raise `UserError` if a model of this document would follow itself, or too many others."""
+        if not model.followed:
+            return
+        before = next((other for other in self.models if other.id == model.id), None)
+        if before is not None and before.followed == model.followed:
+            return
+        known = {other.id: other for other in self.models if other.followed}
+        known[model.id] = model
+        level, seen = [model], {model.id}
+        for _ in range(LONGEST_CHAIN):
+            ids = {source for follower in level for source in follower.followed}
+            if model.id in model.followed:
+                raise UserError(f"“{model.name}” cannot follow itself. Choose another object.")
+            if model.id in ids:
+                raise UserError(
+                    f"“{model.name}” cannot follow what itself follows “{model.name}”. Choose "
+                    "another object, or unlink that one first."
+                )
+            level = [known[source] for source in ids - seen if source in known]
+            seen |= ids
+            if not level:
+                return
+        raise UserError(
+            f"More than {LONGEST_CHAIN} objects would follow one another. Unlink one of them."
+        )
 
     def without_model(self, model_id: str) -> Document:
         """Return the document without a model."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from bozzetto.errors import Unfinished as Unfinished
     from bozzetto.errors import UserError as UserError
     from bozzetto.parameters import Parameter as Parameter
-    from bozzetto.plugin.cache import Memory as Memory
+    from bozzetto.plugin.cache import remembered as remembered
     from bozzetto.plugin.cautions import Caution as Caution
     from bozzetto.plugin.commands import Command as Command
     from bozzetto.plugin.context import Context as Context
@@ -49,7 +49,7 @@ else:
         {
             "bozzetto.errors": "Cancelled Unfinished UserError",
             "bozzetto.parameters": "Parameter",
-            "bozzetto.plugin.cache": "Memory",
+            "bozzetto.plugin.cache": "remembered",
             "bozzetto.plugin.cautions": "Caution",
             "bozzetto.plugin.commands": "Command",
             "bozzetto.plugin.context": "Context PenSettings",

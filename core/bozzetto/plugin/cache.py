@@ -1,16 +1,19 @@
-"""Caches for pure functions that take long."""
+"""Answers of pure functions that take long, remembered by the host."""
 
 from __future__ import annotations
 
+import inspect
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from typing import Final, Generic, TypeVar
+from functools import partial, update_wrapper
+from typing import Any, Final, Generic, ParamSpec, TypeVar
 
 from bozzetto.plugin.memory_budget import MOST_BYTES, Entry, MemoryBudget
 from bozzetto.plugin.memory_size import size_of
 
 Answer = TypeVar("Answer")
+Asked = ParamSpec("Asked")
 
 GLANCE: Final = 0.05
 """Seconds after which who waits for another thread's answer wakes up for a moment: a thread that
@@ -19,13 +22,90 @@ sleeps cannot be interrupted."""
 MEASURED_AGAIN: Final = frozenset({1, 8, 64})
 """Uses at which an answer is measured again: it takes up to a millisecond."""
 
+BY_PLACE: Final = (
+    inspect.Parameter.POSITIONAL_ONLY,
+    inspect.Parameter.POSITIONAL_OR_KEYWORD,
+)
+
 ALL: Final = MemoryBudget(MOST_BYTES)
 """The budget that all caches of the process share."""
 
 
 def forget_all() -> None:
-    """Forget all answers of all memories; what is asked again is worked out again."""
+    """Forget all answers of all functions; what is asked again is worked out again."""
     ALL.forget_all()
+
+
+def remembered(
+    *, limit: int, key: Callable[..., Hashable] | None = None
+) -> Callable[[Callable[Asked, Answer]], Remembered[Asked, Answer]]:
+    """Let the host remember the last answers of a pure function of a module.
+
+    Parameters
+    ----------
+    limit : int
+        How many answers are kept at most. All functions share one budget of bytes besides, and
+        everything is forgotten when documents close.
+    key : callable, optional
+        Called with the arguments, all of them; returns what the answer depends on, hashable.
+        Without it that is the arguments themselves. Give it where arguments are large, cannot be
+        hashed, or do not matter, such as a `Job.checkpoint`.
+
+    Examples
+    --------
+    >>> @remembered(limit=64)
+    ... def solid_of(outline: Outline, resolution: int) -> Mesh: ...
+
+    Notes
+    -----
+    May be called from any thread; who asks what another thread works on waits for its answer. The
+    function must not ask itself what it is to answer. What it raises is not remembered.
+    """
+    return partial(Remembered, limit=limit, key=key)
+
+
+class Remembered(Generic[Asked, Answer]):
+    """A function of which the last answers are remembered; see `remembered`."""
+
+    __wrapped__: Callable[Asked, Answer]
+
+    def __init__(
+        self,
+        function: Callable[Asked, Answer],
+        *,
+        limit: int,
+        key: Callable[..., Hashable] | None,
+    ) -> None:
+        update_wrapper(self, function)
+        self._key = key
+        self._memory: Memory[Answer] = Memory(limit)
+        self._signature = inspect.signature(function)
+        kinds = [parameter.kind for parameter in self._signature.parameters.values()]
+        by_place = all(kind in BY_PLACE for kind in kinds)
+        self._count = len(kinds) if by_place else -1
+
+    def __call__(self, *args: Asked.args, **kwargs: Asked.kwargs) -> Answer:
+        """Return the remembered answer, or ask the function and remember what it says."""
+        question = self._question(args, kwargs)
+        return self._memory.recall(question, partial(self.__wrapped__, *args, **kwargs))
+
+    def known(self, *args: Asked.args, **kwargs: Asked.kwargs) -> Answer | None:
+        """Return the remembered answer, if there is one."""
+        return self._memory.known(self._question(args, kwargs))
+
+    def put(self, answer: Answer, *args: Asked.args, **kwargs: Asked.kwargs) -> None:
+        """Remember an answer that was found elsewhere."""
+        self._memory.put(self._question(args, kwargs), answer)
+
+    def _question(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Hashable:
+        """Return what is asked: the same, in whatever way the arguments are written."""
+        if kwargs or len(args) != self._count:
+            bound = self._signature.bind(*args, **kwargs)
+            bound.apply_defaults()
+            if self._key is not None:
+                return self._key(*bound.args, **bound.kwargs)
+            return tuple(bound.arguments.values())
+        return args if self._key is None else self._key(*args)
 
 
 class Memory(Generic[Answer]):

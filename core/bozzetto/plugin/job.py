@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
 from bozzetto.errors import Cancelled
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.shapes import Shapes
 
 
 def _nobody(fraction: float, step: str) -> None:
@@ -29,11 +32,15 @@ class Job:
         Called with the fraction done (0 … 1) and the step's name.
     cancelled : callable
         True once the answer is no longer wanted.
+    sources : mapping of str to Shapes
+        What the models hand over that `Modeler.sources` names, by their ids; mm, in the frame of
+        the model that is solved. For a preview they may be previews as well.
     """
 
     quality: Literal["preview", "final"] = "final"
     progress: Callable[[float, str], None] = _nobody
     cancelled: Callable[[], bool] = _never
+    sources: Mapping[str, Shapes] = field(default_factory=dict)
 
     def checkpoint(self, fraction: float, step: str) -> None:
         """Report progress; call it between steps.

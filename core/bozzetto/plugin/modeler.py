@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from bozzetto.geometry.shapes import Curve, Shapes
     from bozzetto.images.stored_picture import Picture
     from bozzetto.ink.drawing import Drawing
+    from bozzetto.ink.stroke import Strokes
     from bozzetto.plugin.cautions import Caution
     from bozzetto.plugin.commands import Command
     from bozzetto.plugin.context import Context
@@ -119,6 +120,17 @@ class Modeler(ABC, Generic[State, Result]):
         """Return a new, empty model; by default the state of which nothing is said."""
         return self.state_type()
 
+    def ink(self, state: State) -> Strokes:
+        """Return the strokes that a state was drawn with, for other modelers to read.
+
+        In the model's own frame, each with its camera; hidden parts are left out. By default all
+        strokes that the state holds, in the order of its fields and parts. Write it where some of
+        them are no drawing, or lie elsewhere than their camera says.
+        """
+        from bozzetto.plugin.ink_of_state import ink_of_state
+
+        return ink_of_state(state)
+
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
         """Turn the stored form of an older version's state into today's."""
         return state
@@ -167,6 +179,41 @@ class Modeler(ABC, Generic[State, Result]):
             If it is of no use, with what to do instead.
         """
         raise UserError(TAKES_NO_PICTURES)
+
+    # -- links to other models --
+
+    def follow(self, sources: Mapping[str, Shapes]) -> State:
+        """Return a state that is made from other models, and follows them when they change.
+
+        The manifest names it among the abilities; write `sources` and `with_sources` with it. It
+        is called when a person uses objects as input, instead of `read_shapes`.
+
+        Parameters
+        ----------
+        sources : mapping of str to Shapes
+            What these models hand over now, by their ids, in the order in which they were chosen;
+            mm, in the world, where a new model stands. Keep the ids, not the shapes.
+
+        Raises
+        ------
+        UserError
+            If they are of no use.
+        """
+        raise UserError(READS_NO_SHAPES)
+
+    def sources(self, state: State) -> Sequence[str]:
+        """Return the ids of the models that this one is made from; see `Job.sources`.
+
+        Asked whenever the state is exchanged: quick.
+        """
+        return ()
+
+    def with_sources(self, state: State, sources: Sequence[str]) -> State:
+        """Return the state with other sources, as many as `sources` gives and in that order.
+
+        Asked when a model is duplicated together with what it follows.
+        """
+        return state
 
     # -- what a person can do --
 

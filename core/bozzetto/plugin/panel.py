@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from bozzetto.plugin.next_step import NextStep
+
 
 class PanelHost(Protocol):
     """Access of a plugin's Qt panel to the object that is selected.
@@ -15,6 +17,11 @@ class PanelHost(Protocol):
     @property
     def state(self) -> Any | None:
         """The selected object's state; None while none of this modeler is selected."""
+        ...
+
+    @property
+    def next_step(self) -> NextStep:
+        """What to do next, as every other place of the window says it; see `Modeler.next_step`."""
         ...
 
     def change(self, state: Any, label: str, *, going: bool = False) -> None:
@@ -35,5 +42,5 @@ class PanelHost(Protocol):
         ...
 
     def on_change(self, callback: Callable[[], None]) -> None:
-        """Have a function called whenever `state` has become another."""
+        """Have a function called whenever `state` or `next_step` has become another."""
         ...

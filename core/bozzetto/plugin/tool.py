@@ -44,7 +44,11 @@ class Preview(Generic[State]):
         A layer stands in for the layer of that name in the modeler's own scene, until the new
         state is solved; layers of other names are shown besides. Where it raises `UserError` or
         `Unfinished` nothing is shown: odd ink may still become something.
+
+        As it is here it asks `Tool.preview`, and shows nothing of the eraser's path.
         """
+        if isinstance(gesture, Ink) and gesture.erases:
+            return Scene()
         return self.tool.preview(self.state, gesture, self.context)
 
 
@@ -185,7 +189,16 @@ class Tool(Generic[State]):
     # -- while the pen is down --
 
     def preview(self, state: State, gesture: Gesture, context: Context) -> Scene:
-        """Return what to show while the pen is down; see `Preview.update`."""
+        """Return what to show while the pen is down; see `Preview.update`.
+
+        Never asked for the eraser's path: a tool that shows what would go returns a `Preview` of
+        its own from `begin`. Refusals of `draw` or `drag` may pass: nothing is shown then.
+
+        Raises
+        ------
+        UserError
+            If there is nothing to show of the gesture so far.
+        """
         return Scene()
 
     def begin(self, state: State, context: Context) -> Preview[State]:

@@ -18,7 +18,9 @@ class ViewAdvice:
     level : {"good", "warn", "refuse"}
         Whether drawing here goes well, badly, or not at all.
     message : str
-        A few words for the light above the sheet, such as "12° to the centre plane".
+        What is wrong with the view, in a few words for the light above the sheet, such as "12° to
+        the centre plane"; what to do next is said by `Modeler.next_step`. It stands there while
+        the view is not good, or a better one is named; "" where it is good and none is.
     better : Camera, optional
         Where to turn to, in the frame of the model.
     scene : Scene

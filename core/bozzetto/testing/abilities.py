@@ -6,8 +6,10 @@ where the modeler does not do it; see `checks` for the others.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Final
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from difflib import get_close_matches
+from typing import Any, Final
 
 import numpy as np
 
@@ -16,8 +18,10 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid
 from bozzetto.images.stored_picture import Picture
+from bozzetto.plugin.figures import figure_of, without_unit
 from bozzetto.plugin.gesture import Tap
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.testing.deep_equal import same
@@ -28,6 +32,9 @@ from bozzetto.view.navigation import pan, zoom
 
 WORSE: Final = {"good": 0, "warn": 1, "refuse": 2}
 """The levels of advice, best first."""
+
+ALIKE: Final = 0.8
+"""How alike two keys are of which one is taken for a misspelling of the other; 1 is the same."""
 
 PREVIEW: Final = Job(quality="preview")
 
@@ -62,7 +69,11 @@ def check_view_advice(subject: Subject) -> None:
                 return
             for camera in odd_cameras():
                 advice = _advice(shell, camera)
-                ensure(bool(advice.message.strip()), "view advice needs a message")
+                is_fine = advice.level == "good" and advice.better is None
+                ensure(
+                    is_fine or bool(advice.message.strip()),
+                    "view advice needs a message where the view is not good, or not the best",
+                )
                 if advice.better is not None:
                     better = _advice(shell, advice.better)
                     ensure(
@@ -127,6 +138,48 @@ def check_read_shapes(subject: Subject) -> None:
                 ensure(bool(problem.message.strip()), "a UserError needs words")
 
 
+def check_follow(subject: Subject) -> None:
+    """Check that models are followed by their ids alone, solved twice the same, and exchanged."""
+    with subject.shell() as shell:
+        registry = shell.registry
+        if "follow" not in registry.info(subject.modeler).abilities:
+            return
+        guarded = registry.guarded(subject.modeler)
+        for shapes in _given():
+            try:
+                state = guarded.follow({"one": shapes, "other": shapes})
+            except UserError as problem:
+                ensure(bool(problem.message.strip()), "a UserError needs words")
+                continue
+            except PluginFault as problem:
+                raise Broken(f"follow: {problem}") from problem
+            sources = guarded.sources(state)
+            ensure(bool(sources), "a state that follows names its sources")
+            digest = state_digest(state)
+            turned = guarded.with_sources(state, tuple(f"new_{each}" for each in sources))
+            back = guarded.with_sources(turned, sources)
+            ensure(same(back, state), "with_sources there and back gives another state")
+            for quality in ("preview", "final"):
+                given = Job(quality=quality, sources=dict.fromkeys(sources, shapes))
+                made = [_shapes_made(guarded, state, given) for _ in range(2)]
+                ensure(same(*made), "a follower has other shapes the second time")
+                exchanged = replace(given, sources=dict.fromkeys(guarded.sources(turned), shapes))
+                made[1] = _shapes_made(guarded, turned, exchanged)
+                ensure(same(*made), "the ids of sources change the shape")
+            ensure(state_digest(state) == digest, "to be solved changed the state")
+
+
+def _shapes_made(guarded: GuardedModeler, state: object, job: Job) -> Shapes | str:
+    """Return the shapes of a state, or why it has none."""
+    try:
+        result = guarded.solve(state, job)
+        guarded.scene(state, None)
+        guarded.scene(state, result)
+        return guarded.shapes(state, result)
+    except UserError as problem:
+        return problem.message
+
+
 def check_pictures(subject: Subject) -> None:
     """Check that pictures of any kind are taken and stored, or refused in plain words."""
     for opened in (subject.shell, subject.drawn):
@@ -158,6 +211,45 @@ def _pictures() -> tuple[Picture, ...]:
         Picture.of(np.repeat(paper[:2], 8, axis=1), "strip"),
         Picture.of(np.zeros((9, 9, 4), np.uint8), "nothing"),
     )
+
+
+def check_figures(subject: Subject) -> None:
+    """Check that what `figures` says of a report's values fits what a drawing reports."""
+    with subject.drawn() as shell:
+        figures = shell.workbench.figures(shell.model)
+        told = tuple(_told(shell.workbench.report(shell.model, Job())))
+        for key, value in told:
+            figure = figure_of(key, figures)
+            if figure is None:
+                continue
+            if figure.values or figure.verdicts:
+                known = value in {*figure.values, *figure.verdicts}
+                ensure(
+                    known or not isinstance(value, str),
+                    f"the report says {key} is {value!r}, of which its Figure says nothing",
+                )
+            if figure.spread:
+                entries = [*value.values()] if isinstance(value, dict) else value
+                ensure(
+                    not isinstance(entries, list)
+                    or all(isinstance(entry, int | float) for entry in entries),
+                    f"{key} is to be summed up (Figure.spread), and is no list of numbers",
+                )
+        unsaid = {without_unit(key)[0] for key, _ in told if figure_of(key, figures) is None}
+        used = {key for told_key, _ in told for key in (told_key, without_unit(told_key)[0])}
+        for key in figures.keys() - used:
+            meant = get_close_matches(key, sorted(unsaid), 1, ALIKE)
+            ensure(not meant, f"figures has {key!r}, and the report {meant and meant[0]!r}")
+
+
+def _told(report: Any) -> Iterator[tuple[str, Any]]:
+    """Yield all values of a report, of its parts, too, by their keys."""
+    entries = [report] if isinstance(report, dict) else report
+    for entry in entries if isinstance(entries, list) else ():
+        if isinstance(entry, dict):
+            for key, value in entry.items():
+                yield key, value
+                yield from _told(value)
 
 
 def check_aims(subject: Subject) -> None:
@@ -203,7 +295,9 @@ ABILITIES: Final[tuple[Callable[[Subject], None], ...]] = (
     check_next_step,
     check_curves,
     check_read_shapes,
+    check_follow,
     check_pictures,
+    check_figures,
     check_aims,
 )
 """Further articles for `checks.CHECKS`."""

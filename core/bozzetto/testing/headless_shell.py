@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
 from bozzetto.document.history import History
+from bozzetto.document.links import resolved
 from bozzetto.document.model import Document, Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Shapes
@@ -22,6 +22,7 @@ from bozzetto.plugin.tool import Tool
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Handle, Scene
 from bozzetto.view.camera import Camera
+from bozzetto.workbench.links import with_state
 from bozzetto.workbench.workbench import Workbench
 
 
@@ -60,8 +61,8 @@ class Shell:
 
     @property
     def model(self) -> Model:
-        """The model that is being drawn."""
-        return self.document.model(self._model_id)
+        """The model that is being drawn, with what it follows in it."""
+        return resolved(self.document)[self._model_id]
 
     @property
     def state(self) -> Any:
@@ -149,9 +150,12 @@ class Shell:
         return self._keep(found.title, commands.run(self.model, found, self.context()))
 
     def use(self, modeler: str) -> Model:
-        """Begin a model of another modeler that starts from the shapes of this one."""
+        """Begin a model of another modeler that follows this one, or starts from its shapes."""
         modeler_id = self.registry.resolve(modeler)
-        model = self.workbench.sources.from_models(modeler_id, [self.model], Job())
+        sources = self.workbench.sources
+        follows = "follow" in self.registry.info(modeler_id).abilities
+        made = sources.following if follows else sources.from_models
+        model = made(modeler_id, [self.model], Job())
         self._model_id = model.id
         return self._keep("use", model)
 
@@ -166,7 +170,7 @@ class Shell:
 
     def put(self, state: Any) -> Model:
         """Continue from a state of your own."""
-        return self._keep("state", replace(self.model, state=state))
+        return self._keep("state", with_state(self.registry, self.model, state))
 
     def undo(self) -> bool:
         """Take the last step back; false where there is none."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from bozzetto.document.model import Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.host.registry import Registry
+from bozzetto.workbench.links import with_state
 
 
 class ModelCommands:
@@ -76,6 +75,5 @@ class ModelCommands:
         if not self.can_run(model, command):
             raise UserError(f"“{command.title}” cannot be done here now. {command.help}".rstrip())
         own = context.moved(model.placement.inverse())
-        return replace(
-            model, state=self._registry.guarded(model.modeler).run(command, model.state, own)
-        )
+        state = self._registry.guarded(model.modeler).run(command, model.state, own)
+        return with_state(self._registry, model, state)

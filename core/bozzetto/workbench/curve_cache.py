@@ -41,7 +41,7 @@ class KnownCurves:
 
     def __init__(self, registry: Registry) -> None:
         self._registry = registry
-        self._kept: OrderedDict[int, _Known] = OrderedDict()
+        self._kept: OrderedDict[tuple[int, str], _Known] = OrderedDict()
         self._failed: set[str] = set()
         self._lock = threading.Lock()
 
@@ -59,8 +59,8 @@ class KnownCurves:
             told = ()
         own = Shapes(curves=told)
         with self._lock:
-            self._kept[id(model.state)] = _Known(model, own, shapes_in_world(own, model).curves)
-            self._kept.move_to_end(id(model.state))
+            self._kept[_key(model)] = _Known(model, own, shapes_in_world(own, model).curves)
+            self._kept.move_to_end(_key(model))
             while len(self._kept) > KEPT:
                 self._kept.popitem(last=False)
 
@@ -85,11 +85,16 @@ class KnownCurves:
         found: list[Curve] = []
         for model in models:
             with self._lock:
-                known = self._kept.get(id(model.state))
+                known = self._kept.get(_key(model))
                 if known is None or known.model.state is not model.state or not model.visible:
                     continue
                 if known.model is not model:  # renamed, moved or coloured since
                     known = _Known(model, known.own, shapes_in_world(known.own, model).curves)
-                    self._kept[id(model.state)] = known
+                    self._kept[_key(model)] = known
             found.extend(known.placed)
         return tuple(found)
+
+
+def _key(model: Model) -> tuple[int, str]:
+    """Return what curves are kept under: a follower's are its own, whoever shares its state."""
+    return id(model.state), model.id if model.sources else ""

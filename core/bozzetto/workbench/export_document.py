@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.document.links import resolved
 from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on
@@ -78,6 +79,8 @@ def chosen_models(
 ) -> tuple[list[Model], list[LeftOut]]:
     """Return the objects to export, and those that stay behind because they are hidden.
 
+    The objects come with what they are made from; see `bozzetto.document.links.resolved`.
+
     Parameters
     ----------
     document : Document
@@ -91,18 +94,28 @@ def chosen_models(
     UserError
         If there is no object of a name.
     """
+    models = resolved(document).values()
     if names is not None:
         missing = sorted(set(names) - {model.name for model in document})
         if missing:
             known = ", ".join(dict.fromkeys(model.name for model in document)) or "none"
             raise UserError(f"There is no object {', '.join(missing)}; there are: {known}.")
-        return [model for model in document if model.name in names], []
+        return [model for model in models if model.name in names], []
     hidden = [
         LeftOut(f"“{model.name}”", (model.name,), "it is hidden", "show it, or ask for it by name")
         for model in document
         if not model.visible
     ]
-    return [model for model in document if model.visible], hidden
+    return [model for model in models if model.visible], hidden
+
+
+def links_of(model: Model) -> dict[str, list[str]]:
+    """Return the names of what a model follows and of what it keeps frozen; nothing if none."""
+    links = {
+        "follows": [source.name for source in model.linked],
+        "frozen": [source.name for source in model.frozen],
+    }
+    return {word: names for word, names in links.items() if names}
 
 
 def unusable(bench: Workbench, model: Model) -> LeftOut | None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import weakref
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from bozzetto.document.model import Model
@@ -20,6 +19,7 @@ from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import PartsState
+from bozzetto.workbench.links import with_state
 
 
 class PartEdit(NamedTuple):
@@ -150,7 +150,7 @@ class PartEdits:
             state = modeler.with_parts(state, lambda tree: _with_values(tree, inner, own))
         outer = {name: value for name, value in values.items() if name in own}
         state = modeler.change(state, lambda now: set_parameters(now, outer))
-        return replace(model, state=state)
+        return with_state(self._registry, model, state)
 
     def only_choice_differs(self, before: Model, after: Model) -> bool:
         """Whether two models are the same once nothing is chosen in either."""
@@ -177,7 +177,7 @@ class PartEdits:
         return self._registry.guarded(model.modeler)
 
     def _with(self, model: Model, state: Any) -> Model:
-        changed = replace(model, state=state)
+        changed = with_state(self._registry, model, state)
         self._read(changed)
         return changed
 

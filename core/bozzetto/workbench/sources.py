@@ -13,6 +13,7 @@ from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.job import Job
+from bozzetto.workbench.links import with_state
 
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
@@ -76,6 +77,39 @@ class ModelSources:
         state = self._bench.registry.guarded(modeler_id).read_shapes(shapes)
         return self._bench.new_model(modeler_id, state, name)
 
+    def following(
+        self, modeler_id: str, models: Iterable[Model], job: Job, name: str = ""
+    ) -> Model:
+        """Make a model that is made from other models and changes with them.
+
+        Parameters
+        ----------
+        modeler_id : str
+            The modeler of the new model.
+        models : iterable of Model
+            The models to follow, at least one.
+        job : Job
+            Solves what is not yet solved.
+        name : str
+            By default the title of the modeler.
+
+        Raises
+        ------
+        UserError
+            If the modeler cannot follow, or has no use for their shapes.
+        """
+        info = self._bench.registry.info(modeler_id)
+        if "follow" not in info.abilities:
+            raise UserError(f"{info.title} cannot follow other objects. Choose another modeler.")
+        row = tuple(models)
+        if not row:
+            raise UserError("Choose the objects to start from.")
+        shapes = {
+            model.id: self._bench.own_shapes(model, job).placed(model.placement) for model in row
+        }
+        state = self._bench.registry.guarded(modeler_id).follow(shapes)
+        return self._bench.new_model(modeler_id, state, name or info.title)
+
     def from_models(
         self, modeler_id: str, models: Iterable[Model], job: Job, name: str = ""
     ) -> Model:
@@ -119,7 +153,8 @@ class ModelSources:
         if not picture.pixels.size:  # unpacked here, for damaged bytes are not the plugin's fault
             raise UserError(f"The picture “{picture.name}” is empty. Choose another one.")
         own = context.moved(model.placement.inverse())
-        return replace(model, state=modeler.add_picture(model.state, picture, own))
+        state = modeler.add_picture(model.state, picture, own)
+        return with_state(self._bench.registry, model, state)
 
     def from_picture(
         self,

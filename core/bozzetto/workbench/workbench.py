@@ -7,12 +7,11 @@ registry's guard.
 
 from __future__ import annotations
 
-import threading
-from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
+from bozzetto.document.links import resolved
 from bozzetto.document.model import Document, Model, OpaqueState, new_id
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
@@ -20,6 +19,7 @@ from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cache import forget_all
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.context import Context
+from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.gesture import Drag, Gesture
 from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.host.registry import Registry
@@ -32,13 +32,13 @@ from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.view.camera import Camera
 from bozzetto.workbench.commands import ModelCommands
 from bozzetto.workbench.curve_cache import KnownCurves
+from bozzetto.workbench.links import frozen_cautions, with_state
 from bozzetto.workbench.part_edits import PartEdits
 from bozzetto.workbench.placed import plain, scene_in_world, shapes_in_world
 from bozzetto.workbench.previews import ModelPreview
+from bozzetto.workbench.readings import InkReadings
+from bozzetto.workbench.results import KnownResults
 from bozzetto.workbench.sources import ModelSources
-
-KEPT_RESULTS = 64
-"""Limit of solved results that are kept; they can always be made again."""
 
 
 class Workbench:
@@ -57,13 +57,16 @@ class Workbench:
         Commands of modelers.
     sources : ModelSources
         Makes models of drawings, shapes and pictures.
+    readings : InkReadings
+        Ink that is there, read by other modelers.
     curves : KnownCurves
         What solved models offer to snap to and to start from.
 
     Notes
     -----
-    Results are derived: they are cached by the identity of the (immutable) state and may
-    be dropped at any time. All methods may be called from any thread.
+    Results are derived: they are cached by the identity of the (immutable) state, and of the
+    results that it was made from, and may be dropped at any time. All methods may be called from
+    any thread.
     """
 
     def __init__(self, registry: Registry) -> None:
@@ -72,8 +75,8 @@ class Workbench:
         self.commands = ModelCommands(registry)
         self.curves = KnownCurves(registry)
         self.sources = ModelSources(self)
-        self._results: OrderedDict[tuple[int, str], tuple[Any, Any]] = OrderedDict()
-        self._lock = threading.Lock()
+        self.readings = InkReadings(self)
+        self._results = KnownResults(self)
         self._moved: tuple[Scene, Placement, Scene] | None = None
 
     # -- making and changing models --
@@ -86,7 +89,8 @@ class Workbench:
     def new_model(self, modeler_id: str, state: Any, name: str) -> Model:
         """Return a new model of a state that its modeler made."""
         version = self.registry.modeler(modeler_id).state_version
-        return Model(new_id(), name, modeler_id, state, state_version=version)
+        model = Model(new_id(), name, modeler_id, state, state_version=version)
+        return with_state(self.registry, model, state)
 
     def tool(self, modeler_id: str, tool_id: str) -> Tool[Any]:
         """Return a tool of a modeler by its id.
@@ -118,7 +122,8 @@ class Workbench:
             If the tool fails otherwise.
         """
         modeler, (to_own, own) = self.guarded(model), self._frame_of(model, context)
-        return replace(model, state=modeler.apply(tool, model.state, gesture.moved(to_own), own))
+        state = modeler.apply(tool, model.state, gesture.moved(to_own), own)
+        return with_state(self.registry, model, state)
 
     def differs(self, before: Model, after: Model, *, only_chosen: bool = False) -> bool:
         """Whether anything at all is different in two states of a model.
@@ -256,13 +261,14 @@ class Workbench:
 
     def advises(self, modeler_id: str) -> bool:
         """Whether a modeler may have advice on a view."""
-        kind = type(self.registry.modeler(modeler_id))
-        return kind.view_advice is not Modeler.view_advice or self.advises_on_results(modeler_id)
+        modeler = self.registry.modeler(modeler_id)
+        by_state = _overrides(modeler.view_advice, Modeler.view_advice)
+        return by_state or self.advises_on_results(modeler_id)
 
     def advises_on_results(self, modeler_id: str) -> bool:
         """Whether a modeler's advice on a view follows from results, which may be previews."""
-        kind = type(self.registry.modeler(modeler_id))
-        return kind.advice_on_result is not Modeler.advice_on_result
+        modeler = self.registry.modeler(modeler_id)
+        return _overrides(modeler.advice_on_result, Modeler.advice_on_result)
 
     def _results_of(self, seen: Iterable[Model], placement: Placement, now: Any) -> tuple[Any, ...]:
         """Return the results of earlier states that are still known, but for that of now."""
@@ -299,33 +305,26 @@ class Workbench:
     # -- solving --
 
     def solve(self, model: Model, job: Job) -> Any:
-        """Return the result of a model's recipe: remembered, or solved now."""
-        known = self.result(model, job.quality)
-        if known is not None:
-            return known
-        result = self.guarded(model).solve(model.state, job)
-        if job.quality == "final":
-            # A preview has some milliseconds, and its curves would be exchanged in a moment.
-            self.curves.try_to_learn(model, result)
-        with self._lock:
-            self._results[id(model.state), job.quality] = (model.state, result)
-            while len(self._results) > KEPT_RESULTS:
-                self._results.popitem(last=False)
-        return result
+        """Return the result of a model's recipe: remembered, or solved now.
+
+        What it follows has to be in it (`bozzetto.document.links.resolved`); that is solved too.
+
+        Raises
+        ------
+        UserError
+            If it has no solution, or one of its sources has none.
+        PluginFault
+            If its plugin fails.
+        """
+        return self._results.solve(model, job)
 
     def result(self, model: Model, quality: str = "final") -> Any | None:
-        """Return the remembered result of exactly this state, or None."""
-        with self._lock:
-            entry = self._results.get((id(model.state), quality))
-            if entry is None or entry[0] is not model.state:
-                return None
-            self._results.move_to_end((id(model.state), quality))
-            return entry[1]
+        """Return the remembered result of exactly this recipe, or None."""
+        return self._results.known(model, quality)
 
     def forget_results(self) -> None:
         """Drop all results and what modelers remember: their documents are closed."""
-        with self._lock:
-            self._results.clear()
+        self._results.forget()
         forget_all()
         self.curves.forget()
 
@@ -351,7 +350,7 @@ class Workbench:
             Solves what is not yet solved; without it unsolved models show what they can.
         """
         layers = list(self.underlay_layers(document))
-        for model in document:
+        for model in resolved(document).values():
             if model.visible and not self.is_foreign(model):
                 result = self.best_result(model) if job is None else self.solve(model, job)
                 layers.extend(self.model_scene(model, result).layers)
@@ -377,23 +376,45 @@ class Workbench:
         return isinstance(model.state, OpaqueState)
 
     def shapes(self, models: Iterable[Model], job: Job) -> Shapes:
-        """Return the shapes of models, in the world, named and coloured as in the document."""
+        """Return the shapes of models, in the world, named and coloured as in the document.
+
+        Of a document they are those of all its models; single models are given with what they
+        follow in them (`bozzetto.document.links.resolved`).
+        """
         total = Shapes()
-        for model in models:
+        for model in resolved(models).values() if isinstance(models, Document) else models:
             if self.is_foreign(model):
                 continue
-            shapes = self.guarded(model).shapes(model.state, self.solve(model, job))
-            total += shapes_in_world(shapes, model)
+            total += shapes_in_world(self.own_shapes(model, job), model)
         return total
+
+    def own_shapes(self, model: Model, job: Job) -> Shapes:
+        """Return the shapes of a model as its modeler hands them over, in its own frame."""
+        return self.guarded(model).shapes(model.state, self.solve(model, job))
 
     def report(self, model: Model, job: Job) -> dict[str, Any]:
         """Return figures on a model's quality, as JSON values; empty if its modeler has none."""
         said = self.guarded(model).report(model.state, self.solve(model, job))
         return {str(key): plain(value) for key, value in said.items()}
 
+    def figures(self, model: Model) -> Mapping[str, Figure]:
+        """Return the words, units and bounds of what `report` tells; see `Modeler.figures`."""
+        return self.registry.modeler(model.modeler).figures
+
+    def first_parameters(self, model: Model) -> tuple[str, ...]:
+        """Return the parameters of a model and its parts that come first in forms.
+
+        Those of a model whose plugin is not here come in their own order.
+        """
+        try:
+            return self.registry.modeler(model.modeler).first_parameters
+        except UserError:
+            return ()
+
     def cautions(self, model: Model, job: Job) -> tuple[Caution, ...]:
         """Return what a person must know of a model's result; empty where all is well."""
-        return self.guarded(model).cautions(model.state, self.solve(model, job))
+        told = self.guarded(model).cautions(model.state, self.solve(model, job))
+        return (*told, *frozen_cautions(model))
 
     def guarded(self, model: Model) -> GuardedModeler:
         """Return the modeler of a model.
@@ -409,3 +430,8 @@ class Workbench:
                 "installed or switched off. Install it to change this object."
             )
         return self.registry.guarded(model.modeler)
+
+
+def _overrides(method: object, base: object) -> bool:
+    """Whether a modeler's method is another one than the contract's."""
+    return getattr(method, "__func__", None) is not base

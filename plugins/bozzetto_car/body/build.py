@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, extent
-from bozzetto.plugin import Memory
+from bozzetto.plugin import override, remembered
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
 from bozzetto_car.array_types import Array
@@ -126,11 +126,6 @@ class Body:
         return measure_dimensions(extent(self.nets), front, rear)
 
 
-_bodies: Memory[Body] = Memory(REMEMBERED)
-_maps: Memory[Reshaping | None] = Memory(REMEMBERED)
-_first_seen: Memory[CarState] = Memory(FIRST_SEEN)
-
-
 def body_of(state: CarState, before: CarState | None = None) -> Body:
     """Return the body of a car.
 
@@ -149,7 +144,7 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
     body, wanted = unstretched_body_of(state, before), state.dimensions
     if not wanted.given() or body.dimensions_problem:
         return body
-    return _bodies.recall((body, wanted), partial(_finished, body, wanted))
+    return _finished(body, wanted)
 
 
 def sketch_cameras_of(state: CarState) -> Mapping[str, SketchCamera]:
@@ -181,8 +176,16 @@ def preview_of(state: CarState) -> Body:
     loose = replace(state, lock=False) if state.dimensions.given() else state
     if not state.edits:
         return body_of(loose)
-    edited = (_Same(state.edits), state.smooth, state.default_shape, state.annealed)
-    return body_of(loose, _first_seen.recall(edited, lambda: loose))
+    return body_of(loose, _first_seen(loose))
+
+
+@remembered(
+    limit=FIRST_SEEN,
+    key=lambda state: (_Same(state.edits), state.smooth, state.default_shape, state.annealed),
+)
+def _first_seen(state: CarState) -> CarState:
+    """Return the first car that was seen with the edits and the manner of deforming of a car."""
+    return state
 
 
 def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body:
@@ -203,8 +206,7 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
             return _carried(old, _right_after(old.solved, before), _deformed(base, state))
     body = _right_after(base, state)
     for number, edit in enumerate(state.edits):
-        work = partial(_edited, body, edit, number, state.smooth)
-        body = _bodies.recall((body, _Same(edit), number, state.smooth), work)
+        body = _edited(body, edit, number, state.smooth)
     return body
 
 
@@ -219,9 +221,11 @@ class _Same:
     def __init__(self, own: object) -> None:
         self.own = own
 
+    @override
     def __hash__(self) -> int:
         return id(self.own)
 
+    @override
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Same) and other.own is self.own
 
@@ -229,9 +233,12 @@ class _Same:
 # -- deformation -----------------------------------------------------------------------------------
 
 
+@remembered(
+    limit=REMEMBERED,
+    key=lambda base, state: (base, state.default_shape, state.annealed, state.smooth),
+)
 def _right_after(base: Solved, state: CarState) -> Body:
-    shape = (base, state.default_shape, state.annealed, state.smooth)
-    return _bodies.recall(shape, lambda: _deformed(base, state))
+    return _deformed(base, state)
 
 
 def _deformed(base: Solved, state: CarState) -> Body:
@@ -260,9 +267,12 @@ def in_world_of(body: Body, edit: BodyEdit) -> Network:
 
 
 def _map_to(network: Network, wanted: Dimensions) -> Reshaping | None:
-    if not wanted.given():
-        return None
-    return _maps.recall((network, wanted), partial(reshaping_of, network, wanted))
+    return _reshaping(network, wanted) if wanted.given() else None
+
+
+@remembered(limit=REMEMBERED)
+def _reshaping(network: Network, wanted: Dimensions) -> Reshaping | None:
+    return reshaping_of(network, wanted)
 
 
 def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
@@ -285,6 +295,10 @@ def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
     return stroke.points - placed.sketch_camera.shift, placed.sketch_camera.camera
 
 
+@remembered(
+    limit=REMEMBERED,
+    key=lambda body, edit, number, smooth: (body, _Same(edit), number, smooth),
+)
 def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
     """Return a body after one more edit; the same body and the reason where that is impossible."""
     try:
@@ -346,6 +360,7 @@ def _firmness(body: Body, in_hand: frozenset[int]) -> Array:
 # -- dimensions ------------------------------------------------------------------------------------
 
 
+@remembered(limit=REMEMBERED)
 def _finished(body: Body, wanted: Dimensions) -> Body:
     """Return the body with the dimensions that are wanted."""
     try:

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.view.calibration import Places
 from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import Reprojection
@@ -24,9 +24,7 @@ OPEN: Final = 1e-12
 """Share of the largest eigenvalue of a form below which a direction counts as undetermined."""
 
 
-_known: Memory[Places | None] = Memory(64)
-
-
+@remembered(limit=64)
 def expected(solved: Solved, sketch: str, node: int) -> Places | None:
     """Return where a sketch is expected to show a node; remembered.
 
@@ -45,10 +43,6 @@ def expected(solved: Solved, sketch: str, node: int) -> Places | None:
         One place with its covariance; None while the sketch has no camera, or where the node is
         not in front of it.
     """
-    return _known.recall((solved, sketch, node), lambda: _expected(solved, sketch, node))
-
-
-def _expected(solved: Solved, sketch: str, node: int) -> Places | None:
     joint = solved.joint
     if joint is None or sketch not in solved.solid:
         return None

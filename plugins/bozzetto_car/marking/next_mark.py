@@ -19,6 +19,11 @@ HIDDEN: Final = "This sketch is hidden. Show it to mark it."
 
 ALL_MARKED: Final = "All points are marked. Drag a mark to move it, or add another sketch."
 
+EXCHANGED: Final = (
+    "Left and right seem to be exchanged. The command “Exchange left and right” puts it right."
+)
+"""Message for marks that fit a mirrored car."""
+
 SIDES: Final = {"L": "left", "R": "right"}
 
 
@@ -148,15 +153,21 @@ def node_title(node: str, sketch: Sketch, template: Template) -> str:
     return f"{title}, {side}" if side else title
 
 
-def hint_of(state: CarState, solved: Solved) -> str:
-    """Return a hint that names the next mark and what it will bring."""
+def problem_of(placed: Placed) -> str:
+    """Return what is wrong with the camera that the marks give; "" while there are too few."""
+    if placed.problem and len(placed.sketch.marks) >= FEWEST:
+        return placed.problem
+    return EXCHANGED if placed.exchanged else ""
+
+
+def next_mark_in_words(state: CarState, solved: Solved) -> str:
+    """Return which mark is next, what it will bring, and what is wrong with those there are."""
     placed = in_work(state, solved)
     if placed is None:
         return HIDDEN if state.sketch is not None else "Drop a sketch of a car on the sheet."
     asked = asked_of(state, solved)
-    if asked is None:
-        return ALL_MARKED
-    return " ".join(_sentences(asked, placed, solved))
+    words = (ALL_MARKED,) if asked is None else tuple(_sentences(asked, placed, solved))
+    return " ".join((*words, problem_of(placed))).strip()
 
 
 def _sentences(asked: Asked, placed: Placed, solved: Solved) -> Iterator[str]:
@@ -173,5 +184,3 @@ def _sentences(asked: Asked, placed: Placed, solved: Solved) -> Iterator[str]:
     missing = FEWEST - len(sketch.marks)
     if missing > 0:
         yield f"The camera is found with {missing} more {'mark' if missing == 1 else 'marks'}."
-    elif not placed.is_known:
-        yield placed.problem

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry.patches import Patchwork, coons_nets, shaded
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.scene import Layer, Palette, Scene, Shaded, render
 from bozzetto.view import Camera, fit_points, triple
 from bozzetto_car.array_types import Array
@@ -66,9 +66,6 @@ class SmallCar:
 
     pixels: NDArray[np.uint8]
     place: tuple[float, float]
-
-
-_meshes: Memory[Scene] = Memory(8)
 
 
 def pose_of(template: Template, node: str) -> Pose:
@@ -133,9 +130,10 @@ def _outline(template: Template) -> Array:
 
 def _painted(template: Template, node: str, palette: Palette) -> Scene:
     tinted = template.pictures.get(node, USUAL).patches
-    return _meshes.recall((template, tinted, palette), lambda: _scene(template, tinted, palette))
+    return _scene(template, tinted, palette)
 
 
+@remembered(limit=8)
 def _scene(template: Template, tinted: tuple[str, ...], palette: Palette) -> Scene:
     network = Network.of(template)
     sides = template.sides.astype(np.int32)

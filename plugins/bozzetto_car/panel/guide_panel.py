@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QFormLayout,
     QFrame,
@@ -20,7 +21,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto.plugin import PanelHost
+from bozzetto.plugin import PanelHost, override
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.node_chart import NodeChart
 from bozzetto_car.panel.turning_car import TurningCar
@@ -32,6 +33,10 @@ from bozzetto_car.state import CarState
 PATIENCE: Final = 60
 """Time from a change to the update of the panel, ms: the program solves the car first, and its
 answer is then remembered."""
+
+ROOMY: Final = 270
+"""Height of the panel from which there is room for the picture of the car above what is to be done
+next and its buttons, px."""
 
 WORDS: Final = ("Back", "Skip", "Not visible")
 
@@ -68,16 +73,22 @@ class GuidePanel(QScrollArea):
         self._soon = QTimer(self, singleShot=True, interval=PATIENCE)
         self._soon.timeout.connect(self._look)
         self._build()
-        host.on_change(self._soon.start)
-        self._soon.start()
+        host.on_change(self._change_seen)
+        self._change_seen()
 
     @property
     def busy(self) -> bool:
         """Whether the panel does not show the newest state yet."""
         return self._soon.isActive() or self._work.busy
 
+    @override
     def sizeHint(self) -> QSize:
         return QSize(280, 560)
+
+    @override
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self.car.setVisible(self.viewport().height() >= ROOMY)
 
     # -- what there is -----------------------------------------------------------------------------
 
@@ -88,13 +99,13 @@ class GuidePanel(QScrollArea):
         column.setSpacing(6)
         self.car = TurningCar(inside)
         self.title = label(inside, kind="heading")
-        self.prompt = label(inside)
-        self.note = label(inside, kind="small", tone="quiet")
+        self.next_step = label(inside)
+        self.next_step.setObjectName("next-step")
         self.progress = Progress(inside)
         self.count = label(inside, kind="small", tone="quiet")
         self.chart = NodeChart(inside)
         self.chart.chosen.connect(self._choose)
-        for widget in (self.car, self.title, self.prompt, self.note):
+        for widget in (self.car, self.title, self.next_step):
             column.addWidget(widget)
         column.addLayout(self._buttons(inside))
         column.addSpacing(2)
@@ -139,6 +150,10 @@ class GuidePanel(QScrollArea):
 
     # -- what is shown -----------------------------------------------------------------------------
 
+    def _change_seen(self) -> None:
+        self.next_step.setText(self._host.next_step.sentence)
+        self._soon.start()
+
     def _look(self) -> None:
         state = self._host.state
         if isinstance(state, CarState) and state is not self._state:
@@ -147,11 +162,8 @@ class GuidePanel(QScrollArea):
     def _show(self, state: CarState, guide: Guide) -> None:
         self._state, self._guide = state, guide
         self.car.show_node(guide.template, guide.asked)
-        self.title.setText(guide.title or guide.note)
-        self.prompt.setText(guide.prompt)
-        self.prompt.setVisible(bool(guide.prompt))
-        self.note.setText(guide.note if guide.title else "")
-        self.note.setVisible(bool(self.note.text()))
+        self.title.setText(guide.title)
+        self.title.setVisible(bool(guide.title))
         self.progress.set_share(guide.count / len(guide.template.names))
         self.count.setText(f"{guide.count} of {len(guide.template.names)} marked")
         self.chart.show_guide(guide)

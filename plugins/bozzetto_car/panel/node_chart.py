@@ -19,6 +19,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
+from bozzetto.plugin import override
 from bozzetto_car.array_types import Array
 from bozzetto_car.panel.colors import palette_of, role, warning_of
 from bozzetto_car.panel.view_model import Chart, Guide, NodeRow, chart_of
@@ -113,6 +114,7 @@ class NodeChart(QWidget):
 
     # -- painting ----------------------------------------------------------------------------------
 
+    @override
     def paintEvent(self, event: QPaintEvent) -> None:
         guide, chart = self._guide, self._chart
         if guide is None or chart is None:
@@ -171,6 +173,7 @@ class NodeChart(QWidget):
 
     # -- the hand ----------------------------------------------------------------------------------
 
+    @override
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         if watched is self and isinstance(event, QHelpEvent):
             row = self._row_at(QPointF(event.pos()))
@@ -178,17 +181,21 @@ class NodeChart(QWidget):
             return True
         return False
 
+    @override
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         self._point_at(self._row_at(event.position()))
 
+    @override
     def leaveEvent(self, event: QEvent) -> None:
         self._point_at(None)
 
+    @override
     def mousePressEvent(self, event: QMouseEvent) -> None:
         row = self._row_at(event.position())
         if row is not None and event.button() == Qt.MouseButton.LeftButton:
             self.chosen.emit(row.node)
 
+    @override
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Go through the nodes with the arrow keys in the order of asking; Enter chooses one."""
         guide = self._guide
@@ -218,8 +225,10 @@ class NodeChart(QWidget):
 
     # -- Qt ----------------------------------------------------------------------------------------
 
+    @override
     def sizeHint(self) -> QSize:
         return QSize(260, 150)
 
+    @override
     def resizeEvent(self, event: object) -> None:
         self._fit()

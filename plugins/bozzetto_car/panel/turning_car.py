@@ -17,6 +17,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from bozzetto.plugin import override
 from bozzetto_car.panel.car_picture import Pose, SmallCar, between, pose_of, small_car
 from bozzetto_car.panel.colors import palette_of, role
 from bozzetto_car.panel.worker import Work
@@ -131,21 +132,26 @@ class TurningCar(QWidget):
 
     # -- Qt ----------------------------------------------------------------------------------------
 
+    @override
     def sizeHint(self) -> QSize:
         return QSize(260, round(260 * SHAPE))
 
+    @override
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self.setFixedHeight(round(SHAPE * self.width()))
         self._turn()
 
+    @override
     def showEvent(self, event: QShowEvent) -> None:
         self._turn()
 
+    @override
     def changeEvent(self, event: QEvent) -> None:
         super().changeEvent(event)
         self._turn()
 
+    @override
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)

@@ -14,14 +14,13 @@ from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.next_mark import (
-    HIDDEN,
     asked_of,
     in_work,
     neighbour_of,
     node_title,
     shown_nodes,
 )
-from bozzetto_car.solver.initial_cameras import FEWEST, Placed
+from bozzetto_car.solver.initial_cameras import Placed
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.uncertainty import further_views
 from bozzetto_car.state import CarState, Sketch
@@ -36,8 +35,6 @@ templates."""
 
 CHART_SIZE: Final = (1000.0, 1000.0)
 """Canvas of the chart's camera, px; only its shape counts."""
-
-NOT_SEEN: Final = "Probably not visible here. Skip it, unless the drawing shows it."
 
 PIECES: Final = 10
 """Pieces of an edge in the chart."""
@@ -114,12 +111,10 @@ class Guide:
     template : Template
     near : {"L", "R"}
         The side that the sketch in work shows.
-    asked, title, prompt : str
-        The node that is asked for, its name, and how to ask for it; "" for none.
+    asked, title : str
+        The node that is asked for and its name; "" for none.
     before, after : str
         The nodes that *Back* and *Skip* lead to; "" for none.
-    note : str
-        A remark: how many marks are missing, or that the node seems not to be visible.
     count : int
         Number of nodes that are marked.
     rows : tuple of NodeRow
@@ -136,10 +131,8 @@ class Guide:
     near: str
     asked: str
     title: str
-    prompt: str
     before: str
     after: str
-    note: str
     count: int
     rows: tuple[NodeRow, ...]
     sketches: tuple[SketchRow, ...]
@@ -162,17 +155,14 @@ def guide_of(state: CarState) -> Guide:
     sketch = None if placed is None else placed.sketch
     node = "" if asked is None else asked.node
     title = node_title(node, sketch, template) if sketch is not None and node else ""
-    is_hidden = placed is None and state.sketch is not None
     before, after = _neighbours(node, placed, solved)
     return Guide(
         template,
         "L" if sketch is None else sketch.shows,
         node,
         title,
-        template.prompts.get(node, ""),
         before,
         after,
-        _note(placed, asked is not None and asked.hidden, node, is_hidden),
         0 if sketch is None else sum(mark.node in template.node for mark in sketch.marks),
         () if placed is None else tuple(_rows(placed, solved, node)),
         tuple(_sketches(state, solved)),
@@ -190,23 +180,6 @@ def _neighbours(asked: str, placed: Placed | None, solved: Solved) -> tuple[str,
         return (marks[-1].node if marks else ""), ""
     after = neighbour_of(asked, 1, placed, solved)
     return neighbour_of(asked, -1, placed, solved), "" if after == asked else after
-
-
-def _note(placed: Placed | None, turned_away: bool, node: str, is_hidden: bool) -> str:
-    if is_hidden:
-        return HIDDEN
-    if placed is None:
-        return "Drop a sketch of a car on the sheet."
-    missing = FEWEST - len(placed.sketch.marks)
-    if missing > 0:
-        return f"{missing} more {'mark' if missing == 1 else 'marks'} until the camera is found."
-    if not placed.is_known:
-        return placed.problem
-    if placed.exchanged:
-        return "Left and right seem to be exchanged."
-    if not node:
-        return "All points are marked, or noted as not visible."
-    return NOT_SEEN if turned_away else ""
 
 
 def _rows(placed: Placed, solved: Solved, asked: str) -> Iterator[NodeRow]:

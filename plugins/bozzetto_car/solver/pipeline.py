@@ -9,7 +9,7 @@ quicker.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -17,7 +17,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import coons_nets, extent
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.camera.sketch_camera import SketchCamera
@@ -77,11 +77,6 @@ class Solved:
     solid: tuple[str, ...]
 
 
-_solves: Memory[Solved] = Memory(REMEMBERED)
-_frames: Memory[Solved] = Memory(FRAMES)
-_templates: Memory[Template] = Memory(8)
-
-
 def template_of(state: CarState) -> Template:
     """Return the template of a car.
 
@@ -92,7 +87,12 @@ def template_of(state: CarState) -> Template:
     """
     if not state.own:
         return bundled(state.template)
-    return _templates.recall(state.own, lambda: read_template(state.own.encode()))
+    return _own_template(state.own)
+
+
+@remembered(limit=8)
+def _own_template(text: str) -> Template:
+    return read_template(text.encode())
 
 
 def solve_car(state: CarState, before: CarState | None = None) -> Solved:
@@ -115,8 +115,18 @@ def solve_car(state: CarState, before: CarState | None = None) -> Solved:
     """
     key = _question(state)
     if before is None or key == (start := _question(before)):
-        return _solves.recall(key, lambda: _solved(state, None))
-    return _frames.recall((key, start), lambda: _solved(state, solve_car(before)))
+        return _from_nothing(key, state)
+    return _from_before((key, start), state, before)
+
+
+@remembered(limit=REMEMBERED, key=lambda question, state: question)
+def _from_nothing(question: Hashable, state: CarState) -> Solved:
+    return _solved(state, None)
+
+
+@remembered(limit=FRAMES, key=lambda questions, state, before: questions)
+def _from_before(questions: Hashable, state: CarState, before: CarState) -> Solved:
+    return _solved(state, solve_car(before))
 
 
 def _question(state: CarState) -> tuple[object, ...]:

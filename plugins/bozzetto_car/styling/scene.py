@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.geometry.patches import points_at
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.scene import Item, Lines, Paint
 from bozzetto_car.array_types import Array, Index
 from bozzetto_car.body.build import Body
@@ -28,8 +28,6 @@ any usual distance."""
 REMEMBERED: Final = 16
 """Number of bodies whose styling lines are remembered."""
 
-_lines: Memory[tuple[tuple[Array, ...], ...]] = Memory(REMEMBERED)
-
 
 def shown_styling(state: CarState) -> tuple[StylingCurve, ...]:
     """Return the styling curves that are visible, in the order of the list."""
@@ -44,8 +42,7 @@ def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
     made: list[Item] = []
     images: list[Item] = []
     curves = shown_styling(state)
-    row = _lines.recall((curves, body), lambda: tuple(_laid_out(own, body) for own in curves))
-    for curve, lines in zip(curves, row, strict=True):
+    for curve, lines in zip(curves, _all_laid_out(curves, body), strict=True):
         chosen = curve.id == state.selected
         paint: Paint = "accent" if chosen else curve.color or "ink"
         if not lines:
@@ -61,6 +58,11 @@ def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
 
 def _line(points: Array, starts: Index, paint: Paint, width: float) -> Lines:
     return Lines(points.astype(np.float32), starts.astype(np.int32), color=paint, width=width)
+
+
+@remembered(limit=REMEMBERED)
+def _all_laid_out(curves: tuple[StylingCurve, ...], body: Body) -> tuple[tuple[Array, ...], ...]:
+    return tuple(_laid_out(own, body) for own in curves)
 
 
 def _laid_out(curve: StylingCurve, body: Body) -> tuple[Array, ...]:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from functools import partial
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
-from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture, Ink, Memory, Tool
+from bozzetto.plugin import Context, Gesture, Ink, Preview, Tool, override
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_car.body.build import body_of
 from bozzetto_car.state import CarState, StylingCurve
@@ -23,8 +21,6 @@ from bozzetto_car.styling.stroke_line import one_stroke
 NAME: Final = "Styling"
 """Name of new curves; a number follows."""
 
-_growing: Memory[Growing] = Memory(limit=4)
-
 
 class Style(Tool[CarState]):
     """The tool for styling curves: a stroke along a curve bends it, any other is a new curve."""
@@ -33,40 +29,23 @@ class Style(Tool[CarState]):
     title = "Style"
     icon = "icons/style.svg"
     hint = "Draw a line on the body, from any side. Draw over a styling curve to change it."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
-    def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
-        """Show the line on the body as it is drawn."""
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
-            return Scene()
-        stroke = gesture.strokes[-1]
-        try:
-            body = body_of(state)
-        except UserError:
-            return Scene()
-        question = (body, stroke.camera, stroke.points[:1].tobytes())
-        growing = _growing.recall(question, partial(Growing, body.nets, stroke.camera))
-        lines = tuple(
-            Lines(line.astype(np.float32), color="accent", width=CHOSEN_WIDTH, hidden="show")
-            for line in growing.lines(stroke.points.astype(float))
-        )
-        return Scene((Layer("styling growing", lines),)) if lines else Scene()
+    @override
+    def begin(self, state: CarState, context: Context) -> Preview[CarState]:
+        """Return the preview of a line that grows."""
+        return GrowingPreview(self, state, context)
 
-    def apply(self, state: CarState, gesture: Gesture, context: Context) -> CarState:
+    @override
+    def draw(self, state: CarState, ink: Ink, context: Context) -> CarState:
         """Add a curve, or change the one that was drawn over.
 
         Raises
         ------
         UserError
-            If the stroke is a dot, misses the body, or leads a curve off it; if there is
-            nothing under the eraser.
+            If the stroke is a dot, misses the body, or leads a curve off it.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw a line on the body with the pen.")
         body = body_of(state)
-        if gesture.strokes[-1].tool == "eraser":
-            return erase(state, body, gesture.strokes[-1])
-        camera, stroke = gesture.camera, one_stroke(gesture.strokes)
+        camera, stroke = ink.camera, one_stroke(ink.strokes)
         target = target_of(shown_styling(state), body, stroke, camera, state.selected)
         if target is None:
             new = project_stroke(body, stroke, camera)
@@ -75,3 +54,34 @@ class Style(Tool[CarState]):
         side = mirror_curve(target.curve) if target.mirrored else target.curve
         bent = oversketch(side, body, stroke, camera)
         return state.with_node(mirror_curve(bent) if target.mirrored else bent)
+
+    @override
+    def erase(self, state: CarState, ink: Ink, context: Context) -> CarState:
+        """Take away what the eraser's path lies over; see `erase`."""
+        return erase(state, body_of(state), ink.strokes[-1])
+
+
+class GrowingPreview(Preview[CarState]):
+    """The line on the body as it is drawn."""
+
+    _growing: Growing | None = None
+
+    @override
+    def update(self, gesture: Gesture) -> Scene:
+        """Return what lies on the body of the stroke so far.
+
+        Raises
+        ------
+        UserError
+            If there is no body yet.
+        """
+        if not isinstance(gesture, Ink) or gesture.erases:
+            return Scene()
+        stroke = gesture.strokes[-1]
+        if self._growing is None:
+            self._growing = Growing(body_of(self.state).nets, stroke.camera)
+        lines = tuple(
+            Lines(line.astype(np.float32), color="accent", width=CHOSEN_WIDTH, hidden="show")
+            for line in self._growing.lines(stroke.points.astype(float))
+        )
+        return Scene((Layer("styling growing", lines),)) if lines else Scene()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -14,10 +14,11 @@ from bozzetto.view import Camera
 from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.marking.edit_marks import set_mark, sketch_in_work, without_marks
-from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, hint_of
-from bozzetto_car.solver.pipeline import solve_car, template_of
+from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of
+from bozzetto_car.solver.pipeline import template_of
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.mark_items import MARK, MARK_TOOL, mark_preview
+from bozzetto_car.view.next_step import next_mark_step
 from bozzetto_car.view.view_advice import camera_looked_through
 
 Seen = tuple[CarState, ...]
@@ -44,44 +45,77 @@ class MarkPoints(Tool[CarState]):
     title = "Mark points"
     icon = "icons/mark.svg"
     hint = "Drop a sketch on the sheet, then touch each point that is asked for."
-    gesture: Literal["ink", "tap", "drag"] = "drag"
+    gesture = "drag"
     aims = True
 
     @override
     def next_step(self, state: CarState) -> NextStep:
-        """Return which point to touch, in the template's words."""
-        return NextStep(hint_of(state, solve_car(state)))
+        """Return which point to touch, in the template's words, and where it is expected."""
+        return next_mark_step(state)
 
+    @override
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
         """Show the car with the mark, on the picture."""
         if isinstance(gesture, Ink):
             return Scene()
-        try:
-            before = body_of(state)
-            mark = _mark(state, before, gesture, _seen(context))
-            moved = set_mark(state, mark.node, (mark.u, mark.v), before.template)
-            after = body_of(moved, before=state)
-        except UserError:
-            return Scene()
+        before = body_of(state)
+        mark = _mark(state, before, gesture, _seen(context))
+        moved = set_mark(state, mark.node, (mark.u, mark.v), before.template)
+        after = body_of(moved, before=state)
         return mark_preview(before, after, moved, _same_mark(mark, sketch_in_work(moved).marks))
 
-    def apply(self, state: CarState, gesture: Gesture, context: Context) -> CarState:
-        """Set, move or remove marks.
+    @override
+    def erase(self, state: CarState, ink: Ink, context: Context) -> CarState:
+        """Remove the marks that the eraser runs over.
+
+        Raises
+        ------
+        UserError
+            If there is none under it.
+        """
+        return _erased(state, _seen_body(state), ink, context.pen.tolerance)
+
+    @override
+    def tap(self, state: CarState, tap: Tap, context: Context) -> CarState:
+        """Set the mark that is asked for.
 
         Raises
         ------
         UserError
             If there is nothing to mark, or the sketch is not seen as it was drawn.
         """
-        body = body_of(state)
-        if sketch_in_work(state).id not in body.sketch_cameras:
-            raise UserError(HIDDEN)
-        if isinstance(gesture, Ink):
-            return _erased(state, body, gesture, context.pen.tolerance)
-        if isinstance(gesture, Drag) and _is_touch(gesture):
-            return state
-        mark = _mark(state, body, gesture, _seen(context))
-        return set_mark(state, mark.node, (mark.u, mark.v), template_of(state))
+        return _marked(state, _seen_body(state), tap, context)
+
+    @override
+    def drag(self, state: CarState, drag: Drag, context: Context) -> CarState:
+        """Move a mark; a touch changes nothing.
+
+        Raises
+        ------
+        UserError
+            If the handle is no mark, or the sketch is not seen as it was drawn.
+        """
+        body = _seen_body(state)
+        return state if _is_touch(drag) else _marked(state, body, drag, context)
+
+
+def _seen_body(state: CarState) -> Body:
+    """Return the body under the sketch in work.
+
+    Raises
+    ------
+    UserError
+        If that sketch is hidden.
+    """
+    body = body_of(state)
+    if sketch_in_work(state).id not in body.sketch_cameras:
+        raise UserError(HIDDEN)
+    return body
+
+
+def _marked(state: CarState, body: Body, gesture: Tap | Drag, context: Context) -> CarState:
+    mark = _mark(state, body, gesture, _seen(context))
+    return set_mark(state, mark.node, (mark.u, mark.v), template_of(state))
 
 
 def _mark(state: CarState, body: Body, gesture: Tap | Drag, seen: Seen) -> Mark:
@@ -141,8 +175,6 @@ def _same_mark(mark: Mark, marks: tuple[Mark, ...]) -> Mark:
 def _erased(state: CarState, body: Body, gesture: Ink, tolerance: float) -> CarState:
     """Return the state without the marks that an eraser ran over."""
     sketch = sketch_in_work(state)
-    if any(stroke.tool != "eraser" for stroke in gesture.strokes):
-        raise UserError("Touch the point that is asked for.")
     sketch_camera = body.sketch_cameras[sketch.id]
     places = sketch_camera.lifted(
         np.array([(mark.u, mark.v) for mark in sketch.marks]).reshape(-1, 2)

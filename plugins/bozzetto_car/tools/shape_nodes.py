@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -36,7 +36,7 @@ class ShapeNodes(Tool[CarState]):
     title = "Nodes and tangents"
     icon = "icons/nodes.svg"
     hint = "Drag a node. Touch a node or an edge for its tangents, and drag their ends."
-    gesture: Literal["ink", "tap", "drag"] = "drag"
+    gesture = "drag"
 
     @override
     def next_step(self, state: CarState) -> NextStep:
@@ -45,18 +45,29 @@ class ShapeNodes(Tool[CarState]):
             return NextStep(self.hint)
         return NextStep(f"Drag the tangents of {state.revealed}, or touch another node or edge.")
 
+    @override
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
         """Show the body after the drag."""
         if not isinstance(gesture, Drag):
             return Scene()
-        try:
-            made = self.apply(state, gesture, context)
-            return Scene(tuple(body_layers(made, body_of(made), gesture.camera)))
-        except UserError:
-            return Scene()
+        made = self.drag(state, gesture, context)
+        return Scene(tuple(body_layers(made, body_of(made), gesture.camera)))
 
-    def apply(self, state: CarState, gesture: Gesture, context: Context) -> CarState:
-        """Move a node, bend an edge, or reveal the tangents of what is touched.
+    @override
+    def tap(self, state: CarState, tap: Tap, context: Context) -> CarState:
+        """Reveal the tangents of what is touched.
+
+        Raises
+        ------
+        UserError
+            If there is no body yet.
+        """
+        name = touched(body_in_work(state).network, (tap.x, tap.y), tap.camera)
+        return replace(state, revealed=name)
+
+    @override
+    def drag(self, state: CarState, drag: Drag, context: Context) -> CarState:
+        """Move a node, or bend an edge; of a handle that is only touched, reveal the tangents.
 
         Raises
         ------
@@ -64,14 +75,9 @@ class ShapeNodes(Tool[CarState]):
             If there is no body yet, or the handle does not belong to it or is behind the eye.
         """
         body = body_in_work(state)
-        if isinstance(gesture, Tap):
-            name = touched(body.network, (gesture.x, gesture.y), gesture.camera)
-            return replace(state, revealed=name)
-        if not isinstance(gesture, Drag):
-            raise UserError("Drag a node, or touch one to see its tangents.")
-        if np.ptp(gesture.path.points, axis=0).max() < STILL:
-            return replace(state, revealed=_touched_handle(state, gesture.handle))
-        edit = _edit_of(state, body, gesture)
+        if np.ptp(drag.path.points, axis=0).max() < STILL:
+            return replace(state, revealed=_touched_handle(state, drag.handle))
+        edit = _edit_of(state, body, drag)
         return replace(state, edits=add_drag(state.edits, edit))
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.plugin import Context, Gesture, Ink, Tool
+from bozzetto.plugin import Context, Gesture, Ink, Tool, override
 from bozzetto.scene import Layer, Scene
 from bozzetto_car.body.build import Body, body_of, drawn_through, in_world_of, unstretched_body_of
 from bozzetto_car.body.edge_runs import find_run
@@ -35,41 +35,45 @@ class TraceEdges(Tool[CarState]):
     title = "Trace edges"
     icon = "icons/trace.svg"
     hint = "Draw along an edge where it is to run. The eraser takes back what bent an edge."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
+    @override
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
         """Show the edges after the stroke."""
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
-        try:
-            made, edit = _traced(state, gesture.strokes[-1])
-            body = body_of(made)
-        except UserError:
-            return Scene()
+        made, edit = _traced(state, gesture.strokes[-1])
+        body = body_of(made)
         if any(trouble.number == len(made.edits) - 1 for trouble in body.troubles):
             return Scene()
         held = [body.template.edge_names.index(name) for name in edit.edges]
         return Scene((Layer("network", tuple(edge_items(made, body, held))),))
 
-    def apply(self, state: CarState, gesture: Gesture, context: Context) -> CarState:
+    @override
+    def draw(self, state: CarState, ink: Ink, context: Context) -> CarState:
         """Bend the edges that the strokes run along, one stroke after the other.
 
         Raises
         ------
         UserError
-            If a stroke runs along no edge, or is seen end-on; if nothing that was traced is
-            under the eraser.
+            If a stroke runs along no edge, or is seen end-on.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw along an edge with the pen.")
-        if gesture.strokes[-1].tool == "eraser":
-            return _erased(state, gesture.strokes[-1])
-        for stroke in gesture.strokes:
+        for stroke in ink.strokes:
             state, _ = _traced(state, stroke)
             told = body_of(state).troubles
             if told and told[-1].number == len(state.edits) - 1:
                 raise UserError(told[-1].message)
         return state
+
+    @override
+    def erase(self, state: CarState, ink: Ink, context: Context) -> CarState:
+        """Take back the last stroke or drag that bent the edge under the eraser.
+
+        Raises
+        ------
+        UserError
+            If nothing that was traced is under it.
+        """
+        return _erased(state, ink.strokes[-1])
 
 
 def _traced(state: CarState, stroke: Stroke) -> tuple[CarState, TracedEdges]:

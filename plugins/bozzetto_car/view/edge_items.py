@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from functools import partial
 from typing import Final
 
 import numpy as np
 
 from bozzetto.geometry.patches import SMOOTH, bernstein
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Hidden, Item, Label, Layer, Lines, Paint, Points
 from bozzetto.view import Camera, triple
 from bozzetto_car.array_types import Array
@@ -60,9 +59,6 @@ LABEL_SIZE: Final = 11.0
 
 LABEL_ROOM: Final = (46.0, 16.0)
 """Width and height, px, of the space that such a label keeps free."""
-
-
-_sources: Memory[tuple[Source, ...]] = Memory(REMEMBERED)
 
 
 def network_lines(
@@ -145,9 +141,10 @@ def _crossed_smoothly(body: Body) -> set[int]:
 
 def sources_of(body: Body) -> tuple[Source, ...]:
     """Return whether each node is seen in a sketch, mirrored, or guessed."""
-    return _sources.recall(body.solved, partial(_found, body.solved))
+    return _found(body.solved)
 
 
+@remembered(limit=REMEMBERED)
 def _found(solved: Solved) -> tuple[Source, ...]:
     if solved.joint is None:
         nothing: Source = "guessed"

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import shaded
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.scene import Image, Item, Layer, Scene, Shaded
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
@@ -38,8 +37,6 @@ SKETCH_LAYERS: Final = ("sketch", "marks")
 
 REMEMBERED: Final = 16
 """Number of layers of surfaces that are remembered, so that a viewport can keep its copies."""
-
-_surfaces: Memory[Layer] = Memory(REMEMBERED)
 
 
 def scene_of(state: CarState, body: Body | None) -> Scene:
@@ -78,10 +75,9 @@ def body_in_work(state: CarState) -> Body:
 
 def body_layers(state: CarState, body: Body, camera: Camera | None = None) -> list[Layer]:
     """Return the layers of surfaces, wheels, edges, nodes and handles; see `handle_layer`."""
-    look = (body, state.body, state.shading)
     return [
-        _surfaces.recall(("body", *look), partial(_body_layer, state, body)),
-        _surfaces.recall(("wheels", *look, state.wheels), partial(_wheel_layer, state, body)),
+        _body_layer(state, body),
+        _wheel_layer(state, body),
         Layer("network", tuple(edge_items(state, body))),
         Layer("nodes", tuple(node_items(state, body))),
         handle_layer(state, body, camera),
@@ -110,6 +106,7 @@ def _picture(sketch: Sketch | None, body: Body) -> Iterator[Image]:
         yield sketch_camera.image(sketch.picture, sketch.opacity)
 
 
+@remembered(limit=REMEMBERED, key=lambda state, body: (body, state.body, state.shading))
 def _body_layer(state: CarState, body: Body) -> Layer:
     return Layer("body", tuple(_skin(state, body)))
 
@@ -129,6 +126,7 @@ def _skin(state: CarState, body: Body) -> Iterator[Shaded]:
     )
 
 
+@remembered(limit=REMEMBERED, key=lambda state, body: (body, state.wheels, state.shading))
 def _wheel_layer(state: CarState, body: Body) -> Layer:
     """Return the layer of the wheels; empty over a drawing, which shows its own."""
     items: tuple[Item, ...] = ()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import ViewAdvice
@@ -17,17 +17,10 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, sketch_cameras_of
 from bozzetto_car.camera.sketch_camera import SketchCamera
-from bozzetto_car.marking.next_mark import asked_of, in_work, node_title
-from bozzetto_car.solver.initial_cameras import FEWEST, Placed
+from bozzetto_car.marking.next_mark import in_work, problem_of
+from bozzetto_car.solver.initial_cameras import Placed
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.view.scene import body_layers, is_shown, view_dependent_scene
-
-NO_SKETCH: Final = "Drop a sketch on the sheet, or look at the template."
-
-EXCHANGED: Final = (
-    "Left and right seem to be exchanged. The command “Exchange left and right” puts it right."
-)
-"""Message for marks that fit a mirrored car."""
 
 DRAFTED: Final = ("body", "wheels", "network")
 """Layers that look different over a drawing, so that the drawing is visible."""
@@ -113,15 +106,21 @@ def _camera_before(sketch: Sketch, state: CarState) -> SketchCamera | None:
 
 
 def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
-    """Return advice on a view: the mark that is asked for, or the way back to the sketch."""
+    """Return advice on a view: through the sketch in work, or the way back to it."""
     scene, placed = view_dependent_scene(state, body, camera), in_work(state, body.solved)
     if placed is None:
-        return ViewAdvice("good", NO_SKETCH, scene=scene)
+        return ViewAdvice("good", "", scene=scene)
     sketch = placed.sketch
     sketch_camera = body.sketch_cameras[sketch.id]
     if sketch_camera.is_seen_through(camera):
-        level, message = _message_through_sketch(state, body, placed)
-        return ViewAdvice(level, message, None, scene + _draft(state, body, placed), pinned=True)
+        problem = problem_of(placed)
+        return ViewAdvice(
+            "warn" if problem else "good",
+            problem,
+            None,
+            scene + _draft(state, body, placed),
+            pinned=True,
+        )
     better = sketch_camera.view(camera.viewport)
     if state.selected == sketch.id and _sees_another(state, body, camera):
         return ViewAdvice("good", f"“{sketch.name}” is chosen.", better, scene, follow=True)
@@ -147,18 +146,3 @@ def _sees_another(state: CarState, body: Body, camera: Camera) -> bool:
     """Whether a view looks through a sketch of the car that is not the one in work."""
     others = (one for one in state.sketches if one is not state.sketch)
     return any(camera_looked_through(other, body, camera) is not None for other in others)
-
-
-def _message_through_sketch(
-    state: CarState, body: Body, placed: Placed
-) -> tuple[Literal["good", "warn"], str]:
-    """Return the level and message for a view through the camera of the sketch in work."""
-    sketch = placed.sketch
-    if placed.problem and len(sketch.marks) >= FEWEST:
-        return "warn", placed.problem
-    if placed.exchanged:
-        return "warn", EXCHANGED
-    asked = asked_of(state, body.solved)
-    if asked is None:
-        return "good", f"All of “{sketch.name}” is marked."
-    return "good", f"Next mark: {node_title(asked.node, sketch, body.template)}"

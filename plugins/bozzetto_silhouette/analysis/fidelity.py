@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.analysis.projected_outline import shadow_of
 from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
@@ -132,12 +132,10 @@ def deviation_along(solid: SilhouetteSolid, ring: Floats) -> tuple[Floats, Float
     return points, np.asarray(gap, np.float64)
 
 
-_shadows: Memory[BaseGeometry] = Memory(limit=8)
-
-
+@remembered(limit=8)
 def _shadow(solid: SilhouetteSolid) -> BaseGeometry:
     """Return the projection of a solid; remembered, for all rings of an outline need it."""
-    return _shadows.recall(solid, lambda: shadow_of(solid.vertices, solid.faces))
+    return shadow_of(solid.vertices, solid.faces)
 
 
 def area_of(vertices: Floats, faces: Faces) -> float:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from bozzetto.plugin import Caution, Memory
+from bozzetto.plugin import Caution, remembered
 from bozzetto_silhouette.analysis.fidelity import Fidelity, area_of, measure
 from bozzetto_silhouette.analysis.wall_thickness import Walls, walls_of
 from bozzetto_silhouette.inflation.manifold_check import topology_of
@@ -29,13 +29,16 @@ PRINTABLE_DETAIL = 0.4
 UNLIKE = 0.01
 """Deviation from the drawing, as a share of its diagonal, that is worth a warning."""
 
-_fidelities: Memory[Fidelity] = Memory(limit=256)
-_walls: Memory[Walls] = Memory(limit=64)
 
-
+@remembered(limit=256)
 def fidelity_of(solid: SilhouetteSolid, outline: Outline) -> Fidelity:
     """Compare a part's solid with its outline; remembered."""
-    return _fidelities.recall((solid, outline), lambda: measure(solid, outline))
+    return measure(solid, outline)
+
+
+@remembered(limit=64)
+def _walls(solid: SilhouetteSolid | Body) -> Walls:
+    return walls_of(solid.vertices, solid.faces)
 
 
 def report_of(
@@ -119,7 +122,7 @@ def _of_part(
         "area": found.area * scale**2,
     }
     if part.id == state.selected:
-        walls = _walls.recall(solid, lambda: walls_of(solid.vertices, solid.faces))
+        walls = _walls(solid)
         figures["thinnest_wall"] = walls.thinnest * scale
         figures["thinnest_place"] = [float(v) for v in place.points([walls.place])[0]]
     return figures
@@ -128,7 +131,7 @@ def _of_part(
 def _of_whole(body: Body) -> dict[str, Any]:
     """Return the figures of the whole shape."""
     sound = topology_of(body.vertices, body.faces)
-    walls = _walls.recall(body, lambda: walls_of(body.vertices, body.faces))
+    walls = _walls(body)
     return {
         "status": sound.status,
         "watertight": sound.watertight,

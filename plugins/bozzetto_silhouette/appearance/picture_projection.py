@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.appearance.vertex_colors import Coat
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Picture
@@ -36,9 +36,6 @@ from there little of what lies beyond the edge is seen."""
 
 SOFT_SIDE = 256
 """Longest side of the softened picture, pixels: it is smooth, so few tell all."""
-
-_levels: Memory[Level] = Memory(limit=4)
-"""Few, because the finest one of a large picture takes 64 megabytes."""
 
 
 class Level(NamedTuple):
@@ -131,22 +128,19 @@ def axes_of(picture: Picture) -> Floats:
     return np.asarray(square, np.float64)
 
 
+@remembered(limit=4)  # few, because the finest one of a large picture takes 64 megabytes
 def _level(picture: Picture, factor: int) -> Level:
     """Average `factor` times `factor` pixels of a picture into one."""
-
-    def work() -> Level:
-        pixels = picture.pixels
-        height, width = pixels.shape[:2]
-        short = (-height % factor, -width % factor)
-        whole = np.pad(pixels, ((0, short[0]), (0, short[1]), (0, 0)), "edge").astype(np.float32)
-        whole[..., 3] *= np.float32(1.0 / 255.0)
-        whole[..., :3] *= whole[..., 3:]
-        rows, columns = whole.shape[0] // factor, whole.shape[1] // factor
-        squares = whole.reshape(rows, factor, columns, factor, 4).mean(axis=(1, 3))
-        bordered = np.pad(squares, ((1, 1), (1, 1), (0, 0)), "edge")
-        return Level(bordered, np.array([width, height], np.float64) / factor)
-
-    return _levels.recall((picture, factor), work)
+    pixels = picture.pixels
+    height, width = pixels.shape[:2]
+    short = (-height % factor, -width % factor)
+    whole = np.pad(pixels, ((0, short[0]), (0, short[1]), (0, 0)), "edge").astype(np.float32)
+    whole[..., 3] *= np.float32(1.0 / 255.0)
+    whole[..., :3] *= whole[..., 3:]
+    rows, columns = whole.shape[0] // factor, whole.shape[1] // factor
+    squares = whole.reshape(rows, factor, columns, factor, 4).mean(axis=(1, 3))
+    bordered = np.pad(squares, ((1, 1), (1, 1), (0, 0)), "edge")
+    return Level(bordered, np.array([width, height], np.float64) / factor)
 
 
 def _softened(level: Level, sigma: float) -> Level:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh, Texture
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.appearance.picture_projection import axes_of, projection_of, texel_of
 from bozzetto_silhouette.appearance.texture_baking import baked
 from bozzetto_silhouette.appearance.vertex_colors import (
@@ -44,10 +44,6 @@ class Painted(NamedTuple):
 
     mesh: Mesh
     shown: Mesh
-
-
-_textures: Memory[Texture] = Memory(limit=2)
-"""By the content; a large one takes 64 MB."""
 
 
 def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore) -> Painted:
@@ -102,9 +98,11 @@ def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
     picture = state.picture
     if picture is None:
         return None
-    return _textures.recall((state.nodes, picture, body), lambda: _baked(state, body, picture))
+    return _baked(state, body, picture)
 
 
+# By the content; a large one takes 64 MB.
+@remembered(limit=2, key=lambda state, body, picture: (state.nodes, picture, body))
 def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
     under = _corner_coat(state, body)
     places = np.concatenate([body.vertices, body.normals], axis=1)

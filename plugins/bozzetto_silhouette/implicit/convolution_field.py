@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.kernel_sums import THINNEST, Summation, Sums, summation_of
 from bozzetto_silhouette.implicit.weight_fit import fit_weights
@@ -197,10 +197,8 @@ def _guarded(
     return result, np.minimum(slope, -1e-2)
 
 
-_fields: Memory[ConvolutionField] = Memory(limit=16)
-"""The preview's field is the final solid's, too: it does not depend on the resolution."""
-
-
+# The preview's field is the final solid's, too: it does not depend on the resolution.
+@remembered(limit=16)
 def convolution_field(
     frame: Frame, *, softness: float = 1.4, kernel: Kernel = "scalis"
 ) -> ConvolutionField:
@@ -215,10 +213,6 @@ def convolution_field(
     kernel : str
         The function that is summed along the skeleton.
     """
-    return _fields.recall((frame, softness, kernel), lambda: _fitted(frame, softness, kernel))
-
-
-def _fitted(frame: Frame, softness: float, kernel: Kernel) -> ConvolutionField:
     rim = frame.rim
     summation = summation_of(frame.skeleton, kernel, softness, float(rim.radius.max()))
     return ConvolutionField(

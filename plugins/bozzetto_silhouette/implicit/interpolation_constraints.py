@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.geometry import Placement
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.implicit.variational import (
     SPACING,
@@ -115,10 +115,8 @@ class Fit:
     constraints: Constraints
 
 
-_fits: Memory[Fit] = Memory(limit=16)
-"""The preview's surface is the final solid's, too: it does not depend on the resolution."""
-
-
+# The preview's surface is the final solid's, too: it does not depend on the resolution.
+@remembered(limit=16)
 def fitted(frame: Frame, most: int = MOST_OUTLINE_POINTS) -> Fit:
     """Fit the variational surface through an outline; remembered.
 
@@ -134,10 +132,6 @@ def fitted(frame: Frame, most: int = MOST_OUTLINE_POINTS) -> Fit:
     UserError
         If no surface passes through it.
     """
-    return _fits.recall((frame, most), lambda: _fit(frame, most))
-
-
-def _fit(frame: Frame, most: int) -> Fit:
     rim = frame.rim
     distance = RimDistance(rim.points, rim.after)
     heights = _heights(frame)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
 from bozzetto_silhouette.inflation.manifold_check import Soundness, soundness_of
@@ -37,11 +36,6 @@ whether every drawn vertex is kept."""
 
 Layout = tuple[Rim, Plan]
 
-
-_layouts: Memory[Layout | None] = Memory(limit=64)
-_squares: Memory[Floats] = Memory(limit=64)
-"""Neither depends on the thickness, and the plan on nothing but the outline: who drags one of
-them does not wait for the others."""
 
 CONVOLUTION = ConvolutionHeights()
 UNIFORM = Uniform()
@@ -89,12 +83,20 @@ class SilhouetteSolid:
     soundness: Soundness
 
 
+# Neither plan nor squares depend on the thickness, and the plan on nothing but the outline: who
+# drags one of them does not wait for the others.
+@remembered(limit=64)
 def _laid_out(frame: Frame, step: float, every_vertex: bool) -> Layout | None:
     """Sample an outline and triangulate its inside; None where the samples cross themselves."""
     rim = sample_rim(frame.inner.rings, step, FINEST * step, every_vertex=every_vertex)
     if not rim.simple and not every_vertex:
         return None
     return rim, plan_of(rim, frame.axis, step)
+
+
+@remembered(limit=64, key=lambda model, frame, rim, plan: (plan, model))
+def _squares(model: HeightModel, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+    return model.squares(frame, rim, plan)
 
 
 def solidify(
@@ -137,16 +139,12 @@ def solidify(
     for share, every_vertex in _ATTEMPTS:
         step = share * PITCH / resolution
         checkpoint(0.15, "plan")
-        layout = _layouts.recall(
-            (frame, step, every_vertex), partial(_laid_out, frame, step, every_vertex)
-        )
+        layout = _laid_out(frame, step, every_vertex)
         if layout is None:
             continue
         rim, plan = layout
         checkpoint(0.4, "surface")
-        square = _squares.recall(
-            (plan, height_model), partial(height_model.squares, frame, rim, plan)
-        )
+        square = _squares(height_model, frame, rim, plan)
         checkpoint(0.8, "mesh")
         up, down = thickness.factors(frame, plan, square, square)
         front = square * up**2

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 
 import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Oversketch, Part, Removal, Smoothing
 from bozzetto_silhouette.outline.edits import Rings, edited
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
-
-_outlines: Memory[Outline] = Memory(limit=512)
-"""The tool looks at an outline before the solver does, and at those of all parts at every
-stroke."""
-
-_rings: Memory[Rings] = Memory(limit=512)
-"""After every edit: the next one begins there."""
 
 
 def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Floats]:
@@ -40,6 +33,8 @@ def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Floats]:
     return found
 
 
+# The tool looks at an outline before the solver does, and at those of all parts at every stroke.
+@remembered(limit=512, key=lambda part: (part.strokes, part.sheet, part.edits))
 def outline_of(part: Part) -> Outline:
     """Return the closed rings of a part's ink after all edits, in the part's object frame.
 
@@ -48,15 +43,10 @@ def outline_of(part: Part) -> Outline:
     UserError
         If the ink does not close or crosses itself; its places are canvas pixels.
     """
-    question = (part.strokes, part.sheet, part.edits)
-
-    def work() -> Outline:
-        outline = outline_from_rings([ring for ring in rings_of(part) if ring is not None])
-        if not outline.rings:
-            raise UserError("Nothing is left of this outline. Undo the last step on it.")
-        return outline
-
-    return _outlines.recall(question, work)
+    outline = outline_from_rings([ring for ring in rings_of(part) if ring is not None])
+    if not outline.rings:
+        raise UserError("Nothing is left of this outline. Undo the last step on it.")
+    return outline
 
 
 def rings_of(part: Part) -> Rings:
@@ -72,16 +62,13 @@ def rings_of(part: Part) -> Rings:
     edits = [(type(e), e.ring, b"" if isinstance(e, Removal) else e.stroke.digest)
              for e in part.edits]  # fmt: skip
     for count in range(len(edits) + 1):
-        before = rings
-
-        def work(count: int = count, before: Rings = before) -> Rings:
-            return _after(part, before, count)
-
-        rings = _rings.recall((ink, tuple(edits[:count])), work)
+        rings = _after((ink, tuple(edits[:count])), part, rings, count)
     return rings
 
 
-def _after(part: Part, before: Rings, count: int) -> Rings:
+# After every edit: the next one begins there.
+@remembered(limit=512, key=lambda ink_and_edits, part, before, count: ink_and_edits)
+def _after(ink_and_edits: Hashable, part: Part, before: Rings, count: int) -> Rings:
     """Return the rings after so many edits, from those after one edit less."""
     edit = part.edits[count - 1] if count else None
     strokes = (edit.stroke,) if isinstance(edit, Oversketch | Smoothing) else tuple(part.strokes)

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.outline.boundary_sampling import Rim, corner_mask, sample_rim
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chordal_axis, simplified
@@ -71,10 +71,8 @@ class Frame:
     skeleton: Skeleton
 
 
-_frames: Memory[Frame] = Memory(limit=64)
-"""The preview's frame is the final solid's, too: it does not depend on the resolution."""
-
-
+# The preview's frame is the final solid's, too: it does not depend on the resolution.
+@remembered(limit=64)
 def frame_of(outline: Outline, rule: SkeletonRule = "exact") -> Frame:
     """Sample an outline and take its skeleton.
 
@@ -91,10 +89,6 @@ def frame_of(outline: Outline, rule: SkeletonRule = "exact") -> Frame:
         If the outline needs more samples than there is room for, or the paper's skeleton has
         more nodes than its kernels can sum up in seconds.
     """
-    return _frames.recall((outline, rule), lambda: _framed(outline, rule))
-
-
-def _framed(outline: Outline, rule: SkeletonRule) -> Frame:
     low, high = outline.bounds
     scale, origin = outline.size, 0.5 * (low + high)
     inner = outline.transformed(1.0 / scale, -origin / scale)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.geometry import Placement, Rig
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
@@ -120,9 +120,7 @@ class _Piece:
         return float(self.radii.max())
 
 
-_armatures: Memory[Armature | None] = Memory(limit=64)
-
-
+@remembered(limit=64, key=lambda state: state.nodes)
 def armature_of(state: SilhouetteState) -> Armature | None:
     """Return the joints of all parts that add to the shape; None where there are none.
 
@@ -140,10 +138,6 @@ def armature_of(state: SilhouetteState) -> Armature | None:
     UserError
         If a part's ink is no outline.
     """
-    return _armatures.recall(state.nodes, lambda: _armature_of(state))
-
-
-def _armature_of(state: SilhouetteState) -> Armature | None:
     adding = list(_adding(state))
     waiting = [
         _Piece(part, placement_of(state, part), joints, skeleton)

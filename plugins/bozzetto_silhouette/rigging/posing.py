@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement, Rig, Skin
-from bozzetto.plugin import Drag, Memory
+from bozzetto.plugin import Drag, remembered
 from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
 from bozzetto_silhouette.appearance.surface_look import Painted
 from bozzetto_silhouette.arrays import Floats
@@ -64,11 +64,17 @@ class _Rest(NamedTuple):
         return Skin(rig, self.joints, self.weights).posed(self.mesh)
 
 
-_weights: Memory[tuple[NDArray[np.uint16], NDArray[np.float32]]] = Memory(limit=16)
-"""By the nodes of the state and the body."""
+@remembered(limit=16, key=lambda nodes, armature, body, checkpoint: (nodes, body))
+def _weights(
+    nodes: tuple[Any, ...], armature: Armature, body: Body, checkpoint: Checkpoint
+) -> tuple[NDArray[np.uint16], NDArray[np.float32]]:
+    return followed(armature, body, checkpoint)
 
-_rests: Memory[_Rest] = Memory(limit=16)
-"""The shape shown last, by the nodes of the state: a drag does not change them."""
+
+@remembered(limit=16)
+def _shown_last(nodes: tuple[Any, ...]) -> _Rest | None:
+    """Return the shape that was shown last of some nodes: a drag does not change them."""
+    return None
 
 
 def rig_of(state: SilhouetteState) -> Rig | None:
@@ -100,14 +106,12 @@ def skinned(
     armature = armature_of(state)
     if armature is None:
         return Posed(look.mesh, look.shown, None)
-    joints, weights = _weights.recall(
-        (state.nodes, body), lambda: followed(armature, body, checkpoint)
-    )
+    joints, weights = _weights(state.nodes, armature, body, checkpoint)
     # What is shown has the same faces; where colours meet some of its vertices are copies.
     original = np.zeros(len(look.shown.vertices), np.intp)
     original[look.shown.faces] = look.mesh.faces
     rest = _Rest(look.shown, joints[original], weights[original])
-    _rests.put(state.nodes, rest)
+    _shown_last.put(rest, state.nodes)
     rig = _turned(armature, state.turns)
     skin = Skin(rig, joints, weights, None if rig.turns is None else look.mesh)
     mesh = skin.posed(look.mesh)
@@ -185,7 +189,7 @@ def posed_scene(state: SilhouetteState, drag: Drag) -> Scene:
         return Scene()
     rig, layer = rig_of(after), joints_layer(after)
     layers = [] if layer is None else [layer]
-    rest = _rests.known(state.nodes)
+    rest = _shown_last.known(state.nodes)
     if rest is not None and rig is not None:
         layers.insert(0, Layer("shape", (Shaded(rest.posed(rig), pickable=False),)))
     return Scene(tuple(layers))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bozzetto.geometry import Placement
+from bozzetto.plugin import override
 from bozzetto_silhouette.arrays import Faces, Floats, Indices
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
@@ -78,6 +79,7 @@ class Body:
         """Corners of the box around the mesh, (2, 3)."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
+    @override
     def __sizeof__(self) -> int:
         """Return the bytes besides its arrays: mostly the copy of the mesh in manifold3d."""
         return object.__sizeof__(self) + VERTEX * len(self.vertices)

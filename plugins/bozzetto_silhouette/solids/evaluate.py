@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from bozzetto.plugin import Memory
+from bozzetto.geometry import Placement
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
@@ -13,13 +14,6 @@ from bozzetto_silhouette.solids.boolean import combined
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.traversal import put_together
-
-_joined: Memory[Body | None] = Memory(limit=256)
-"""By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
-give the same body. Each entry may hold a mesh of the whole."""
-
-_moved: Memory[Body] = Memory(limit=16)
-"""Groups where they were moved to."""
 
 
 class Tree(NamedTuple):
@@ -58,6 +52,22 @@ def evaluated(state: SilhouetteState, resolution: int, checkpoint: Checkpoint = 
     return Tree(body, making.solids)
 
 
+# By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
+# give the same body. Each entry may hold a mesh of the whole.
+@remembered(
+    limit=256,
+    key=lambda before, body, node, checkpoint: (before, body, node.operation, node.blend),
+)
+def _joined(before: Body, body: Body, node: Part | Group, checkpoint: Checkpoint) -> Body | None:
+    return combined(before, body, node.operation, node.blend, checkpoint)
+
+
+@remembered(limit=16)
+def _moved(body: Body, pose: Placement) -> Body:
+    """Return a group where it was moved to."""
+    return body.placed(pose)
+
+
 @dataclass
 class _Making:
     """One pass over the tree, and how far it has come."""
@@ -80,13 +90,10 @@ class _Making:
         return body
 
     def moved(self, body: Body, group: Group) -> Body:
-        return _moved.recall((body, group.pose), lambda: body.placed(group.pose))
+        return _moved(body, group.pose)
 
     def joined(self, before: Body, body: Body, node: Part | Group) -> Body | None:
-        return _joined.recall(
-            (before, body, node.operation, node.blend),
-            lambda: combined(before, body, node.operation, node.blend, self._step),
-        )
+        return _joined(before, body, node, self._step)
 
     def _step(self, fraction: float, words: str) -> None:
         # A leaf and what is made of it are both a part's work: the bar never goes back.

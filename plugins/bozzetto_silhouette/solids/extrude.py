@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
@@ -49,8 +49,6 @@ round."""
 
 RADIUS_TOLERANCE = 1e-3
 """Accuracy of the inscribed radius, as a share of the longest side."""
-
-_bodies: Memory[Body] = Memory(limit=128)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +134,12 @@ def acts_on(part: Part) -> bool:
     return part.surface == "straight" and part.operation in ("carve", "intersect")
 
 
+def _depends_on(part: Part, around: Floats | None, resolution: int) -> Hashable:
+    box = None if around is None else tuple(float(v) for v in around.ravel())
+    return part.recipe, part.id, part.pose, box, resolution
+
+
+@remembered(limit=128, key=_depends_on)
 def straight_body(part: Part, around: Floats | None, resolution: int) -> Body:
     """Return the body of a part that goes straight through, in the frame of the part's group.
 
@@ -155,14 +159,6 @@ def straight_body(part: Part, around: Floats | None, resolution: int) -> Body:
     UserError
         If the part's ink is no outline, or for a cut no line across.
     """
-    box: Hashable = None if around is None else tuple(float(v) for v in around.ravel())
-    return _bodies.recall(
-        (part.recipe, part.id, part.pose, box, resolution),
-        lambda: _swept(part, around, resolution),
-    )
-
-
-def _swept(part: Part, around: Floats | None, resolution: int) -> Body:
     corners = None
     if around is not None:
         corners = part.placement.inverse().points(corners_of(around))

@@ -7,12 +7,13 @@ that fails the blend is held back, in the function as in the mesh, and tried aga
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite, Sides, signature
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
@@ -122,11 +123,6 @@ class Fillet(NamedTuple):
     solid: Composite
 
 
-_fillets: Memory[Fillet] = Memory(limit=512)
-"""By a crease and by what is blended there: where nothing changed, a fillet is the same,
-whatever was done to the rest of the tree."""
-
-
 def filleted(
     vertices: Floats,
     faces: Indices,
@@ -158,14 +154,7 @@ def filleted(
         zone = faces[of_face == number]
         local = _in_place(near, vertices[np.unique(zone)])
         numbers, inner = _in_order(vertices, zone)
-        question = (signature(local), step, vertices[numbers].tobytes(), inner.tobytes())
-
-        def work(
-            numbers: Indices = numbers, inner: Indices = inner, local: Composite = local
-        ) -> Fillet:
-            return _made(vertices[numbers], inner, local, step, checkpoint)
-
-        parts.append((numbers, _fillets.recall(question, work)))
+        parts.append((numbers, _made(vertices[numbers], inner, local, step, checkpoint)))
     return _set_in(vertices, faces[of_face < 0], parts, solid)
 
 
@@ -217,6 +206,17 @@ def _set_in(
     )
 
 
+def _depends_on(
+    vertices: Floats, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
+) -> Hashable:
+    """Return what a fillet depends on: its crease, and what is blended there.
+
+    Where nothing changed, it is the same, whatever was done to the rest of the tree.
+    """
+    return signature(solid), step, vertices.tobytes(), faces.tobytes()
+
+
+@remembered(limit=512, key=_depends_on)
 def _made(
     vertices: Floats, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
 ) -> Fillet:

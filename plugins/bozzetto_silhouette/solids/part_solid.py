@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
 
 import numpy as np
 
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.inflation.heightfield import Relief
 from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
 from bozzetto_silhouette.inflation.membrane import MembraneHeights
@@ -21,15 +22,12 @@ from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.extrude import straight_body
 from bozzetto_silhouette.solids.surface_constraints import constraints_on
 
-_solids: Memory[SilhouetteSolid] = Memory(limit=256)
-_rests: Memory[Body] = Memory(limit=256)
-"""In the object frame: what is moved or mirrored keeps the function of space that was fitted
-to it."""
 
-_bodies: Memory[Body] = Memory(limit=256)
-"""Where they stand: a drag makes one at every move of the pen."""
+def _recipe(part: Part, resolution: int, checkpoint: Checkpoint) -> Hashable:
+    return part.recipe, resolution
 
 
+@remembered(limit=256, key=_recipe)
 def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> SilhouetteSolid:
     """Return the solid of a part in its object frame, at a resolution; remembered.
 
@@ -38,35 +36,36 @@ def solid_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Si
     UserError
         If the part's ink is no outline.
     """
-
-    def work() -> SilhouetteSolid:
-        return solidify(
-            outline_of(part),
-            resolution=resolution,
-            height_model=_height_model(part),
-            thickness=_thickness(part),
-            rule=part.skeleton,
-            checkpoint=checkpoint,
-        )
-
-    return _solids.recall((part.recipe, resolution), work)
+    return solidify(
+        outline_of(part),
+        resolution=resolution,
+        height_model=_height_model(part),
+        thickness=_thickness(part),
+        rule=part.skeleton,
+        checkpoint=checkpoint,
+    )
 
 
 def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Body:
     """Return a part as a body, in the frame of its group; a slab where it goes straight through."""
     if part.surface == "straight":
         return straight_body(part, None, resolution)
-    rest = _rests.recall(
-        (part.recipe, resolution), lambda: _at_rest(part, solid_of(part, resolution, checkpoint))
-    )
-    return _bodies.recall(
-        (rest, part.id, part.pose),
-        lambda: replace(rest, sources=(part.id,)).placed(part.placement),
-    )
+    return _placed(_at_rest(part, resolution, checkpoint), part)
 
 
-def _at_rest(part: Part, solid: SilhouetteSolid) -> Body:
-    """Return a part's body in its object frame: the same for all parts drawn alike."""
+# A drag makes one at every move of the pen.
+@remembered(limit=256, key=lambda rest, part: (rest, part.id, part.pose))
+def _placed(rest: Body, part: Part) -> Body:
+    return replace(rest, sources=(part.id,)).placed(part.placement)
+
+
+@remembered(limit=256, key=_recipe)
+def _at_rest(part: Part, resolution: int, checkpoint: Checkpoint) -> Body:
+    """Return a part's body in its object frame: the same for all parts drawn alike.
+
+    What is moved or mirrored keeps the function of space that was fitted to it.
+    """
+    solid = solid_of(part, resolution, checkpoint)
     relief = Relief(solid)
     return Body(
         solid.vertices,

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Memory
 from bozzetto.plugin import Part as AnyPart
+from bozzetto.plugin import remembered
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.arrays import Floats
@@ -26,9 +26,6 @@ from bozzetto_silhouette.solids.part_solid import body_of
 PICKED_CELLS = 64
 """Resolution of the solids that the pen is held against: that of the preview, which has been
 worked out before anybody can point at it."""
-
-_meshes: Memory[Mesh] = Memory(limit=64)
-"""Kept as they are, so that the tree of boxes in each is built once."""
 
 
 def groups_around(state: SilhouetteState, node: Part | Group) -> list[Group]:
@@ -128,6 +125,13 @@ def drawn_profile(state: SilhouetteState, part: Part) -> list[Floats]:
     return found
 
 
+# Kept as they are, so that the tree of boxes in each is built once.
+@remembered(limit=64, key=lambda part: part.recipe)
+def _at_home(part: Part) -> Mesh:
+    body = body_of(part, PICKED_CELLS)
+    return Mesh(body.vertices.astype(np.float32), body.faces)
+
+
 def distances_under(
     state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera
 ) -> Floats:
@@ -149,15 +153,9 @@ def distances_under(
     (n,) float
         mm along the line of sight; inf beside the part, and for a part that has no surface.
     """
-    at_home = replace(part, pose=Placement())
-
-    def work() -> Mesh:
-        body = body_of(at_home, PICKED_CELLS)
-        return Mesh(body.vertices.astype(np.float32), body.faces)
-
     rays = camera.rays(pixels)
     try:
-        mesh = _meshes.recall(at_home.recipe, work)
+        mesh = _at_home(replace(part, pose=Placement()))
     except UserError:
         return np.full(len(rays.origins), np.inf)
     back = carried(state, part).inverse()

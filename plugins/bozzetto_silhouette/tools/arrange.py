@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
-from bozzetto.plugin import Context, Drag, Gesture, Tap
+from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.rigging.posing import JOINT, posed, posed_scene
 from bozzetto_silhouette.solids.coarse_draft import draft_surface
 from bozzetto_silhouette.solids.placements import carried, groups_around
-from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.view.drag_motion import moved, resized, settled, turned
 from bozzetto_silhouette.view.handles import ARRANGE, grip_of, handles_layer
 from bozzetto_silhouette.view.picking import touched_part
@@ -25,27 +25,27 @@ Moved = TypeVar("Moved", bound=Part | Group)
 LIVE_CELLS = 48
 """Resolution of the shape while a part is dragged."""
 
+NOTHING = "There is nothing to arrange yet. Draw a shape first."
 
-class Arrange(PoseAwareTool):
+
+class Arrange(ErasingTool):
     """Tap a part to choose it, drag its handles; beside all parts nothing is chosen."""
 
     id = ARRANGE
     title = "Arrange"
     icon = "icons/arrange.svg"
     hint = "Tap a part, then drag its handles: the middle moves it, the ring turns and sizes it."
-    gesture: Literal["ink", "tap", "drag"] = "drag"
+    gesture = "drag"
 
+    @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Show the whole shape as it would be, coarsely, in place of the shape shown."""
         if not isinstance(gesture, Drag):
             return Scene()
         if gesture.handle.startswith(JOINT):
             return posed_scene(state, gesture)
-        try:
-            arranged = self.apply(state, gesture, context)
-            draft = draft_surface(arranged, LIVE_CELLS)
-        except UserError:
-            return Scene()
+        arranged = self.drag(state, gesture, context)
+        draft = draft_surface(arranged, LIVE_CELLS)
         held = handles_layer(arranged)
         handles = () if held is None else (held,)
         if draft is None:
@@ -54,8 +54,23 @@ class Arrange(PoseAwareTool):
         mesh = Mesh(vertices.astype(np.float32), faces, normals.astype(np.float32))
         return Scene((Layer("shape", (Shaded(mesh, pickable=False),)), *handles))
 
-    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
-        """Choose, move, turn or size.
+    @override
+    def tap(self, state: SilhouetteState, tap: Tap, context: Context) -> SilhouetteState:
+        """Choose the part that is touched; beside all parts, none.
+
+        Raises
+        ------
+        UserError
+            If there is no part.
+        """
+        if not state.nodes:
+            raise UserError(NOTHING)
+        part = touched_part(state, tap.x, tap.y, tap.camera)
+        return replace(state, selected="" if part is None else _chosen(state, part))
+
+    @override
+    def drag(self, state: SilhouetteState, drag: Drag, context: Context) -> SilhouetteState:
+        """Move, turn or size.
 
         Raises
         ------
@@ -63,26 +78,20 @@ class Arrange(PoseAwareTool):
             If there is no part, the handle's is gone, or the drag says nothing from this side.
         """
         if not state.nodes:
-            raise UserError("There is nothing to arrange yet. Draw a shape first.")
-        if isinstance(gesture, Tap):
-            part = touched_part(state, gesture.x, gesture.y, gesture.camera)
-            chosen = "" if part is None else _chosen(state, part)
-            return replace(state, selected=chosen)
-        if not isinstance(gesture, Drag):
-            raise UserError("Tap a part to choose it, then drag its handles.")
-        if gesture.handle.startswith(JOINT):
-            return posed(state, gesture)
-        kind, _, node_id = gesture.handle.partition(":")
+            raise UserError(NOTHING)
+        if drag.handle.startswith(JOINT):
+            return posed(state, drag)
+        kind, _, node_id = drag.handle.partition(":")
         node = next((node for node in state.nodes if node.id == node_id), None)
         grip = None if node is None else grip_of(state, node)
         if node is None or grip is None or kind not in ("move", "turn", "size"):
             raise UserError("This handle holds nothing any more. Tap a part to choose it.")
-        start, end = gesture.path.points[0].astype(float), gesture.path.points[-1].astype(float)
-        camera = gesture.camera
+        start, end = drag.path.points[0].astype(float), drag.path.points[-1].astype(float)
+        camera = drag.camera
         if kind == "move":
-            motion = moved(grip.middle, camera, start, end, along_axis=gesture.shift)
+            motion = moved(grip.middle, camera, start, end, along_axis=drag.shift)
         elif kind == "turn":
-            motion = turned(grip.middle, camera, start, end, stepped=gesture.shift)
+            motion = turned(grip.middle, camera, start, end, stepped=drag.shift)
         else:
             motion = resized(grip.middle, camera, start, end)
         return state.with_node(after_motion(state, node, motion))

@@ -6,14 +6,13 @@ from dataclasses import replace
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes, is_closed_gesture, resample
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import sheet_under
 from bozzetto_silhouette.model.state import Cut, Part, SilhouetteState
 from bozzetto_silhouette.tools.cut_preview import cut_preview
-from bozzetto_silhouette.tools.erase import erased
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.insert_node import check_that_it_carves, insert_node
-from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.tools.through_preview import trace_of
 from bozzetto_silhouette.view.picking import shape_seen
 
@@ -21,7 +20,7 @@ LOOKS = 96
 """Lines of sight along the line."""
 
 
-class DrawCut(PoseAwareTool):
+class DrawCut(ErasingTool):
     """An open line cuts straight through; what falls away can be changed afterwards."""
 
     id = "cut"
@@ -29,19 +28,17 @@ class DrawCut(PoseAwareTool):
     icon = "icons/cut.svg"
     hint = "Draw a line right across the shape; the smaller side falls away."
 
+    @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Show where the cut would run, carried on at its ends, and what would fall away."""
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
-        stroke = gesture.strokes[-1]
-        try:
-            cut = _cut(state, stroke, context)
-            touch = shape_seen(state)
-            return Scene() if touch is None else cut_preview(cut, touch)
-        except UserError:
-            return Scene()
+        cut = _cut(state, gesture.strokes[-1], context)
+        touch = shape_seen(state)
+        return Scene() if touch is None else cut_preview(cut, touch)
 
-    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+    @override
+    def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
         """Carve the side of the line that has less volume.
 
         Raises
@@ -49,13 +46,9 @@ class DrawCut(PoseAwareTool):
         UserError
             If the line closes, crosses itself, or leaves nothing on one of its sides.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw the line of the cut with the pen.")
-        if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
-        if len(gesture.strokes) > 1:
+        if len(ink.strokes) > 1:
             raise UserError("A cut is one line. Draw it in one stroke, right across the shape.")
-        stroke = gesture.strokes[0]
+        stroke = ink.strokes[0]
         if _is_hole(state, stroke):
             raise UserError(
                 "This line comes back to its start. Draw it right across the shape, or take "

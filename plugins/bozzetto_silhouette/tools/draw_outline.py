@@ -9,21 +9,21 @@ import numpy as np
 
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import FRONT_TOLERANCE, sheet_under
 from bozzetto_silhouette.model.state import Edit, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, rings_of, surrounds
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, stroke_in
-from bozzetto_silhouette.tools.erase import erased, without
-from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
+from bozzetto_silhouette.tools.erase import without
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 
 OPEN_GAP = 0.2
 """Gap between the ends of an outline, as a part of its diagonal, up to which a stroke counts
 as meant to be closed."""
 
 
-class DrawOutline(PoseAwareTool):
+class DrawOutline(ErasingTool):
     """One closed outline makes a part; drawn inside a part on its sheet, a hole in it."""
 
     id = "draw"
@@ -31,17 +31,19 @@ class DrawOutline(PoseAwareTool):
     icon = "icons/draw.svg"
     hint = "Draw a closed outline; inside a shape it becomes a hole."
 
+    @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Show the shape that the ink so far inflates to."""
         from bozzetto_silhouette.inflation.live_preview import inflated_scene
 
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
         sheet = sheet_under(gesture.strokes[0], context)
         points = np.concatenate([sheet.from_pixels(s.points, s.camera) for s in gesture.strokes])
         return inflated_scene(points, sheet) if np.isfinite(points).all() else Scene()
 
-    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+    @override
+    def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
         """Add a part or a hole.
 
         Raises
@@ -51,17 +53,13 @@ class DrawOutline(PoseAwareTool):
         UserError
             If the ink crosses itself, or is too little to be an outline.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw an outline with the pen.")
-        if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
-        if not gesture.committed and not meets_itself(gesture.strokes):
+        if not ink.committed and not meets_itself(ink.strokes):
             raise Unfinished("Go on with the outline, or press Enter to close it.")
         part = Part(
             id=state.unused_id(),
             name=state.unused_name("Part"),
-            strokes=Strokes(gesture.strokes),
-            sheet=sheet_under(gesture.strokes[0], context),
+            strokes=Strokes(ink.strokes),
+            sheet=sheet_under(ink.strokes[0], context),
         )
         outline_of(part)
         return _nested(state, part)

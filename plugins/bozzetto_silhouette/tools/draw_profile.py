@@ -6,15 +6,14 @@ from dataclasses import replace
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Strokes
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Ink, override
 from bozzetto_silhouette.inflation.profile import understood
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.placements import shown_parts, stroke_in
-from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 
 
-class DrawProfile(PoseAwareTool):
+class DrawProfile(ErasingTool):
     """The ink becomes the profile of the chosen part, in place of the one that it had."""
 
     id = "profile"
@@ -22,7 +21,8 @@ class DrawProfile(PoseAwareTool):
     icon = "icons/profile.svg"
     hint = "Turn the view to the side, then draw how thick the chosen part is."
 
-    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+    @override
+    def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
         """Give the chosen part a profile.
 
         Raises
@@ -30,12 +30,8 @@ class DrawProfile(PoseAwareTool):
         UserError
             If no part is chosen, or the ink is no profile of it.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw the profile with the pen.")
-        if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
         part = _meant(state)
-        profile = Strokes(stroke_in(state, part, stroke) for stroke in gesture.strokes)
+        profile = Strokes(stroke_in(state, part, stroke) for stroke in ink.strokes)
         changed = replace(part, profile=profile)
         understood(changed)
         return state.with_node(changed)

@@ -13,21 +13,20 @@ import numpy as np
 
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes, close_stroke, is_closed_gesture, resample
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Scene
 from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
-from bozzetto_silhouette.tools.erase import erased
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.insert_node import (
     NOTHING,
     check_that_it_carves,
     insert_node,
     volume_left,
 )
-from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.tools.through_preview import parts_at, trace_of
 from bozzetto_silhouette.view.picking import Touch, shape_seen
 
@@ -82,7 +81,7 @@ class _Base:
     parts: tuple[Part, ...]
 
 
-class Extrude(PoseAwareTool):
+class Extrude(ErasingTool):
     """Two strokes: where something grows, and what grows there."""
 
     id = "extrude"
@@ -90,26 +89,25 @@ class Extrude(PoseAwareTool):
     icon = "icons/extrude.svg"
     hint = "Draw a ring on the shape, then the outline of what grows out of it or into it."
 
+    @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Show the ring on the surface, and the shape that the second stroke inflates to so far."""
         from bozzetto_silhouette.inflation.live_preview import inflated_scene
 
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
         ring, *more = gesture.strokes
-        try:
-            touch = shape_seen(state)
-            if touch is None:
-                return Scene()
-            shown = trace_of(touch, _loop(ring), ring.camera).scene(through=False)
-            if not more:
-                return shown
-            strokes, sheet = _drawn_so_far(state, _base(state, ring), more[0])
-            return shown + inflated_scene(np.concatenate(points_on_sheet(strokes, sheet)), sheet)
-        except UserError:
+        touch = shape_seen(state)
+        if touch is None:
             return Scene()
+        shown = trace_of(touch, _loop(ring), ring.camera).scene(through=False)
+        if not more:
+            return shown
+        strokes, sheet = _drawn_so_far(state, _base(state, ring), more[0])
+        return shown + inflated_scene(np.concatenate(points_on_sheet(strokes, sheet)), sheet)
 
-    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+    @override
+    def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
         """Add what grows, or carve what is pressed in.
 
         Raises
@@ -120,18 +118,14 @@ class Extrude(PoseAwareTool):
             If the ring is not on the shape, the second stroke does not start and end at it,
             or it cannot be seen from here how far it grows.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw a ring on the shape with the pen.")
-        if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
-        base = _base(state, gesture.strokes[0])
-        if len(gesture.strokes) == 1:
-            raise (UserError if gesture.committed else Unfinished)(
+        base = _base(state, ink.strokes[0])
+        if len(ink.strokes) == 1:
+            raise (UserError if ink.committed else Unfinished)(
                 "Turn the view if you like, then draw the outline of what grows out of it."
             )
-        if len(gesture.strokes) > 2:
+        if len(ink.strokes) > 2:
             raise UserError("Two strokes make an extrusion: the ring, and what grows out of it.")
-        part = _grown(state, base, gesture.strokes[1])
+        part = _grown(state, base, ink.strokes[1])
         outline_of(part)
         after = state.with_node(part)
         if part.operation == "carve":

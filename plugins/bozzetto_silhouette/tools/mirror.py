@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture, Tap
+from bozzetto.plugin import Context, Tap, override
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.tools.arrange import after_motion
-from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.view.drag_motion import mirrored
 from bozzetto_silhouette.view.picking import TOUCHED_CELLS, touched_part
 
@@ -24,7 +23,7 @@ SAME = 0.02
 part's size: the meshes of two like halves differ by less."""
 
 
-class MirrorCopy(PoseAwareTool):
+class MirrorCopy(ErasingTool):
     """A twin across the plane of symmetry, right after the part itself.
 
     With Shift, and for a part that is its own mirror image there, across the upright plane
@@ -35,9 +34,10 @@ class MirrorCopy(PoseAwareTool):
     title = "Mirror copy"
     icon = "icons/mirror.svg"
     hint = "Tap a part for its mirror image across the plane of symmetry; Shift: left and right."
-    gesture: Literal["ink", "tap", "drag"] = "tap"
+    gesture = "tap"
 
-    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+    @override
+    def tap(self, state: SilhouetteState, tap: Tap, context: Context) -> SilhouetteState:
         """Add the twin.
 
         Raises
@@ -45,14 +45,12 @@ class MirrorCopy(PoseAwareTool):
         UserError
             If there is no part under the pen, or it is its own mirror image.
         """
-        if not isinstance(gesture, Tap):
-            raise UserError("Tap the part whose mirror image you want.")
-        part = touched_part(state, gesture.x, gesture.y, gesture.camera)
+        part = touched_part(state, tap.x, tap.y, tap.camera)
         if part is None:
             raise UserError("There is no part here. Tap the part whose mirror image you want.")
         point, normal = np.asarray(context.symmetry_point), np.asarray(context.symmetry_normal)
         across = np.cross(normal, UP)
-        planes = [across] if gesture.shift else [normal, across]
+        planes = [across] if tap.shift else [normal, across]
         twins = (
             replace(
                 after_motion(state, part, mirrored(point, plane)),

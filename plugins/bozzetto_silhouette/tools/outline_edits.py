@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.oversketch import ring_drawn_over
@@ -24,8 +24,7 @@ from bozzetto_silhouette.solids.placements import (
     outlined_parts,
     stroke_in,
 )
-from bozzetto_silhouette.tools.erase import erased
-from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 
 ChooseRing = Callable[[Rings, Floats, float], int]
 MakeEdit = Callable[[Stroke, int], Edit]
@@ -103,32 +102,27 @@ def _as_seen(problem: UserError, mirrored: bool, stroke: Stroke) -> UserError:
     return UserError(problem.message, places=[(width - x, y) for x, y in problem.places])
 
 
-class _EditsOutline(PoseAwareTool):
+class _EditsOutline(ErasingTool):
     """A tool that changes the outline of the part that a stroke is drawn over.
 
     Attributes
     ----------
-    refusal : str
-        What is said to who taps.
     choose : callable
         As for `edited_part`.
     make : callable
         As for `edited_part`.
     """
 
-    refusal: str
     choose: ChooseRing
     make: MakeEdit
 
+    @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Show the outline that would come; nothing while the stroke is not understood."""
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
-        try:
-            part = edited_part(state, gesture.strokes[-1], self.choose, self.make)
-            rings = drawn_rings(state, part)
-        except UserError:
-            return Scene()
+        part = edited_part(state, gesture.strokes[-1], self.choose, self.make)
+        rings = drawn_rings(state, part)
         closed = [np.vstack([ring, ring[:1]]) for ring in rings]
         starts = np.cumsum([0, *(len(ring) for ring in closed[:-1])])
         points = np.concatenate(closed)
@@ -137,7 +131,8 @@ class _EditsOutline(PoseAwareTool):
         lines = Lines(points.astype(np.float32), starts, color="accent", width=2.0, hidden="show")
         return Scene((Layer("preview", (lines,)),))
 
-    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+    @override
+    def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
         """Change the outline of the part under each stroke.
 
         Raises
@@ -145,11 +140,7 @@ class _EditsOutline(PoseAwareTool):
         UserError
             If no outline is near, or the new one crosses itself.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError(self.refusal)
-        if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
-        for stroke in gesture.strokes:
+        for stroke in ink.strokes:
             state = state.with_node(edited_part(state, stroke, self.choose, self.make))
         return state
 
@@ -161,7 +152,6 @@ class SketchOver(_EditsOutline):
     title = "Sketch over"
     icon = "icons/oversketch.svg"
     hint = "Draw a piece of the outline again, from the line back to the line."
-    refusal = "Draw over the outline with the pen."
     choose = staticmethod(ring_drawn_over)
     make = Oversketch
 
@@ -173,6 +163,5 @@ class Smooth(_EditsOutline):
     title = "Smooth"
     icon = "icons/smooth.svg"
     hint = "Rub along the outline; broad or repeated rubbing smooths more."
-    refusal = "Rub along the outline with the pen."
     choose = staticmethod(rubbed_ring)
     make = Smoothing

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture
+from bozzetto.plugin import Context, Tap, override
 from bozzetto_silhouette.model.state import Picture, SilhouetteState
-from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 
 MOST_PIXELS = 2048
 """Longest side of the picture that is kept: beyond, files grow and nothing more shows."""
 
 
-class ProjectPicture(PoseAwareTool):
+class ProjectPicture(ErasingTool):
     """The underlay colours the shape, front and back; without an underlay it comes off."""
 
     id = "picture"
     title = "Project picture"
     icon = "icons/picture.svg"
     hint = "Tap to lay the underlay on the shape; tap without an underlay to take it off."
-    gesture: Literal["ink", "tap", "drag"] = "tap"
+    gesture = "tap"
 
-    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+    @override
+    def tap(self, state: SilhouetteState, tap: Tap, context: Context) -> SilhouetteState:
         """Keep the underlay as the shape's picture.
 
         Raises

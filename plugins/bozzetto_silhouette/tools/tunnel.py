@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto.errors import Unfinished, UserError
+from bozzetto.errors import Unfinished
 from bozzetto.ink import Stroke, Strokes, resample
-from bozzetto.plugin import Context, Gesture, Ink
+from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import Sheet, sheet_under
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
 from bozzetto_silhouette.tools.draw_outline import meets_itself
-from bozzetto_silhouette.tools.erase import erased
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.insert_node import check_that_it_carves, insert_node
-from bozzetto_silhouette.tools.posing_hints import PoseAwareTool
 from bozzetto_silhouette.tools.through_preview import Trace, trace_of
 from bozzetto_silhouette.view.picking import shape_seen
 
@@ -22,7 +21,7 @@ LOOKS = 96
 """Lines of sight along the outline."""
 
 
-class DrawTunnel(PoseAwareTool):
+class DrawTunnel(ErasingTool):
     """A closed outline goes straight through what lies under it; the eraser takes parts away."""
 
     id = "tunnel"
@@ -30,17 +29,16 @@ class DrawTunnel(PoseAwareTool):
     icon = "icons/tunnel.svg"
     hint = "Draw a closed outline over the shape; it goes straight through."
 
+    @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Show where the tunnel goes in and comes out, and lines of sight through it."""
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
-        try:
-            trace = _trace(state, gesture.strokes, sheet_under(gesture.strokes[0], context))
-        except UserError:
-            return Scene()
+        trace = _trace(state, gesture.strokes, sheet_under(gesture.strokes[0], context))
         return Scene() if trace is None else trace.scene(through=True)
 
-    def apply(self, state: SilhouetteState, gesture: Gesture, context: Context) -> SilhouetteState:
+    @override
+    def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
         """Carve what is seen inside the outline, near and far.
 
         Raises
@@ -50,24 +48,20 @@ class DrawTunnel(PoseAwareTool):
         UserError
             If the ink is no outline, or lies beside the shape or all around it.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw the outline of the tunnel with the pen.")
-        if gesture.strokes[-1].tool == "eraser":
-            return erased(state, gesture.strokes[-1])
-        if not gesture.committed and not meets_itself(gesture.strokes):
+        if not ink.committed and not meets_itself(ink.strokes):
             raise Unfinished("Go on with the outline, or press Enter to close it.")
         part = Part(
             id=state.unused_id(),
             name=state.unused_name("Tunnel"),
-            strokes=Strokes(gesture.strokes),
-            sheet=sheet_under(gesture.strokes[0], context),
+            strokes=Strokes(ink.strokes),
+            sheet=sheet_under(ink.strokes[0], context),
             surface="straight",
             operation="carve",
             blend=0.0,
         )
         outline_of(part)
         check_that_it_carves(state, state.with_node(part))
-        trace = _trace(state, gesture.strokes, part.sheet)
+        trace = _trace(state, ink.strokes, part.sheet)
         return (
             state.with_node(part) if trace is None else insert_node(state, part, trace.parts(state))
         )

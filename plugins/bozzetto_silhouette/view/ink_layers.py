@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.scene import Layer, Lines
 from bozzetto_silhouette.analysis.fidelity import deviation_along
 from bozzetto_silhouette.arrays import Flags, Floats
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.solids.placements import (
     carried,
     drawn_profile,
@@ -33,8 +34,6 @@ from what can just be seen, green, to what nobody would call the same outline, r
 
 DEVIATION_WIDTH = 3.0
 """Pixels."""
-
-_deviations: Memory[list[tuple[Floats, Floats]]] = Memory(limit=16)
 
 
 def ink_layer(state: SilhouetteState) -> Layer:
@@ -59,21 +58,23 @@ def ink_layer(state: SilhouetteState) -> Layer:
 def deviation_layer(state: SilhouetteState, part: Part, solid: SilhouetteSolid) -> Layer | None:
     """Show where a part's silhouette visibly leaves its outline; None where it does not."""
     outline = outline_of(part)
-    known = _deviations.recall(
-        (solid, outline), lambda: [deviation_along(solid, ring) for ring in outline.rings]
-    )
     place = placement_of(state, part)
     limits = np.array([share for share, _ in STEPS]) * outline.diagonal
     items = []
     for number, (_, color) in enumerate(STEPS):
         runs = [
             place.points(np.column_stack([run, np.zeros(len(run))]))
-            for points, distance in known
+            for points, distance in _deviations(solid, outline)
             for run in _runs(points, np.searchsorted(limits, distance, side="right") == number + 1)
         ]
         if runs:
             items.append(_joined(runs, color, DEVIATION_WIDTH, "show"))
     return Layer("fidelity", tuple(items)) if items else None
+
+
+@remembered(limit=16)
+def _deviations(solid: SilhouetteSolid, outline: Outline) -> list[tuple[Floats, Floats]]:
+    return [deviation_along(solid, ring) for ring in outline.rings]
 
 
 def _ink(state: SilhouetteState, part: Part, color: str) -> Lines:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.geometry import Mesh
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.scene import Hits, Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.model.state import Part, SilhouetteState
@@ -45,9 +46,6 @@ class Touch:
         return self.hits(camera.rays(pixels))
 
 
-_shapes: Memory[Touch | None] = Memory(limit=16)
-
-
 def shape_seen(state: SilhouetteState) -> Touch | None:
     """Return the shape of all nodes that are switched on; None where there is nothing.
 
@@ -59,16 +57,16 @@ def shape_seen(state: SilhouetteState) -> Touch | None:
     UserError
         If a part's ink is no outline.
     """
-    sharp = tuple(replace(node, blend=0.0) for node in state.nodes)
+    return _seen(tuple(replace(node, blend=0.0) for node in state.nodes))
 
-    def work() -> Touch | None:
-        body = tree_body(SilhouetteState(sharp), TOUCHED_CELLS)
-        if body is None:
-            return None
-        mesh = Mesh(body.vertices.astype(np.float32), body.faces)
-        return Touch(body, Scene((Layer("shape", (Shaded(mesh),)),)))
 
-    return _shapes.recall(sharp, work)
+@remembered(limit=16)
+def _seen(nodes: tuple[Any, ...]) -> Touch | None:
+    body = tree_body(SilhouetteState(nodes), TOUCHED_CELLS)
+    if body is None:
+        return None
+    mesh = Mesh(body.vertices.astype(np.float32), body.faces)
+    return Touch(body, Scene((Layer("shape", (Shaded(mesh),)),)))
 
 
 def touched_part(state: SilhouetteState, x: float, y: float, camera: Camera) -> Part | None:

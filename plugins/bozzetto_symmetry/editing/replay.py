@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_symmetry.editing.join import close_up, join_across, join_curves
 from bozzetto_symmetry.editing.oversketch import Forces, oversketch
 from bozzetto_symmetry.editing.snap import snap_end
@@ -24,8 +24,6 @@ from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
 Solve = Callable[[Curve, SymmetryState], SpaceCurve | None]
 """The curve in space of another recipe; None where it has none yet."""
-
-_edited: Memory[SpaceCurve] = Memory(limit=512)
 
 
 def apply_edits(
@@ -60,6 +58,14 @@ def apply_edits(
     return curve, tuple(dict.fromkeys(warnings))
 
 
+def _depends_on(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> Hashable:
+    return (
+        curve, edit, state.plane, state.centre, state.size,
+        state.restitution, state.location, state.pressure,
+    )  # fmt: skip
+
+
+@remembered(limit=512, key=_depends_on)
 def apply_edit(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> SpaceCurve:
     """Do one edit; remembered, so that one more costs no more than itself.
 
@@ -68,14 +74,6 @@ def apply_edit(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve
     UserError
         If it does not fit the curve.
     """
-    question = (
-        curve, edit, state.plane, state.centre, state.size,
-        state.restitution, state.location, state.pressure,
-    )  # fmt: skip
-    return _edited.recall(question, lambda: _done(curve, edit, state, solve))
-
-
-def _done(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> SpaceCurve:
     match edit:
         case Modification():
             return _modified(curve, edit, state)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline, merge_strokes, resample, stroke_weights
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.stroke_grouping import any_drawn_over, bonds_between, group_strokes
 from bozzetto_symmetry.ink.stroke_line import (
@@ -36,10 +36,6 @@ MEETING: Final = 0.08
 
 UNDRAWN: Final = 3
 """Steps of a merged ring without ink that do not count as a gap: the ink has steps of its own."""
-
-
-_lines: Memory[Line] = Memory(limit=512)
-_sides: Memory[Side] = Memory(limit=256)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,26 +111,24 @@ def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, .
     return tuple(sides)
 
 
+@remembered(limit=512)
 def _line(stroke: Stroke) -> Line:
     """Return one stroke smoothed; remembered, for the next stroke is compared with it again."""
-    return _lines.recall(stroke, lambda: smooth_line(pen_down(stroke)))
+    return smooth_line(pen_down(stroke))
 
 
+@remembered(limit=256)
 def _side(strokes: tuple[Stroke, ...]) -> Side:
     """Return one side of some strokes; remembered, for the next stroke may be of the other one.
 
     It is a single stroke, pieces one after the other, or all strokes settled together.
     """
-
-    def made() -> Side:
-        lines = [_line(stroke) for stroke in strokes]
-        places = [pen_down(stroke) for stroke in strokes]
-        if len(lines) > 1 and any_drawn_over([line.pixels for line in lines]):
-            return _settled(places, stroke_weights(list(strokes)), ())
-        line = lines[0] if len(lines) == 1 else smooth_line(_chained(places))
-        return Side(line.pixels, line.closed, line.noise, ())
-
-    return _sides.recall(strokes, made)
+    lines = [_line(stroke) for stroke in strokes]
+    places = [pen_down(stroke) for stroke in strokes]
+    if len(lines) > 1 and any_drawn_over([line.pixels for line in lines]):
+        return _settled(places, stroke_weights(list(strokes)), ())
+    line = lines[0] if len(lines) == 1 else smooth_line(_chained(places))
+    return Side(line.pixels, line.closed, line.noise, ())
 
 
 def merge_alongside(one: Side, other: Side) -> Side | None:

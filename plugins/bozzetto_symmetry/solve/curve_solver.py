@@ -6,7 +6,7 @@ spline is fitted to the ink of all views; then the edits of the curve are replay
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import Stroke, distances_to_polyline
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_symmetry.editing.replay import apply_edits
 from bozzetto_symmetry.fitting.bundle_adjustment import Controls, Sight, adjust_bundle
 from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fuse
@@ -27,6 +27,7 @@ from bozzetto_symmetry.ink.sides import Side, sides_of
 from bozzetto_symmetry.interpretation.candidate import Read
 from bozzetto_symmetry.interpretation.reader import Reader
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import LEFT, curve_sigmas
 
@@ -151,14 +152,20 @@ class Fit:
         return LEFT * curve_sigmas(near, far, self.points, tangents, flat=flat)
 
 
-_traces: Memory[Trace] = Memory(limit=256)
-_views: Memory[tuple[View, ...]] = Memory(limit=256)
-_fits: Memory[Fit] = Memory(limit=256)
-
 AMBIGUOUS: Final = 1.5
 """Margin below which the other reading is shown as well; above it 1.2 % of senses are wrong."""
 
 
+def _recipe(curve: Curve, state: SymmetryState) -> Hashable:
+    return (
+        replace(curve, id="", name="", visible=True, within="", color=None),
+        state.plane, state.centre, state.size,
+        # Only what was drawn over is moulded.
+        (state.restitution, state.location, state.pressure) if curve.edits else (),
+    )  # fmt: skip
+
+
+@remembered(limit=256, key=_recipe)
 def trace_of(curve: Curve, state: SymmetryState) -> Trace:
     """Return the curve in space of a recipe, with how sure it is.
 
@@ -167,13 +174,7 @@ def trace_of(curve: Curve, state: SymmetryState) -> Trace:
     UserError
         If the strokes cannot be read as the curve is asked to be.
     """
-    question = (
-        replace(curve, id="", name="", visible=True, within="", color=None),
-        state.plane, state.centre, state.size,
-        # Only what was drawn over is moulded.
-        (state.restitution, state.location, state.pressure) if curve.edits else (),
-    )  # fmt: skip
-    return _traces.recall(question, lambda: _traced(curve, state))
+    return _traced(curve, state)
 
 
 def views_of(
@@ -190,15 +191,15 @@ def views_of(
     asked : str
         The reading that the curve is asked to have; a pair has two sides, all others one.
     """
-    drawn, apart = tuple(strokes), asked == "pair"
+    return _views(tuple(strokes), state.plane, asked == "pair")
 
-    def made() -> tuple[View, ...]:
-        return tuple(
-            View(Stereo.of(seen[0].camera, state.plane), seen, sides_of(seen, apart=apart))
-            for seen in by_view(drawn)
-        )
 
-    return _views.recall((drawn, state.plane, apart), made)
+@remembered(limit=256)
+def _views(drawn: tuple[Stroke, ...], plane: CentrePlane, apart: bool) -> tuple[View, ...]:
+    return tuple(
+        View(Stereo.of(seen[0].camera, plane), seen, sides_of(seen, apart=apart))
+        for seen in by_view(drawn)
+    )
 
 
 def _traced(curve: Curve, state: SymmetryState) -> Trace:
@@ -320,6 +321,13 @@ def _tree(points: Array) -> cKDTree:
     return cKDTree(points)
 
 
+def _meant(
+    views: Sequence[View], alike: Mapping[int, Read], main: int, detail: Controls
+) -> Hashable:
+    return tuple(views), main, detail, tuple((k, read.source) for k, read in alike.items())
+
+
+@remembered(limit=256, key=_meant)
 def _fitted(views: Sequence[View], alike: Mapping[int, Read], main: int, detail: Controls) -> Fit:
     """Return the spline through the ink of all views; remembered.
 
@@ -337,12 +345,6 @@ def _fitted(views: Sequence[View], alike: Mapping[int, Read], main: int, detail:
     detail : {"adaptive", "seven"}
         Control points of a half.
     """
-    sources = tuple((number, read.source) for number, read in alike.items())
-    question = (tuple(views), main, detail, sources)
-    return _fits.recall(question, lambda: _fit(views, alike, main, detail))
-
-
-def _fit(views: Sequence[View], alike: Mapping[int, Read], main: int, detail: Controls) -> Fit:
     first = alike[main]
     assert first.reading != "half"
     noise = [max((side.noise for side in view.sides), default=0.0) for view in views]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import FARTHEST, distances_to_polyline, nearest_curve
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.view import Camera
 from bozzetto_symmetry.fitting.half_curve import halves_of
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
@@ -33,8 +33,6 @@ REACH: Final = 120.0
 
 Picture = tuple[bool, Array, Array]
 """Whether it is of the mirror image, parameters, and where these are seen."""
-
-_pictures: Memory[tuple[Picture, ...]] = Memory(limit=512)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,12 +124,11 @@ def seen_curves(state: SymmetryState, camera: Camera) -> list[Seen]:
     return [
         Seen(node, curve, mirrored, stereo, at, pixels)
         for node, curve in solved_curves(state)
-        for mirrored, at, pixels in _pictures.recall(
-            (curve, stereo), partial(_pictures_of, curve, stereo)
-        )
+        for mirrored, at, pixels in _pictures_of(curve, stereo)
     ]
 
 
+@remembered(limit=512)
 def _pictures_of(curve: SpaceCurve, stereo: Stereo) -> tuple[Picture, ...]:
     spline = curve.spline
     at = np.linspace(*spline.range, len(np.unique(spline.knots)) * PIECES + 1)

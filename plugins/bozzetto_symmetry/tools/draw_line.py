@@ -2,54 +2,44 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
-from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture, Ink, Tool
+from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Layer, Lines, Paint, Scene
 from bozzetto_symmetry.model.axes import AXIS_PAINTS
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.operations.construction_lines import CHOSEN_WIDTH, Straight, line_of
 from bozzetto_symmetry.operations.snap_targets import Targets, targets
 from bozzetto_symmetry.solve.picking import solved_curves
-from bozzetto_symmetry.tools.erase import erase
+from bozzetto_symmetry.tools.erase import ErasingTool
 
 
-class DrawLine(Tool[SymmetryState]):
+class DrawLine(ErasingTool):
     """Draws straight lines in space, one a stroke."""
 
     id = "line"
     title = "Line"
     icon = "icons/line.svg"
     hint = "Draw a line towards a vanishing point, or from one corner or curve to another."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
+    @override
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
         """Return the line in space, in the colour of the axis that it runs along."""
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
-        try:
-            line = line_of(gesture.strokes[-1], state, _known(state, context), context)
-        except UserError:
-            return Scene()
+        line = line_of(gesture.strokes[-1], state, _known(state, context), context)
         return Scene((Layer("line in the hand", (_lines(line),)),))
 
-    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
+    @override
+    def draw(self, state: SymmetryState, ink: Ink, context: Context) -> SymmetryState:
         """Add a line for every stroke; what one ends on may be the one before.
 
         Raises
         ------
         UserError
-            If a stroke is too short or not straight, or the eraser meets nothing.
+            If a stroke is too short or not straight.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw the line with the pen.")
-        for stroke in gesture.strokes:
-            if stroke.tool == "eraser":
-                state = erase(state, stroke)
-                continue
+        for stroke in ink.strokes:
             line = line_of(stroke, state, _known(state, context), context)
             state = state.with_node(
                 Line(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
+from bozzetto.plugin import Context, Ink, Tool, override
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.split import Stretch, replace_by_pieces, without_stretch
@@ -29,6 +30,15 @@ ALONG: Final = 0.5
 
 LOOKS: Final = 64
 """Places of a path or of a construction line that are looked at."""
+
+
+class ErasingTool(Tool[SymmetryState]):
+    """A tool of the modeler: the eraser does the same with all of them."""
+
+    @override
+    def erase(self, state: SymmetryState, ink: Ink, context: Context) -> SymmetryState:
+        """Take away what the eraser's path lies over; see `erase`."""
+        return erase(state, ink.strokes[-1])
 
 
 def erase(state: SymmetryState, eraser: Stroke) -> SymmetryState:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Context, Gesture, Ink, Tool
+from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Layer, Scene
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.curve_ends import End, ends_of, with_joint
 from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-from bozzetto_symmetry.tools.erase import erase
+from bozzetto_symmetry.tools.erase import ErasingTool
 from bozzetto_symmetry.view.scene import curve_lines
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ WIDTH: Final = 2.5
 _NO_END: Final = "There is no end of a curve where the stroke {where}. Draw from end to end."
 
 
-class JoinCurves(Tool[SymmetryState]):
+class JoinCurves(ErasingTool):
     """Makes two ends one smooth curve; both ends of one curve close it.
 
     From an end across the centre plane to its mirror image, the curve becomes one across
@@ -41,24 +41,22 @@ class JoinCurves(Tool[SymmetryState]):
     title = "Join"
     icon = "icons/join.svg"
     hint = "Draw from the end of one curve to the end of another, or to its own mirror image."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
+    @override
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
         """Return the curve that would come."""
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
         stroke = gesture.strokes[-1]
-        try:
-            made = _joined(state, stroke)
-            curve = solve_curve(made.chosen, made) if made.chosen is not None else None
-        except UserError:
-            return Scene()
+        made = _joined(state, stroke)
+        curve = solve_curve(made.chosen, made) if made.chosen is not None else None
         if curve is None:
             return Scene()
         camera = Stereo.of(stroke.camera, state.plane).camera
         return Scene((Layer("preview", curve_lines(curve, state, camera, "accent", WIDTH)),))
 
-    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
+    @override
+    def draw(self, state: SymmetryState, ink: Ink, context: Context) -> SymmetryState:
         """Join the ends that each stroke leads from and to.
 
         Raises
@@ -66,11 +64,7 @@ class JoinCurves(Tool[SymmetryState]):
         UserError
             If a stroke does not lead from end to end, or these cannot be joined.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw from the end of one curve to the end of another.")
-        if gesture.strokes[-1].tool == "eraser":
-            return erase(state, gesture.strokes[-1])
-        for stroke in gesture.strokes:
+        for stroke in ink.strokes:
             state = _joined(state, stroke)
         return state
 

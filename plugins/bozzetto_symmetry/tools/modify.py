@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline
-from bozzetto.plugin import Context, Gesture, Ink, Tool
+from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Layer, Scene
 from bozzetto_symmetry.editing.replay import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
@@ -18,7 +18,7 @@ from bozzetto_symmetry.model.state import Curve, Edit, Modification, SymmetrySta
 from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import Seen, seen_curves, target_of
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-from bozzetto_symmetry.tools.erase import erase
+from bozzetto_symmetry.tools.erase import ErasingTool
 from bozzetto_symmetry.view.scene import curve_lines
 
 WIDTH: Final = 2.5
@@ -31,7 +31,7 @@ settles between them. One drawn farther away overrules them."""
 _NOTHING: Final = "There is no curve near the stroke. Draw over the curve that is to change."
 
 
-class Modify(Tool[SymmetryState]):
+class Modify(ErasingTool):
     """Bends the nearest curve towards what is drawn over it, or over its mirror image.
 
     Each stroke acts at once on the curve as it stands. Strokes close to the ones before act
@@ -42,22 +42,20 @@ class Modify(Tool[SymmetryState]):
     title = "Modify"
     icon = "icons/modify.svg"
     hint = "Draw over a curve where it is to run; press harder to pull it closer."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
+    @override
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
         """Return the curve that would come."""
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
         stroke = gesture.strokes[-1]
-        try:
-            _, curve = _changed(state, stroke)
-        except UserError:
-            return Scene()
+        _, curve = _changed(state, stroke)
         camera = Stereo.of(stroke.camera, state.plane).camera
         # It replaces the heat band, which belongs to the curve as it is.
         return Scene((Layer("heat", curve_lines(curve, state, camera, "accent", WIDTH)),))
 
-    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
+    @override
+    def draw(self, state: SymmetryState, ink: Ink, context: Context) -> SymmetryState:
         """Bend the curves that the strokes are drawn over.
 
         Raises
@@ -65,11 +63,7 @@ class Modify(Tool[SymmetryState]):
         UserError
             If there is no curve near a stroke, or the view says too little about it.
         """
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw over a curve with the pen.")
-        if gesture.strokes[-1].tool == "eraser":
-            return erase(state, gesture.strokes[-1])
-        for stroke in gesture.strokes:
+        for stroke in ink.strokes:
             node, _ = _changed(state, stroke)
             state = state.with_node(node)
         return state

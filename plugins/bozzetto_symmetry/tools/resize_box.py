@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Drag, Gesture, Tool
+from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, along
 from bozzetto_symmetry.model.facts import FARTHEST, SIZE_LIMITS, SYMMETRIES
 from bozzetto_symmetry.model.grid import grid_step
 from bozzetto_symmetry.model.state import SymmetryState
+from bozzetto_symmetry.tools.erase import ErasingTool
 from bozzetto_symmetry.view.box import BOX_TOOL, CENTRE, FACES, box_layers
 from bozzetto_symmetry.view.vanishing_lines import view_dependent_scene
 
@@ -29,7 +30,7 @@ ROUNDING: Final = 3
 """Decimals of a millimetre that are kept of what is dragged freely."""
 
 
-class ResizeBox(Tool[SymmetryState]):
+class ResizeBox(ErasingTool):
     """Makes the box longer, wider or higher by a dragged face, and moves it by its middle.
 
     The face opposite stays where it is. A face that is parallel to the centre plane takes
@@ -42,32 +43,34 @@ class ResizeBox(Tool[SymmetryState]):
     title = "Box"
     icon = "icons/box.svg"
     hint = "Drag a face of the box to size it, its middle to move it. Shift: any size."
-    gesture: Literal["ink", "tap", "drag"] = "drag"
+    gesture = "drag"
 
+    @override
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
         """Return the box as it would be."""
         if not isinstance(gesture, Drag):
             return Scene()
-        try:
-            shaped = self.apply(state, gesture, context)
-        except UserError:
-            return Scene()
+        shaped = self.drag(state, gesture, context)
         return Scene(box_layers(shaped)) + view_dependent_scene(shaped, gesture.camera)
 
-    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
-        """Size or move the box; a touch beside all handles changes nothing.
+    @override
+    def tap(self, state: SymmetryState, tap: Tap, context: Context) -> SymmetryState:
+        """Change nothing: beside all handles there is nothing of the box."""
+        return state
+
+    @override
+    def drag(self, state: SymmetryState, drag: Drag, context: Context) -> SymmetryState:
+        """Size or move the box.
 
         Raises
         ------
         UserError
             If the handle does not belong to the box, or the drag means nothing in this view.
         """
-        if not isinstance(gesture, Drag):
-            return state
-        if gesture.handle == CENTRE:
-            return _moved(state, gesture)
-        if gesture.handle in FACES:
-            return _sized(state, gesture)
+        if drag.handle == CENTRE:
+            return _moved(state, drag)
+        if drag.handle in FACES:
+            return _sized(state, drag)
         raise UserError("This handle does not belong to the box. Drag one of the box's faces.")
 
 

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink import crossings
-from bozzetto.plugin import Context, Gesture, Ink, Tap, Tool
+from bozzetto.plugin import Context, Gesture, Ink, Tap, override
 from bozzetto.scene import Layer, Points, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.split import cut_at, replace_by_pieces
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
-from bozzetto_symmetry.tools.erase import erase
+from bozzetto_symmetry.tools.erase import ErasingTool
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ _PLANE: Final = (
 )
 
 
-class Split(Tool[SymmetryState]):
+class Split(ErasingTool):
     """Cuts curves in two; a closed one is opened first.
 
     A curve across the plane is cut on both sides at once: its middle stays one curve across
@@ -51,11 +51,11 @@ class Split(Tool[SymmetryState]):
     title = "Split"
     icon = "icons/split.svg"
     hint = "Draw a short stroke across a curve, or touch it, to cut it there."
-    gesture: Literal["ink", "tap", "drag"] = "ink"
 
+    @override
     def preview(self, state: SymmetryState, gesture: Gesture, context: Context) -> Scene:
         """Return marks where curves would be cut."""
-        if not isinstance(gesture, Ink) or gesture.strokes[-1].tool == "eraser":
+        if not isinstance(gesture, Ink):
             return Scene()
         cuts = _cuts(state, gesture.strokes[-1].points, gesture.strokes[-1].camera)
         if not cuts:
@@ -65,7 +65,8 @@ class Split(Tool[SymmetryState]):
         dots = Points(placed, color="accent", size=DOT_SIZE, hidden="show")
         return Scene((Layer("preview", (dots,)),))
 
-    def apply(self, state: SymmetryState, gesture: Gesture, context: Context) -> SymmetryState:
+    @override
+    def draw(self, state: SymmetryState, ink: Ink, context: Context) -> SymmetryState:
         """Cut what the stroke crosses.
 
         Raises
@@ -73,15 +74,14 @@ class Split(Tool[SymmetryState]):
         UserError
             If there is no curve, or nothing to cut where it is.
         """
-        if isinstance(gesture, Tap):
-            return _cut(state, np.array([[gesture.x, gesture.y]]), gesture.camera)
-        if not isinstance(gesture, Ink):
-            raise UserError("Draw a short stroke across a curve to cut it.")
-        if gesture.strokes[-1].tool == "eraser":
-            return erase(state, gesture.strokes[-1])
-        for stroke in gesture.strokes:
+        for stroke in ink.strokes:
             state = _cut(state, stroke.points, stroke.camera)
         return state
+
+    @override
+    def tap(self, state: SymmetryState, tap: Tap, context: Context) -> SymmetryState:
+        """Cut the curve that is touched; see `draw`."""
+        return _cut(state, np.array([[tap.x, tap.y]]), tap.camera)
 
 
 def _cut(state: SymmetryState, ink: Array, camera: Camera) -> SymmetryState:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Shaded
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS
 from bozzetto_symmetry.model.box_geometry import box_edges, plane_foot, plane_outline
@@ -46,21 +46,15 @@ PLANE_GRID_OPACITY: Final = 0.45
 """Opacity of the centre plane's grid."""
 
 
-_layers: Memory[tuple[Layer, ...]] = Memory(limit=32)
-
-
+@remembered(limit=32, key=lambda state: (state.centre, state.size, state.plane, state.grid))
 def box_layers(state: SymmetryState) -> tuple[Layer, ...]:
     """Return the box in the frame of the model: edges, floor, centre plane, and handles."""
-
-    def made() -> tuple[Layer, ...]:
-        layers = [Layer("box", (segments(box_edges(state), "faint", EDGE_WIDTH),))]
-        if state.grid:
-            layers.append(Layer("grid", grid_lines(floor_grid(state), "grid")))
-        layers.append(Layer("plane", tuple(_plane_items(state))))
-        layers.append(Layer("box handles", tuple(_held(state)), tool=BOX_TOOL))
-        return tuple(layers)
-
-    return _layers.recall((state.centre, state.size, state.plane, state.grid), made)
+    layers = [Layer("box", (segments(box_edges(state), "faint", EDGE_WIDTH),))]
+    if state.grid:
+        layers.append(Layer("grid", grid_lines(floor_grid(state), "grid")))
+    layers.append(Layer("plane", tuple(_plane_items(state))))
+    layers.append(Layer("box handles", tuple(_held(state)), tool=BOX_TOOL))
+    return tuple(layers)
 
 
 def segments(pairs: Array, color: Paint, width: float, opacity: float = 1.0) -> Lines:

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import FLATNESS, flattened
 from bozzetto.ink import resample
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto.scene import Layer, Lines, Paint, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.operations.construction_lines import line_layer
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
@@ -35,8 +36,6 @@ FINER: Final = 0.2
 
 LOOSE_WIDTH: Final = 1.2
 """Width of ink without a partner, px: thin, for it is no curve."""
-
-_lines: Memory[tuple[Lines, ...]] = Memory(limit=512)
 
 FAN: Final = 24
 """Rays that are shown of a side that waits for the other."""
@@ -109,19 +108,24 @@ def curve_lines(
         Share of the light that the lines take, 0 … 1.
     """
     tolerance = FINER * FLATNESS / camera.pixels_per_mm
-    question = (curve, state.plane, tolerance, color, width, opacity)
+    return _flat_lines(curve, state.plane, tolerance, color, width, opacity)
 
-    def made() -> tuple[Lines, ...]:
-        lines = []
-        for number, spline in enumerate(curve.curves()):
-            points = state.plane.placement.points(flattened(spline.beziers(), tolerance)[0])
-            paint = "second" if number else color
-            lines.append(
-                Lines(points.astype(np.float32), color=paint, width=width, opacity=opacity)
-            )
-        return tuple(lines)
 
-    return _lines.recall(question, made)
+@remembered(limit=512)
+def _flat_lines(
+    curve: SpaceCurve,
+    plane: CentrePlane,
+    tolerance: float,
+    color: Paint,
+    width: float,
+    opacity: float,
+) -> tuple[Lines, ...]:
+    lines = []
+    for number, spline in enumerate(curve.curves()):
+        points = plane.placement.points(flattened(spline.beziers(), tolerance)[0])
+        paint = "second" if number else color
+        lines.append(Lines(points.astype(np.float32), color=paint, width=width, opacity=opacity))
+    return tuple(lines)
 
 
 def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink import distances_to_polyline
-from bozzetto.plugin import Memory
+from bozzetto.plugin import remembered
 from bozzetto_symmetry.ink.polyline import length_of, runs
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
@@ -24,9 +24,7 @@ SHORTEST: Final = 12.0
 """Length, px, from which such ink is shown."""
 
 
-_known: Memory[list[Array]] = Memory(limit=64)
-
-
+@remembered(limit=64, key=lambda trace: (trace.curve, trace.views))
 def unmatched_ink(trace: Trace) -> list[Array]:
     """Return the stretches of ink that lie on neither picture of the curve.
 
@@ -43,10 +41,7 @@ def unmatched_ink(trace: Trace) -> list[Array]:
     """
     if trace.curve is None:
         return []
-    return _known.recall(
-        (trace.curve, trace.views),
-        lambda: [end for view in trace.views for end in _in_view(view, trace.points)],
-    )
+    return [end for view in trace.views for end in _in_view(view, trace.points)]
 
 
 def _in_view(view: View, points: Array) -> Iterator[Array]:

@@ -295,7 +295,7 @@ def test_the_hint_fades_with_the_first_ink(canvas, pen, qtbot):
 
 def test_places_of_a_notice_are_lit_and_a_plain_hint_does_not_put_them_out(session, canvas):
     session.notices.noticed.emit(Notice("error", "It crosses itself here.", ((100.0, 120.0),)))
-    session.notices.noticed.emit(Notice("hint", "Draw a closed outline."))
+    session.hints.say("Draw a closed outline.")
     assert canvas.overlay.lit_places == ((100.0, 120.0),)
     assert canvas.overlay._lit.words == "It crosses itself here."
 

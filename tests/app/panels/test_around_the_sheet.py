@@ -186,32 +186,31 @@ def status(shown, fake_session):
 
 def test_the_hint_is_always_there(status, fake_session):
     assert part(status, "status-words").text() == "Draw a closed outline."
-    fake_session.notices.hint = "Draw the spine."
-    fake_session.notices.noticed.emit(fakes.Notice("hint", fake_session.notices.hint))
+    fake_session.hints.say("Draw the spine.")
     assert part(status, "status-words").text() == "Draw the spine."
 
 
 def test_an_error_stays_until_the_next_gesture(status, fake_session):
     fake_session.notices.noticed.emit(fakes.Notice("error", "The outline crosses itself."))
     assert part(status, "status-words").text() == "The outline crosses itself."
-    fake_session.notices.noticed.emit(fakes.Notice("hint", fake_session.notices.hint))
+    fake_session.hints.say("Draw the spine.")
     assert part(status, "status-words").text() == "The outline crosses itself.", (
         "a hint does not hide an error"
     )
     status.went_on()
-    assert part(status, "status-words").text() == fake_session.notices.hint
+    assert part(status, "status-words").text() == fake_session.hints.step.sentence
 
 
 def test_an_error_has_been_read_once_something_was_done(status, fake_session):
     fake_session.notices.noticed.emit(fakes.Notice("error", "There is no underlay to project."))
     fake_session.drawing.changed.emit()
-    assert part(status, "status-words").text() == fake_session.notices.hint
+    assert part(status, "status-words").text() == fake_session.hints.step.sentence
 
 
 def test_an_error_goes_by_itself(qtbot, monkeypatch, status, fake_session):
     monkeypatch.setattr(status_line, "ERROR_TIME", 20)
     fake_session.notices.noticed.emit(fakes.Notice("error", "No."))
-    qtbot.waitUntil(lambda: part(status, "status-words").text() == fake_session.notices.hint)
+    qtbot.waitUntil(lambda: part(status, "status-words").text() == fake_session.hints.step.sentence)
     assert status_line.INFO_TIME < 8000
 
 
@@ -247,7 +246,7 @@ def test_a_fault_says_who_and_offers_details(qtbot, status, fake_session):
     with qtbot.waitSignal(status.details_wanted) as asked:
         status.faults._details.click()
     assert asked.args == [notice]
-    assert part(status, "status-words").text() == fake_session.notices.hint, "the hint stays"
+    assert part(status, "status-words").text() == fake_session.hints.step.sentence, "the hint stays"
 
 
 def test_a_fault_can_be_switched_off(qtbot, status, fake_session):

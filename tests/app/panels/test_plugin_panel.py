@@ -94,7 +94,7 @@ def panel(qtbot, session):
 
 def draw(session, modeler="paneled.modeler"):
     """A new object, selected."""
-    model = session.workbench.create(modeler, session.context.now())
+    model = session.workbench.create(modeler, session.gestures.context.now())
     session.drawing.commit("new", session.drawing.document.with_model(model))
     session.selection.select(model.id)
     return model.id

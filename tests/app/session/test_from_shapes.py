@@ -86,9 +86,9 @@ def test_only_the_chosen_part_is_taken(make_session, settle):
 def test_curves_are_there_for_the_next_gesture(session, settle):
     draw(session, settle, [(500.0, 300.0), (600.0, 400.0)])
     assert session.selection.model.state.seen == 1
-    assert len(session.context.now().curves) == 2
+    assert len(session.gestures.context.now().curves) == 2
     session.objects.set_visible(session.selection.id, False)
-    assert session.context.now().curves == ()
+    assert session.gestures.context.now().curves == ()
 
 
 def test_facts_of_a_watched_drawing_reach_the_new_model(session, settle, qtbot):
@@ -104,4 +104,4 @@ def test_facts_of_a_watched_drawing_reach_the_new_model(session, settle, qtbot):
         replay.start()
     settle(session)
     assert session.drawing.document.models[-1].state.box == 42.0
-    assert session.context.facts == {}
+    assert session.gestures.context.facts == {}

@@ -91,7 +91,7 @@ def test_an_outline_that_crosses_itself_is_refused_with_its_place_and_waits(make
 def test_open_strokes_wait_with_a_hint_until_enter(session, draw, settle):
     draw(session, circle(share=ARC))
     assert len(session.drawing.pending) == 1
-    assert session.notices.hint == "Close the box, or press Enter."
+    assert session.hints.step.sentence == "Close the box, or press Enter."
     assert session.drawing.is_modified
     draw(session, circle(share=ARC, radius=60))
     assert len(session.drawing.pending) == 2
@@ -521,7 +521,7 @@ def test_without_a_modeler_a_stroke_waits_with_a_word(make_session, settle):
 
     session = Session(Registry(no_plugins=True))
     session.gestures.stroke_lifted(Stroke(x=[1, 2], y=[1, 2], camera=session.view.camera))
-    assert session.notices.hint == "Choose a modeler first."
+    assert session.hints.step.sentence == "Choose a modeler first."
     assert len(session.drawing.pending) == 1
     session.gestures.commit()
     assert len(session.drawing.pending) == 1

@@ -100,7 +100,8 @@ def test_a_modeler_that_gives_none_is_not_asked_again(make_session, settle):
 
 
 @pytest.mark.parametrize(
-    "advice", [42, None, ViewAdvice("fine", "x"), ViewAdvice("good", 3), ViewAdvice("good", "", 7)]
+    "advice",
+    [42, "good", ViewAdvice("fine", "x"), ViewAdvice("good", 3), ViewAdvice("good", "", 7)],
 )
 def test_wrong_advice_is_a_fault_and_not_asked_for_again(make_session, marks, settle, advice):
     marks.advise = lambda state, camera: advice

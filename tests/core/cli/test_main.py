@@ -343,6 +343,18 @@ def test_an_svg_of_a_car_shows_it(bozzetto, tmp_path):
     )
 
 
+def test_the_ink_of_a_document_is_read_by_another_modeler(bozzetto, tmp_path):
+    (tmp_path / "ring.svg").write_text(RING)
+    assert bozzetto("build", "silhouette", "ring.svg", "-o", "ring.bozz").returncode == 0
+    assert bozzetto("build", "symmetry", "ring.bozz", "-o", "again.bozz").returncode == 0
+    (read,) = json.loads(bozzetto("info", "--json", "again.bozz").stdout)["objects"]
+    assert read["modeler"] == "bozzetto.symmetry"
+    refused = bozzetto("build", "car", "ring.bozz", "-o", "car.stl")
+    assert refused.returncode == 2
+    assert "holds no marks of a car" in refused.stderr
+    assert not (tmp_path / "car.stl").exists()
+
+
 def test_hidden_and_closed_objects_are_named(bozzetto, square, tmp_path):
     bozzetto("build", "silhouette", square, "-o", "doc.bozz")
     bozzetto("plugins", "disable", "silhouette")

@@ -13,7 +13,7 @@ from bozzetto.exchange.import_file import read_drawing
 from bozzetto.geometry import Placement, Shapes
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.ink.steps import CommandStep, DrawStep
-from bozzetto.plugin import Command, NextStep, ViewAdvice
+from bozzetto.plugin import Command, Figure, NextStep, ViewAdvice
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Layer, Points, Scene
@@ -265,7 +265,7 @@ def test_what_is_wrong_is_found(marks, monkeypatch):
         advise(state, camera), better=Camera(eye=(0.0, -1.0, 0.0))
     )
     assert failing(marks) == {"view_advice"}, "what is called better is worse"
-    marks.advise = lambda state, camera: ViewAdvice("good", " ")
+    marks.advise = lambda state, camera: ViewAdvice("warn", " ")
     assert failing(marks) == {"view_advice"}
     marks.advise = advise
     with monkeypatch.context() as changed:
@@ -283,6 +283,30 @@ def test_what_is_wrong_is_found(marks, monkeypatch):
     with monkeypatch.context() as changed:
         changed.setattr(marks, "curves", lambda state, result: 1 / 0)
         assert "curves" in failing(marks)
+
+
+SPREAD, WORDS = Figure("Gaps", "How wide.", spread=True), Figure("Kind", "What.", values={"a": "A"})
+
+
+@pytest.mark.parametrize(
+    ("report", "figures", "fits"),
+    [
+        ({"gaps_mm": [1.0, 2.0], "kind": "a"}, {"gaps": SPREAD, "kind": WORDS}, True),
+        (
+            {"parts": [{"gaps": {"one": 1.0}}, {"kind": None}]},
+            {"gaps": SPREAD, "kind": WORDS},
+            True,
+        ),
+        ({}, {"gaps": SPREAD}, True),
+        ({"gaps": ["a"]}, {"gaps": SPREAD}, False),
+        ({"parts": [{"kind": "b"}]}, {"kind": WORDS}, False),
+        ({"gaps_mm": [1.0]}, {"gapps": SPREAD}, False),
+    ],
+)
+def test_figures_must_fit_the_report(marks, monkeypatch, report, figures, fits):
+    monkeypatch.setattr(adviser.Marks, "report", lambda self, state, result: report)
+    monkeypatch.setattr(adviser.Marks, "figures", figures)
+    assert ("figures" in failing(marks)) is not fits
 
 
 def test_facts_are_only_lent(shell):

@@ -8,8 +8,9 @@ import time
 import numpy as np
 import pytest
 
-from bozzetto.plugin import Memory
-from bozzetto.plugin.cache import ALL, forget_all
+from bozzetto.errors import UserError
+from bozzetto.plugin import remembered
+from bozzetto.plugin.cache import ALL, Memory, forget_all
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.memory_budget import MOST_BYTES, MemoryBudget
 from bozzetto.workbench.workbench import Workbench
@@ -211,3 +212,96 @@ def test_many_threads_leave_the_count_right():
     budget.forget_all()
     assert budget.held == 0
     assert not any(memory._answers for memory in memories)
+
+
+# -- functions that are remembered -------------------------------------------------------------
+
+
+def counted(**options):
+    """A function that tells how often it was asked, and what it was asked."""
+    asked = []
+
+    @remembered(**{"limit": 8} | options)
+    def total(one, other=2, *, factor=1):
+        """Return a sum."""
+        asked.append((one, other, factor))
+        return factor * (one + other)
+
+    return total, asked
+
+
+def test_the_same_question_is_answered_once_however_it_is_written():
+    total, asked = counted()
+    assert {total(1), total(1, 2), total(one=1), total(other=2, one=1), total(1, factor=1)} == {3}
+    assert asked == [(1, 2, 1)]
+    assert (total(1, 3), total(1, factor=2), total(1)) == (4, 6, 3)
+    assert len(asked) == 3
+
+
+def test_a_key_says_what_an_answer_depends_on():
+    total, asked = counted(key=lambda one, other, factor: (len(one), factor))
+    rows = ([1], [2]), ([3], [4, 5])
+    assert [total(*row) for row in rows] == [[1, 2]] * 2
+    assert total([6], factor=1, other=[7]) == [1, 2]
+    assert total([6, 7], [8]) == [6, 7, 8]
+    assert len(asked) == 2
+
+
+def test_what_cannot_be_hashed_needs_a_key():
+    total, asked = counted()
+    with pytest.raises(TypeError, match="unhashable"):
+        total([1], [2])
+    assert not asked
+
+
+def test_a_function_forgets_the_oldest_and_everything_with_the_host():
+    total, asked = counted(limit=2)
+    for one in (1, 2, 1, 3, 1, 2):
+        total(one)
+    assert [one for one, *_ in asked] == [1, 2, 3, 2]
+    forget_all()
+    assert total.known(1) is None
+    assert total(1) == total.known(1) == total.known(one=1, other=2) == 3
+
+
+def test_failures_are_not_remembered():
+    tries = []
+
+    @remembered(limit=4)
+    def fails(number):
+        tries.append(number)
+        raise UserError("Not now.")
+
+    for _ in range(2):
+        with pytest.raises(UserError):
+            fails(1)
+    assert tries == [1, 1]
+    assert fails.known(1) is None
+
+
+def test_what_was_found_elsewhere_is_remembered():
+    total, asked = counted()
+    total.put(100, 1)
+    assert (total(1), total(one=1), asked) == (100, 100, [])
+
+
+def test_a_wrong_argument_fails_as_without_memory():
+    total, asked = counted()
+    for wrong in ({"three": 1}, {}):
+        with pytest.raises(TypeError):
+            total(**wrong)
+    with pytest.raises(TypeError):
+        total(1, 2, 3)
+    assert not asked
+
+
+def test_a_remembered_function_keeps_its_name_and_words():
+    total, _ = counted()
+    assert (total.__name__, total.__doc__) == ("total", "Return a sum.")
+    assert total.__wrapped__(1) == 3
+
+
+def test_functions_do_not_share_answers():
+    one, other = counted()[0], counted()[0]
+    one.put(100, 1)
+    assert other(1) == 3

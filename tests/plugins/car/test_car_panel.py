@@ -30,6 +30,7 @@ from bozzetto_car.panel.view_model import chart_of, guide_of
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.shape_constraints import soundness_names
+from bozzetto_car.view.next_step import next_mark_step
 from tests.plugins.car.penned import blank, guided, places_of, view_of
 from tests.plugins.car.sketched import PICTURE
 
@@ -85,18 +86,12 @@ def test_a_sketch_in_a_few_words(astray, twelve):
     assert guide_of(blank()).sketches[0].summary == "0 marks"
 
 
-def test_what_is_missing_is_said():
-    assert guide_of(CarState()).note == "Drop a sketch of a car on the sheet."
+def test_where_nothing_is_asked_nothing_is_named():
     assert guide_of(CarState()).rows == ()
-    hidden = blank().with_node(replace(blank().sketch, visible=False))
-    assert "hidden" in guide_of(hidden).note
-    assert guide_of(blank()).note.startswith("6 more marks")
-    assert guide_of(guided(FRONT, 5)).note.startswith("1 more mark until")
     everything = with_skipped(guided(FRONT, 6), SEDAN.names)
     guide = guide_of(everything)
     assert (guide.asked, guide.title, guide.after) == ("", "", "")
     assert guide.before == everything.sketch.marks[-1].node
-    assert "All points" in guide.note
 
 
 def test_the_view_that_would_help_most_is_named(twelve):
@@ -192,6 +187,10 @@ class Host:
         for callback in self.callbacks:
             callback()
 
+    @property
+    def next_step(self):
+        return next_mark_step(self.state)
+
     def on_change(self, callback):
         self.callbacks.append(callback)
 
@@ -227,13 +226,28 @@ def test_the_asked_point_is_told(shown, twelve, qtbot):
     panel, host = shown(twelve)
     guide = guide_of(twelve)
     assert panel.title.text() == guide.title
-    assert panel.prompt.text() == SEDAN.prompts[guide.asked]
+    assert panel.next_step.text() == host.next_step.sentence
+    assert SEDAN.prompts[guide.asked] in panel.next_step.text()
     assert panel.car.node == guide.asked
     assert panel.count.text() == "12 of 39 marked"
     host.put(with_asked(twelve, "C8"))
     calm(qtbot, panel)
     assert panel.title.text() == "Rear bumper, lower edge"
-    assert "Probably not visible here" in panel.note.text()
+    assert SEDAN.prompts["C8"] in panel.next_step.text()
+
+
+@pytest.mark.parametrize(("height", "has_picture"), [(900, True), (200, False)])
+def test_the_buttons_are_in_sight_also_in_a_low_panel(shown, twelve, qtbot, height, has_picture):
+    panel, _ = shown(twelve)
+    panel.resize(280, height)
+    qtbot.waitUntil(lambda: panel.car.isVisible() == has_picture)
+    sight = panel.viewport()
+    for button in (panel.back, panel.skip, panel.hide_):
+        qtbot.waitUntil(
+            lambda button=button: sight.rect().contains(
+                button.mapTo(sight, button.rect().bottomRight())
+            )
+        )
 
 
 def test_buttons_pass_points_over(shown, qtbot):

@@ -33,6 +33,7 @@ from tests.plugins.car.penned import (
     through,
     view_of,
 )
+from tests.previews import preview_of
 
 FRONT_LEFT, FRONT_RIGHT, REAR_RIGHT = view_of(-45.0), view_of(40.0), view_of(140.0)
 COMMANDS = {command.id: command for command in all_commands()}
@@ -106,11 +107,11 @@ def test_a_hidden_sketch_is_not_marked(marked_car):
         for gesture in (Tap(300.0, 300.0, camera), over):
             with pytest.raises(UserError, match="hidden"):
                 TOOL.apply(hidden, gesture, CONTEXT)
-            assert not TOOL.preview(hidden, gesture, CONTEXT).layers
+            assert not preview_of(TOOL, hidden, gesture, CONTEXT).layers
         for name in ("skip", "ask-before", "not-visible"):
             with pytest.raises(UserError, match="hidden"):
                 COMMANDS[name].run(hidden, CONTEXT)
-        assert "hidden" in TOOL.next_hint(hidden)
+        assert "hidden" in TOOL.next_step(hidden).sentence
         assert advice_on(hidden, body_of(hidden), camera).level == "good"
 
 
@@ -138,7 +139,7 @@ def test_sides_change_with_the_second_wheel_and_not_again():
     state = tapped(state, (300.0, 600.0))
     assert [mark.node for mark in state.sketch.marks] == ["WF.R", "WR.R"]
     assert state.sketch.shows == "R"
-    assert "right side" in TOOL.next_hint(state)
+    assert "right side" in TOOL.next_step(state).sentence
     further = tapped(state, (900.0, 500.0))
     assert further.sketch.shows == "R"
     assert further.sketch.marks[:2] == state.sketch.marks
@@ -183,7 +184,7 @@ def test_the_handle_of_something_else_is_told_and_changes_nothing(marked_car):
     drag = Drag("node C1", dragged(marked_car, "C1", [(5.0, 5.0), (60.0, 60.0)]).path)
     with pytest.raises(UserError, match="drag a mark"):
         TOOL.apply(marked_car, drag, CONTEXT)
-    assert not TOOL.preview(marked_car, drag, CONTEXT).layers
+    assert not preview_of(TOOL, marked_car, drag, CONTEXT).layers
 
 
 def test_the_eraser_takes_the_marks_it_runs_over(marked_car):
@@ -207,7 +208,7 @@ def test_the_car_moves_with_the_mark_where_the_picture_would_show_it(marked_car)
     """The window looks through the camera before; the edges are where the one after has them."""
     mark = marked_car.sketch.marks[2]
     drag = dragged(marked_car, mark.node, [(mark.u, mark.v), (mark.u + 5.0, mark.v - 4.0)])
-    shown = layers(TOOL.preview(marked_car, drag, CONTEXT))
+    shown = layers(preview_of(TOOL, marked_car, drag, CONTEXT))
     assert shown["body"] == shown["wheels"] == shown["network"] == ()
     lines = np.concatenate([item.points for item in shown["car"]])
     seen = drag.camera.project(lines)[0]
@@ -229,15 +230,15 @@ def test_the_sixth_mark_shows_a_car_before_the_pen_is_lifted():
     pixel = places_of(FRONT_RIGHT)["C0"]
     state = COMMANDS["skip"].run(state, CONTEXT)
     camera = through(state)
-    while "WF" in TOOL.next_hint(state):
+    while "WF" in TOOL.next_step(state).sentence:
         state = COMMANDS["skip"].run(state, CONTEXT)
     state = replace(state, asked="C0")
     tap = Tap(*on_canvas(state, camera, pixel), camera)
-    shown = layers(TOOL.preview(state, tap, CONTEXT))
+    shown = layers(preview_of(TOOL, state, tap, CONTEXT))
     assert shown["car"]
     seen = camera.project(np.concatenate([item.points for item in shown["car"]]))[0]
     assert (np.abs(seen - 0.5 * np.array(CANVAS)) < CANVAS).all(), "upon the picture"
-    before = layers(TOOL.preview(guided(FRONT_RIGHT, 3), Tap(9.0, 9.0, camera), CONTEXT))
+    before = layers(preview_of(TOOL, guided(FRONT_RIGHT, 3), Tap(9.0, 9.0, camera), CONTEXT))
     assert set(before) == {"marks"}
 
 
@@ -245,10 +246,10 @@ def test_a_preview_never_fails(marked_car):
     rng = np.random.default_rng(3)
     camera = through(marked_car)
     for x, y in rng.normal(0.0, 1500.0, (12, 2)).tolist():
-        TOOL.preview(marked_car, Tap(x, y, camera), CONTEXT)
-    TOOL.preview(CarState(), Tap(1.0, 1.0, camera), CONTEXT)
-    TOOL.preview(marked_car, Tap(1.0, 1.0, CONTEXT.camera), CONTEXT)
-    TOOL.preview(marked_car, Ink((stroke_on(marked_car, camera, [(9.0, 9.0)]),)), CONTEXT)
+        preview_of(TOOL, marked_car, Tap(x, y, camera), CONTEXT)
+    preview_of(TOOL, CarState(), Tap(1.0, 1.0, camera), CONTEXT)
+    preview_of(TOOL, marked_car, Tap(1.0, 1.0, CONTEXT.camera), CONTEXT)
+    preview_of(TOOL, marked_car, Ink((stroke_on(marked_car, camera, [(9.0, 9.0)]),)), CONTEXT)
 
 
 def test_what_a_mark_is_missed_by_is_drawn_and_told():
@@ -312,12 +313,12 @@ def test_points_not_visible_are_not_asked_for_until_they_are_wanted_again():
     state = blank()
     order = [bundled("sedan").names[node] for node in bundled("sedan").asked("L")]
     for node in order[:3]:
-        assert bundled("sedan").prompts[node] in TOOL.next_hint(state)
+        assert bundled("sedan").prompts[node] in TOOL.next_step(state).sentence
         state = COMMANDS["not-visible"].run(state, CONTEXT)
     assert state.sketch.skipped == tuple(order[:3])
     assert COMMANDS["ask-again"].enabled(state)
     state = COMMANDS["ask-again"].run(state, CONTEXT)
-    assert bundled("sedan").prompts[order[0]] in TOOL.next_hint(state)
+    assert bundled("sedan").prompts[order[0]] in TOOL.next_step(state).sentence
     with pytest.raises(UserError, match="not visible"):
         COMMANDS["ask-again"].run(state, CONTEXT)
 
@@ -326,10 +327,10 @@ def test_all_marked_is_said(marked_car):
     template = bundled("sedan")
     left = set(template.names) - {mark.node for mark in marked_car.sketch.marks}
     state = marked_car.with_node(replace(marked_car.sketch, skipped=tuple(left)))
-    assert TOOL.next_hint(state).startswith("All points are marked")
+    assert TOOL.next_step(state).sentence.startswith("All points are marked")
     with pytest.raises(UserError, match="All points"):
         tapped(state, (5.0, 5.0))
-    assert advice_on(state, body_of(state), through(state)).message.startswith("All of")
+    assert advice_on(state, body_of(state), through(state)).message == ""
 
 
 @pytest.mark.slow
@@ -345,11 +346,11 @@ def test_whatever_a_hand_does_there_is_a_car_or_a_sentence():
         kind = rng.choice(["tap", "tap", "tap", "drag", "erase", "command"])
         try:
             if kind == "tap":
-                TOOL.preview(state, Tap(*pixel, through(state)), CONTEXT)
+                preview_of(TOOL, state, Tap(*pixel, through(state)), CONTEXT)
                 state = tapped(state, pixel)
             elif kind == "drag":
                 drag = dragged(state, str(rng.choice(names)), [pixel, further])
-                TOOL.preview(state, drag, CONTEXT)
+                preview_of(TOOL, state, drag, CONTEXT)
                 state = TOOL.apply(state, drag, CONTEXT)
             elif kind == "erase":
                 over = stroke_on(state, through(state), [pixel, further], "eraser")
@@ -362,7 +363,7 @@ def test_whatever_a_hand_does_there_is_a_car_or_a_sentence():
             sentences += 1
         body = body_of(state)
         assert np.isfinite(body.network.positions).all()
-        assert TOOL.next_hint(state)
+        assert TOOL.next_step(state).sentence
         advice = advice_on(state, body, through(state))
         assert advice.pinned
     assert 0 < sentences < 40

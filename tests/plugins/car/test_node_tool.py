@@ -20,6 +20,7 @@ from bozzetto_car.tools.shape_nodes import ShapeNodes
 from bozzetto_car.view.scene import scene_of
 from tests.plugins.car.marked_car import locked_creases, marked
 from tests.plugins.car.traced_car import symmetric, view
+from tests.previews import preview_of
 
 TOOL, CONTEXT = ShapeNodes(), Context()
 CAMERA = view(50.0, 12.0)
@@ -164,7 +165,7 @@ def test_the_preview_is_the_body_that_comes() -> None:
     state = replace(marked(), revealed="S3.R-S2.R")
     for handle in ("node S3.R", "tangent S3.R-S2.R 1"):
         gesture = drag(state, handle, (15.0, -12.0))
-        shown = {layer.name: layer for layer in TOOL.preview(state, gesture, CONTEXT).layers}
+        shown = {layer.name: layer for layer in preview_of(TOOL, state, gesture, CONTEXT).layers}
         made = TOOL.apply(state, gesture, CONTEXT)
         whole = {layer.name: layer for layer in scene_of(made, body_of(made)).layers}
         for name in ("body", "network", "handles"):
@@ -180,7 +181,7 @@ def test_handles_that_are_none_of_the_body_are_told(handle: str) -> None:
     gesture = Drag(handle, Stroke([10.0, 90.0], [10.0, 40.0], CAMERA))
     with pytest.raises(UserError):
         TOOL.apply(CarState(), gesture, CONTEXT)
-    assert not TOOL.preview(CarState(), gesture, CONTEXT).layers
+    assert not preview_of(TOOL, CarState(), gesture, CONTEXT).layers
 
 
 def test_there_is_no_body_to_work_on_while_the_camera_is_unknown() -> None:

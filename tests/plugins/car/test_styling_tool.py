@@ -35,6 +35,7 @@ from tests.plugins.car.styled_body import (
     through,
 )
 from tests.plugins.car.traced_car import view
+from tests.previews import preview_of
 
 Array = NDArray[np.float64]
 
@@ -153,7 +154,7 @@ def test_what_is_no_line_on_the_body_is_refused(stroke: list[list[float]]) -> No
 def test_a_tap_is_no_line() -> None:
     with pytest.raises(UserError):
         tool.apply(CarState(), Tap(1.0, 1.0, QUARTER), CONTEXT)
-    assert tool.preview(CarState(), Tap(1.0, 1.0, QUARTER), CONTEXT).layers == ()
+    assert preview_of(tool, CarState(), Tap(1.0, 1.0, QUARTER), CONTEXT).layers == ()
 
 
 def test_the_icon_is_of_the_set() -> None:
@@ -169,7 +170,7 @@ def test_the_icon_is_of_the_set() -> None:
 def test_the_preview_lies_on_the_body_under_the_ink() -> None:
     body = template_body()
     for last in (3, 40, 41, 42, 120, 240):
-        scene = tool.preview(CarState(), ink(STROKE[:last], QUARTER), CONTEXT)
+        scene = preview_of(tool, CarState(), ink(STROKE[:last], QUARTER), CONTEXT)
     (layer,) = scene.layers
     (line,) = layer.items
     assert isinstance(line, Lines)
@@ -198,8 +199,8 @@ def test_the_answer_is_the_same_however_the_pen_was_asked() -> None:
 
 def test_odd_ink_has_a_preview_too() -> None:
     for stroke in ([[600.0, 400.0]], [[1e7, 0.0], [600.0, 400.0]], [[600.0, 400.0]] * 5):
-        tool.preview(CarState(), ink(stroke, QUARTER), CONTEXT)
-    assert tool.preview(drawn(), ink(STROKE, QUARTER, "eraser"), CONTEXT).layers == ()
+        preview_of(tool, CarState(), ink(stroke, QUARTER), CONTEXT)
+    assert preview_of(tool, drawn(), ink(STROKE, QUARTER, "eraser"), CONTEXT).layers == ()
 
 
 # -- commands --------------------------------------------------------------------------------------

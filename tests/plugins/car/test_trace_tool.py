@@ -27,6 +27,7 @@ from tests.plugins.car.marked_car import (
     with_mark_moved,
 )
 from tests.plugins.car.traced_car import SEEN, curve, drawn, symmetric, view
+from tests.previews import preview_of
 
 TOOL, CONTEXT = TraceEdges(), Context()
 
@@ -193,7 +194,7 @@ def test_there_is_nothing_to_trace_while_the_camera_is_unknown() -> None:
     stroke = Stroke([100.0, 400.0], [300.0, 320.0], view(50.0, 10.0))
     with pytest.raises(UserError, match="Mark its points first"):
         traced(state, stroke)
-    assert not TOOL.preview(state, Ink((stroke,)), CONTEXT).layers
+    assert not preview_of(TOOL, state, Ink((stroke,)), CONTEXT).layers
 
 
 # -- preview and eraser ----------------------------------------------------------------------------
@@ -202,7 +203,7 @@ def test_there_is_nothing_to_trace_while_the_camera_is_unknown() -> None:
 def test_the_preview_is_what_comes() -> None:
     state, camera = marked(), view(50.0, 10.0)
     stroke = pen(camera, another(body_of(state), "S3.R-S2.R", 5))
-    (layer,) = TOOL.preview(state, Ink((stroke,)), CONTEXT).layers
+    (layer,) = preview_of(TOOL, state, Ink((stroke,)), CONTEXT).layers
     assert layer.name == "network"
     held = layer.items[-1]
     after = points_of(traced(state, stroke), "S3.R-S2.R")
@@ -224,7 +225,7 @@ def test_the_eraser_takes_back_the_last_stroke_of_an_edge_on_either_side() -> No
     assert traced(second, rub).edits == second.edits[1:]
     with pytest.raises(UserError, match="under the eraser"):
         traced(second, pen(camera, points_of(second, "S3.R-B3.R"), tool="eraser"))
-    assert not TOOL.preview(second, Ink((rub,)), CONTEXT).layers
+    assert not preview_of(TOOL, second, Ink((rub,)), CONTEXT).layers
 
 
 def test_nodes_follow_if_that_is_wanted() -> None:

@@ -23,6 +23,7 @@ from bozzetto_silhouette.tools.arrange import Arrange
 from bozzetto_silhouette.tools.mirror import MirrorCopy
 from bozzetto_silhouette.view.handles import grip_of, handles_layer
 from bozzetto_silhouette.view.picking import shape_seen, touched_part
+from tests.previews import preview_of
 
 FRONT = Camera()
 ARRANGE, MIRROR = Arrange(), MirrorCopy()
@@ -216,7 +217,7 @@ def test_handles_are_apart_from_every_side(view: str) -> None:
 )
 def test_odd_gestures_are_refused_in_words(gesture) -> None:
     state = two()
-    ARRANGE.preview(state, gesture, Context())
+    preview_of(ARRANGE, state, gesture, Context())
     refused = ""
     try:
         state = ARRANGE.apply(state, gesture, Context())
@@ -231,7 +232,7 @@ def test_the_preview_is_what_comes_of_it() -> None:
     state = two()
     start = handle_pixel(state, "move", FRONT)
     gesture = Drag("move:n2", Pen(FRONT).along([start, start - (0.0, 120.0)]))
-    layer, handles = ARRANGE.preview(state, gesture, Context()).layers
+    layer, handles = preview_of(ARRANGE, state, gesture, Context()).layers
     assert layer.name == "shape"
     after = ARRANGE.apply(state, gesture, Context())
     moves = [item.point for item in handles.items if isinstance(item, Handle)]
@@ -298,7 +299,7 @@ def test_what_is_its_own_image_and_nothing_are_refused() -> None:
         MIRROR.apply(state, Tap(10, 10, FRONT), Context())
     with pytest.raises(UserError, match="no part here"):
         MIRROR.apply(SilhouetteState(), Tap(10, 10, FRONT), Context())
-    with pytest.raises(UserError, match="Tap the part"):
+    with pytest.raises(UserError, match=MIRROR.hint):
         MIRROR.apply(state, Ink((Pen(FRONT).circle(),)), Context())
 
 

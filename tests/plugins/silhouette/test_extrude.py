@@ -17,6 +17,7 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.tools.extrude import Extrude
 from bozzetto_silhouette.view.picking import shape_seen
+from tests.previews import preview_of
 
 FRONT = Camera()
 RIGHT, TOP = standard_view(FRONT, "right"), standard_view(FRONT, "top")
@@ -156,6 +157,6 @@ def test_nothing_to_grow_from() -> None:
 
 @pytest.mark.parametrize("gesture", [Tap(600, 450, FRONT), Drag("x", RING)])
 def test_other_gestures_are_refused(gesture) -> None:
-    with pytest.raises(UserError, match="with the pen"):
+    with pytest.raises(UserError, match=EXTRUDE.hint):
         EXTRUDE.apply(ball(), gesture, Context())
-    assert not EXTRUDE.preview(ball(), gesture, Context()).layers
+    assert not preview_of(EXTRUDE, ball(), gesture, Context()).layers

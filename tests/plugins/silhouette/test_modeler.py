@@ -11,12 +11,12 @@ import pytest
 from bozzetto.errors import Cancelled, UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Drawing, Strokes
-from bozzetto.plugin import Context, Ink, Job, Memory
+from bozzetto.plugin import Context, Ink, Job
+from bozzetto.plugin.cache import Memory, forget_all
 from bozzetto.testing import Pen
 from bozzetto_silhouette.inflation.solidify import solidify
 from bozzetto_silhouette.model.state import Group, SilhouetteState
 from bozzetto_silhouette.modeler import PREVIEW_RESOLUTION, Silhouette
-from bozzetto_silhouette.solids import evaluate as tree
 from bozzetto_silhouette.solids import part_solid as leaf
 
 PEN, MODELER = Pen(), Silhouette()
@@ -31,17 +31,9 @@ def drawn(*circles: tuple[float, float, float], **parameters: object) -> Silhoue
 
 
 @pytest.fixture
-def forgetful(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Memories of this test's own."""
-    forget(monkeypatch)
-
-
-def forget(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(leaf, "_solids", Memory(limit=8))
-    monkeypatch.setattr(leaf, "_rests", Memory(limit=8))
-    monkeypatch.setattr(leaf, "_bodies", Memory(limit=8))
-    monkeypatch.setattr(tree, "_joined", Memory(limit=8))
-    monkeypatch.setattr(tree, "_moved", Memory(limit=8))
+def forgetful() -> None:
+    """Nothing is remembered from other tests."""
+    forget_all()
 
 
 def body(mesh: Mesh) -> manifold3d.Manifold:
@@ -88,14 +80,14 @@ def test_only_parts_that_changed_are_solved_again(
 
 def test_cancelling_at_any_step_leaves_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     state = drawn((300, 400, 90), (700, 400, 110), resolution=32)
-    forget(monkeypatch)
+    forget_all()
     steps: list[tuple[float, str]] = []
     whole = MODELER.solve(state, Job(progress=lambda *step: steps.append(step)))
     fractions = [fraction for fraction, _ in steps]
     assert fractions == sorted(fractions)
     assert 0.0 <= fractions[0] <= fractions[-1] <= 1.0
     for number in range(len(steps)):
-        forget(monkeypatch)
+        forget_all()
         passed = 0
 
         def cancelled(number: int = number) -> bool:

@@ -24,6 +24,7 @@ from bozzetto_silhouette.solids.part_solid import solid_of
 from bozzetto_silhouette.solids.placements import drawn_rings
 from bozzetto_silhouette.tools.outline_edits import SketchOver
 from tests.plugins.silhouette import outlines
+from tests.previews import preview_of
 
 PEN, TOOL, CONTEXT = Pen(), SketchOver(), Context()
 CIRCLE = outlines.circle(0.0, 0.0, 50.0)
@@ -226,7 +227,7 @@ def test_the_new_line_is_where_the_pen_was(pose, kind, grouped) -> None:
     assert region(ring).symmetric_difference(expected).area / expected.area < 0.02
     assert after.node("n1").strokes == part.strokes
     # The preview shows the same line.
-    (lines,) = [item for _, item in TOOL.preview(state, gesture, CONTEXT).items()]
+    (lines,) = [item for _, item in preview_of(TOOL, state, gesture, CONTEXT).items()]
     seen, _ = camera.project(lines.points)
     assert region(seen).symmetric_difference(region(ring)).area < 1e-3 * expected.area
 
@@ -310,14 +311,14 @@ def test_any_stroke_gives_an_outline_or_words(seed: int) -> None:
                 [1, 1] + 0.1 * random.normal(size=(count, 1))
             ) * arc(0, 0, 1, 1, *random.uniform(-400, 400, 2), count)  # fmt: skip
         gesture = Ink((Pen(camera).along(line),), True)
-        TOOL.preview(state, gesture, CONTEXT)
+        preview_of(TOOL, state, gesture, CONTEXT)
         state = answered(state, gesture)
         for part in state.parts:
             assert outline_of(part).polygon().is_valid
 
 
 def test_other_gestures_are_refused_in_words() -> None:
-    with pytest.raises(UserError, match="pen"):
+    with pytest.raises(UserError, match=TOOL.hint):
         TOOL.apply(SilhouetteState(), Drag("x", PEN.circle()), CONTEXT)
     with pytest.raises(UserError, match="no outline yet"):
         TOOL.apply(SilhouetteState(), Ink((PEN.circle(),), True), CONTEXT)

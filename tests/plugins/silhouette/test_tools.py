@@ -18,8 +18,9 @@ from bozzetto.view.standard_views import standard_view
 from bozzetto_silhouette.model.state import Cut, Group, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.placements import drawn_rings
-from bozzetto_silhouette.tools import DrawOutline
+from bozzetto_silhouette.tools import DrawOutline, all_tools
 from bozzetto_silhouette.tools.outline_edits import SketchOver
+from tests.previews import preview_of
 
 PEN, TOOL, CONTEXT = Pen(), DrawOutline(), Context()
 
@@ -153,6 +154,16 @@ def test_the_eraser_takes_the_part_under_it() -> None:
     assert TOOL.apply(both, Ink((rub.dot(830, 450),)), CONTEXT).parts == both.parts[:1]
 
 
+@pytest.mark.parametrize(
+    "tool", [one for one in all_tools() if one.id != "paint"], ids=lambda tool: tool.id
+)
+def test_the_eraser_does_the_same_with_every_tool(tool) -> None:
+    """But with paint, of which it takes the colour away."""
+    state = drawn((LEFT,), (RIGHT,))
+    over = Ink((PEN.but(tool="eraser").along([(670, 430), (730, 470)]),))
+    assert tool.apply(state, over, CONTEXT).parts == state.parts[:1]
+
+
 def test_the_eraser_takes_a_part_from_any_side() -> None:
     side = Camera("orthographic", (500.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     assert not TOOL.apply(drawn((OUTER,)), Ink((Pen(side, tool="eraser").dot(),)), CONTEXT).parts
@@ -224,9 +235,9 @@ def test_edits_find_their_rings_when_parts_become_holes() -> None:
 
 @pytest.mark.parametrize("gesture", [Tap(5.0, 5.0, Camera()), Drag("x", ARC)])
 def test_other_gestures_are_refused(gesture) -> None:
-    with pytest.raises(UserError, match="pen"):
+    with pytest.raises(UserError, match=TOOL.hint):
         TOOL.apply(SilhouetteState(), gesture, CONTEXT)
-    assert not TOOL.preview(SilhouetteState(), gesture, CONTEXT).layers
+    assert not preview_of(TOOL, SilhouetteState(), gesture, CONTEXT).layers
 
 
 def _odd() -> list[Stroke]:
@@ -256,7 +267,7 @@ def test_preview_never_raises_and_apply_only_in_words(number: int) -> None:
     stroke = _odd()[number]
     for state in (SilhouetteState(), drawn((OUTER, HOLE))):
         for strokes in ((stroke,), (OUTER, stroke), (stroke, OUTER)):
-            scene = TOOL.preview(state, Ink(strokes), CONTEXT)
+            scene = preview_of(TOOL, state, Ink(strokes), CONTEXT)
             for _, item in scene.items():
                 assert np.isfinite(item.mesh.vertices).all()
             assert _answer(state, strokes).endswith(".")
@@ -279,8 +290,8 @@ def test_a_scribble_is_refused_at_once_with_few_places() -> None:
 
 
 def test_preview_swells_towards_the_hand() -> None:
-    (item,) = [i for _, i in TOOL.preview(SilhouetteState(), Ink((ARC,)), CONTEXT).items()]
+    (item,) = [i for _, i in preview_of(TOOL, SilhouetteState(), Ink((ARC,)), CONTEXT).items()]
     assert item.mesh.vertices[:, 1].min() < -20.0 < 20.0 < item.mesh.vertices[:, 1].max()
     assert not item.pickable
     eraser = Ink((PEN.but(tool="eraser").circle(),))
-    assert not TOOL.preview(SilhouetteState(), eraser, CONTEXT).layers
+    assert not preview_of(TOOL, SilhouetteState(), eraser, CONTEXT).layers

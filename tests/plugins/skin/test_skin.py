@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -114,3 +115,40 @@ def test_it_can_be_stopped() -> None:
 def test_a_stored_state_comes_back_as_it_was() -> None:
     state = RoughSkin().read_shapes(_box())
     assert same(decode_state(SkinState, encode_state(state)), state)
+
+
+# -- skins that follow -----------------------------------------------------------------------------
+
+
+def test_a_following_skin_is_that_of_a_copy_and_holds_no_curves() -> None:
+    modeler, sources = RoughSkin(), {"one": _box(), "other": Shapes(curves=(_circle(),))}
+    state = replace(modeler.follow(sources), detail=3)
+    assert (len(state.points), state.sources) == (0, ("one", "other"))
+    copy = replace(modeler.read_shapes(sources["one"] + sources["other"]), detail=3)
+    skin, same_skin = modeler.solve(state, Job(sources=sources)), modeler.solve(copy, Job())
+    assert same(modeler.shapes(state, skin), modeler.shapes(copy, same_skin))
+    assert same(modeler.scene(state, skin), modeler.scene(copy, same_skin))
+    assert modeler.report(state, skin) == modeler.report(copy, same_skin)
+    assert modeler.scene(state, None).layers == ()
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda: RoughSkin().follow({"one": Shapes()}),
+        lambda: RoughSkin().solve(SkinState(sources=("one",)), Job(sources={"one": Shapes()})),
+    ],
+)
+def test_a_source_without_curves_says_what_to_choose(ask: Callable[[], object]) -> None:
+    with pytest.raises(UserError, match="Choose an object"):
+        ask()
+
+
+def test_a_skin_of_version_1_is_the_same_skin() -> None:
+    state = RoughSkin().read_shapes(_box())
+    stored = encode_state(state)
+    old = json.loads(stored.json)
+    del old["sources"]
+    stored = replace(stored, json=json.dumps(old).encode())
+    again = decode_state(SkinState, stored, upgrade=lambda raw: RoughSkin().upgrade(raw, 1))
+    assert same(again, state)

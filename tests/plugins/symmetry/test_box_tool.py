@@ -16,6 +16,7 @@ from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.tools.resize_box import ResizeBox
 from bozzetto_symmetry.view.box import FACES
+from tests.previews import preview_of
 
 STATE = SymmetryState(centre=(10.0, -5.0, 30.0), length=200.0, width=120.0, height=80.0)
 TOOL = ResizeBox()
@@ -160,11 +161,11 @@ def test_the_preview_is_what_will_be() -> None:
     made = TOOL.apply(STATE, drag, Context())
     held = {
         i.id: i.point
-        for _, i in TOOL.preview(STATE, drag, Context()).items()
+        for _, i in preview_of(TOOL, STATE, drag, Context()).items()
         if isinstance(i, Handle)
     }
     assert held["x+"][0] == made.centre[0] + 0.5 * made.length
-    assert not TOOL.preview(STATE, Drag("none", drag.path), Context()).layers
+    assert not preview_of(TOOL, STATE, Drag("none", drag.path), Context()).layers
 
 
 def test_wild_drags_leave_a_box() -> None:

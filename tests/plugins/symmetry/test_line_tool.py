@@ -17,6 +17,7 @@ from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXIS_PAINTS
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.tools.draw_line import DrawLine
+from tests.previews import preview_of
 
 STATE = SymmetryState()
 TOOL = DrawLine()
@@ -51,12 +52,12 @@ def test_a_stroke_is_a_line_and_the_next_begins_at_its_end() -> None:
 def test_the_preview_has_the_colour_of_the_axis() -> None:
     for drawn, axis in ((UP, 2), (ON, 0)):
         state = TOOL.apply(STATE, Ink((UP,)), Context())
-        ((_, item),) = TOOL.preview(state, Ink((drawn,)), Context()).items()
+        ((_, item),) = preview_of(TOOL, state, Ink((drawn,)), Context()).items()
         assert isinstance(item, Lines)
         assert item.color == AXIS_PAINTS[axis]
     dot = Stroke([5.0], [5.0], CAMERA)
-    assert not TOOL.preview(STATE, Ink((dot,)), Context()).layers
-    assert not TOOL.preview(STATE, Tap(1.0, 2.0, CAMERA), Context()).layers
+    assert not preview_of(TOOL, STATE, Ink((dot,)), Context()).layers
+    assert not preview_of(TOOL, STATE, Tap(1.0, 2.0, CAMERA), Context()).layers
 
 
 def test_a_line_begins_on_a_curve_of_another_model() -> None:
@@ -76,11 +77,11 @@ def test_the_eraser_takes_a_line_away() -> None:
     assert TOOL.apply(one, Ink((rubbed,)), Context()).nodes == ()
     with pytest.raises(UserError):
         TOOL.apply(STATE, Ink((rubbed,)), Context())
-    assert not TOOL.preview(one, Ink((rubbed,)), Context()).layers
+    assert not preview_of(TOOL, one, Ink((rubbed,)), Context()).layers
 
 
 def test_what_is_no_ink_is_refused() -> None:
-    with pytest.raises(UserError, match="pen"):
+    with pytest.raises(UserError, match=TOOL.hint):
         TOOL.apply(STATE, Tap(1.0, 2.0, CAMERA), Context())
 
 
@@ -93,6 +94,6 @@ def test_a_step_is_quick_enough_to_follow_the_pen() -> None:
     begun = []
     for _ in range(5):
         start = time.process_time()
-        TOOL.preview(state, Ink((UP,)), Context())
+        preview_of(TOOL, state, Ink((UP,)), Context())
         begun.append(time.process_time() - start)
     assert min(begun) < 0.02

@@ -1,5 +1,7 @@
 """The view light: how well one can draw from here, and the way to where it goes better.
 
+Its words are about the view while something is wrong with it; else they say what is next.
+
 The light lets every pen stroke through; only its button is there for the hand.
 """
 
@@ -52,6 +54,13 @@ def _level_words(level: str) -> str:
         "warn": tr("ViewLight", "A poor view to draw in"),
         "refuse": tr("ViewLight", "No view to draw in"),
     }[level]
+
+
+def words_over_sheet(advice: ViewAdvice, next_step: str) -> str:
+    """Return what is wrong with the view, or with which it would be better; else what is next."""
+    if advice.level != "good" or advice.better is not None or not next_step:
+        return advice.message
+    return next_step
 
 
 class TurnButton(QAbstractButton):
@@ -113,7 +122,10 @@ class ViewLight(QWidget):
         super().__init__(canvas)
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.advice: ViewAdvice | None = None
+        self.said = ""
+        """All that is said."""
         self.words = ""
+        """As much of it as there is room for."""
         self.left = 0
         """How much of the sheet's left is covered by something else, pixels."""
         self._palette: Palette = LIGHT
@@ -133,13 +145,22 @@ class ViewLight(QWidget):
         self._area = area
         self._lay_out()
 
-    def show_advice(self, advice: ViewAdvice | None) -> None:
-        """Show what is said of the view; None shows nothing."""
-        self.advice = advice
-        self.setVisible(advice is not None)
-        self.button.setVisible(advice is not None and advice.better is not None)
-        if advice is not None:
-            self.setAccessibleName(f"{_level_words(advice.level)}: {advice.message}")
+    def show_advice(self, advice: ViewAdvice | None, next_step: str = "") -> None:
+        """Show what is said of the view; None shows nothing.
+
+        Parameters
+        ----------
+        advice : ViewAdvice or None
+            What the modeler says of the view.
+        next_step : str
+            What to do next; "" where it stands on the sheet already.
+        """
+        said = "" if advice is None else words_over_sheet(advice, next_step)
+        self.advice, self.said = advice if said else None, said
+        self.setVisible(self.advice is not None)
+        self.button.setVisible(self.advice is not None and self.advice.better is not None)
+        if self.advice is not None:
+            self.setAccessibleName(f"{_level_words(self.advice.level)}: {said}")
         self._lay_out()
         self.update()
 
@@ -151,7 +172,7 @@ class ViewLight(QWidget):
         around = round(PADDING + LAMP + GAP + PADDING + button.width())
         most = max(0, min(WIDEST, free.width() - MARGIN - BESIDE - around))
         metrics = QFontMetrics(self.font())
-        said = " ".join(self.advice.message.split())
+        said = " ".join(self.said.split())
         right = Qt.TextElideMode.ElideRight
         if metrics.elidedText(said, right, most) != said:
             said = said.partition(". ")[0]

@@ -53,6 +53,11 @@ class SheetHint(QWidget):
         self.setVisible(bool(text))
         self.update()
 
+    @property
+    def is_read(self) -> bool:
+        """Whether the line stands there, and is not fading."""
+        return bool(self.text) and self._fading is None
+
     def fade(self) -> None:
         """Take the line away softly."""
         if not self.isVisible() or self._fading is not None:

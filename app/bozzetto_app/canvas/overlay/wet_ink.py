@@ -24,6 +24,7 @@ from bozzetto.scene.display_list import Paint
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.overlay.highlights import LitPlaces
+from bozzetto_app.canvas.overlay.next_place import NextPlace
 from bozzetto_app.canvas.overlay.ribbon import InkPoint, Smoother, ribbon_path, smoothed
 from bozzetto_app.canvas.overlay.waiting_ink import MarkedLine
 from bozzetto_app.canvas.screen_limits import (
@@ -101,6 +102,7 @@ class InkOverlay(QWidget):
         self._ring: tuple[float, float, float] | None = None
         self._hot: tuple[float, float, Color] | None = None
         self._lit = LitPlaces(self)
+        self._next = NextPlace()
         self._stale = QTimer(self, singleShot=True, interval=PREDICTION_LIFE)
         self._stale.timeout.connect(self._drop_prediction)
 
@@ -215,6 +217,16 @@ class InkOverlay(QWidget):
         """Light rings at places for a moment, with words beside the first."""
         self._lit.light_up(places, words)
 
+    def mark_next(self, place: tuple[float, float] | None) -> None:
+        """Show where the next step is to be done; None takes the mark away."""
+        if place != self._next.place:
+            self.update(self._next.move(place))
+
+    @property
+    def next_place(self) -> tuple[float, float] | None:
+        """Where the next step is marked."""
+        return self._next.place
+
     @property
     def lit_places(self) -> tuple[tuple[float, float], ...]:
         """The places that are lit now."""
@@ -255,6 +267,7 @@ class InkOverlay(QWidget):
         painter.setOpacity(1.0)
 
     def _paint_marks(self, painter: QPainter) -> None:
+        self._next.paint(painter, self._palette)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         if self._hot is not None:
             x, y, rim = self._hot

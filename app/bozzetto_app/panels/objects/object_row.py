@@ -19,6 +19,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QSizePolicy, QWidg
 
 from bozzetto.document.model import Model, Underlay
 from bozzetto_app.i18n import tr
+from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import qcolor, tones
 from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.slider import Slider
@@ -27,7 +28,7 @@ from bozzetto_app.widgets.swatch import Swatch
 if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
 
-__all__ = ["FOLD", "GUTTER", "ROW", "Eye", "Fold", "ModelRow", "NamedRow", "UnderlayRow"]
+__all__ = ["FOLD", "GUTTER", "ROW", "Eye", "Fold", "ModelRow", "NamedRow", "Sign", "UnderlayRow"]
 
 ROW = 32
 """Height of a row, px."""
@@ -167,8 +168,28 @@ class Eye(IconButton):
         )
 
 
+class Sign(QWidget):
+    """An icon that says something of a row, such as how a part is put together with others."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._icon = ""
+        self.setFixedSize(QSize(24, 24))
+
+    def show_sign(self, icon: str, words: str) -> None:
+        """Show an icon, "" for none, with words for those who cannot see it."""
+        self._icon = icon
+        self.setAccessibleName(words)
+        self.setToolTip(words)
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        if self._icon:
+            paint_icon(QPainter(self), self._icon, QRectF(4, 4, 16, 16), tones().quiet)
+
+
 class ModelRow(NamedRow):
-    """Arrow, colour, name, lock and eye of one model.
+    """Arrow, colour, name, link, lock and eye of one model.
 
     Signals
     -------
@@ -186,6 +207,7 @@ class ModelRow(NamedRow):
         self.fold.clicked.connect(self.folded)
         self.swatch = Swatch()
         self.swatch.chosen.connect(lambda color: session.objects.set_color(self._model.id, color))
+        self.link = Sign()
         self.lock = IconButton("unlock", "", on="lock", side=24, glyph=16, faint=True)
         self.lock.clicked.connect(lambda on: session.objects.set_locked(self._model.id, bool(on)))
         self.eye = Eye()
@@ -202,14 +224,27 @@ class ModelRow(NamedRow):
         row.addWidget(self.name, 1)
         row.addWidget(self.editor, 1)
         row.addSpacing(4)
+        row.addWidget(self.link)
         row.addWidget(self.lock)
         row.addSpacing(4)
         row.addWidget(self.eye)
         self.show_model(model, None)
 
-    def show_model(self, model: Model, is_open: bool | None) -> None:
-        """Show the model as it is now; `is_open` says whether its parts are listed, if any."""
+    def show_model(self, model: Model, is_open: bool | None, link: str = "") -> None:
+        """Show the model as it is now.
+
+        Parameters
+        ----------
+        model : Model
+            The model of this row.
+        is_open : bool, optional
+            Whether its parts are listed; None where it has none.
+        link : str
+            What it is made from, in words.
+        """
         self._model = model
+        self.link.show_sign(("link" if model.followed else "link-off") if link else "", link)
+        self.link.setVisible(bool(link))
         self.show_name(model.name, visible=model.visible)
         self.fold.show_fold(is_open, model.name)
         self.swatch.show_color(model.color, model.name)

@@ -6,7 +6,7 @@ from difflib import SequenceMatcher
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QPoint, QSize, Qt
+from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -20,7 +20,7 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.panels.objects.list_widget import GROUP_KEY, KIND, ObjectList
 from bozzetto_app.panels.objects.object_row import ROW, ModelRow, NamedRow, UnderlayRow
 from bozzetto_app.panels.objects.part_row import PartRow
-from bozzetto_app.panels.objects.rows import Entry, entries_of, place_of_drop
+from bozzetto_app.panels.objects.rows import Entry, entries_of, link_words, place_of_drop
 from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.tab_order import put_in_tab_order
 
@@ -39,7 +39,14 @@ class ObjectsPanel(QWidget):
 
     The parts of a model are listed while it is selected and has several, or while a person
     has unfolded it.
+
+    Signals
+    -------
+    reading_wanted : str
+        Other modelers are to read the ink of an object (id).
     """
+
+    reading_wanted = Signal(str)
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -108,8 +115,9 @@ class ObjectsPanel(QWidget):
             if isinstance(widget, ModelRow):
                 model, tree = document.model(entry.id), trees[entry.id]
                 folds = tree is not None and bool(tree.parts)
-                widget.show_model(model, self._is_open(entry.id) if folds else None)
-                name = model.name
+                link = link_words(model, document)
+                widget.show_model(model, self._is_open(entry.id) if folds else None, link)
+                name = ", ".join(word for word in (model.name, link) if word)
             elif isinstance(widget, PartRow):
                 part, depth = depths[entry]
                 tree = trees[entry.model]
@@ -212,7 +220,11 @@ class ObjectsPanel(QWidget):
 
     def _duplicate_current(self) -> None:
         entry = self._current()
-        if entry.kind == "model":
+        chosen = self._chosen_entries()
+        models = [other.id for other in chosen if other.kind == "model"]
+        if len(models) > 1 and entry in chosen:
+            self._session.objects.duplicate(*models)
+        elif entry.kind == "model":
             self._session.objects.duplicate(entry.id)
         elif entry.kind == "part":
             self._session.parts.duplicate(entry.model, entry.id)
@@ -361,8 +373,17 @@ class ObjectsPanel(QWidget):
         hide = tr("Objects", "Hide") if model.visible else tr("Objects", "Show")
         lock = tr("Objects", "Unlock") if model.locked else tr("Objects", "Lock")
         menu.addSeparator()
+        menu.addAction(
+            tr("Objects", "Read this ink as…"), lambda: self.reading_wanted.emit(model.id)
+        )
         menu.addAction(hide, lambda: self._session.objects.set_visible(model.id, not model.visible))
         menu.addAction(lock, lambda: self._session.objects.set_locked(model.id, not model.locked))
+        if model.followed:
+            unlink = tr("Objects", "Unlink")
+            menu.addAction(unlink, lambda: self._session.objects.unlink(model.id))
+        if model.frozen:
+            link = tr("Objects", "Link again")
+            menu.addAction(link, lambda: self._session.objects.link(model.id))
         menu.addSeparator()
 
     def _add_for_part(self, menu: QMenu, entry: Entry, tree: PartTree | None) -> None:

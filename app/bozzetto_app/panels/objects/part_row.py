@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from PySide6.QtCore import QRectF, QSize, Signal
-from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import QHBoxLayout, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout
 
 from bozzetto.parameters import parameter_fields
-from bozzetto_app.panels.objects.object_row import GUTTER, Eye, Fold, NamedRow
-from bozzetto_app.style.icons import paint_icon
-from bozzetto_app.style.theme import tones
+from bozzetto_app.panels.objects.object_row import GUTTER, Eye, Fold, NamedRow, Sign
 
 if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
@@ -26,26 +23,6 @@ DEEPEST: Final = 6
 
 SIGNS: Final = {"add": "plus", "merge": "merge", "carve": "minus", "intersect": "intersect"}
 """Icons for what a parameter called `operation` may be."""
-
-
-class _Sign(QWidget):
-    """How a part is put together with what comes before it."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._icon = ""
-        self.setFixedSize(QSize(24, 24))
-
-    def show_sign(self, icon: str, words: str) -> None:
-        """Show an icon, "" for none, with words for those who cannot see it."""
-        self._icon = icon
-        self.setAccessibleName(words)
-        self.setToolTip(words)
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        if self._icon:
-            paint_icon(QPainter(self), self._icon, QRectF(4, 4, 16, 16), tones().quiet)
 
 
 class PartRow(NamedRow):
@@ -64,7 +41,7 @@ class PartRow(NamedRow):
         self.renamed.connect(lambda name: session.parts.rename(model_id, part_id, name))
         self.fold = Fold()
         self.fold.clicked.connect(self.folded)
-        self.sign = _Sign()
+        self.sign = Sign()
         self.eye = Eye()
         self.eye.clicked.connect(lambda off: session.parts.set_visible(model_id, part_id, not off))
         self._row = QHBoxLayout(self)

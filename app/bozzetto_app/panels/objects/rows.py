@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Literal, NamedTuple
 
-from bozzetto.document.model import Document
+from bozzetto.document.model import Document, Model
 from bozzetto.plugin.part_tree import PartTree
+from bozzetto_app.i18n import tr
 
-__all__ = ["Entry", "entries_of", "place_of_drop"]
+__all__ = ["Entry", "entries_of", "link_words", "place_of_drop"]
 
 
 class Entry(NamedTuple):
@@ -60,6 +61,20 @@ def entries_of(
         yield Entry("heading")
         for underlay in document.underlays:
             yield Entry("underlay", underlay.id)
+
+
+def link_words(model: Model, document: Document) -> str:
+    """Return what a model is made from, in words; "" if it is made from no other."""
+    names = {other.id: other.name for other in document}
+    lost = tr("Objects", "what is not here")
+    followed = [f"“{names[s]}”" if s in names else lost for s in model.followed]
+    frozen = [f"“{source.name}”" for source in model.frozen]
+    words = []
+    if followed:
+        words.append(tr("Objects", "follows {names}", names=", ".join(followed)))
+    if frozen:
+        words.append(tr("Objects", "keeps {names} as it was", names=", ".join(frozen)))
+    return "; ".join(words)
 
 
 def place_of_drop(

@@ -193,9 +193,9 @@ class ParametersPanel(QScrollArea):
             advanced.deleteLater()
 
     def _show_report(self) -> None:
-        report = self._session.solver.report
-        part = self._session.parts.chosen
-        self._figures.show_report(report, "" if part is None else part.id)
+        solver, part = self._session.solver, self._session.parts.chosen
+        report = solver.report
+        self._figures.show_report(report, solver.figures, "" if part is None else part.id)
         self._figures_section.setVisible(bool(report))
         self._line.setVisible(bool(report))
 

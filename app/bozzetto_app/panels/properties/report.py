@@ -12,34 +12,17 @@ from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
+from bozzetto.plugin.figures import Figure, figure_of, without_unit
 from bozzetto_app.i18n import tr
-from bozzetto_app.panels.properties.figure_labels import KnownFigure, known_figures, known_values
 from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import tones
 
-__all__ = ["Figure", "Figures", "figures_of", "readable_key"]
-
-UNITS = {
-    "mm": "mm",
-    "mm2": "mm²",
-    "mm3": "mm³",
-    "px": "px",
-    "deg": "°",
-    "percent": "%",
-    "ms": "ms",
-    "s": "s",
-}
-"""What a key may end in, and how it is written behind the value."""
-
-GOOD_WHEN_TRUE = frozenset(
-    {"watertight", "closed", "ok", "sound", "valid", "converged", "manifold", "ready"}
-)
-"""Last words of keys that are a verdict; other yes and no is only said."""
+__all__ = ["Figures", "Row", "readable_key", "rows_of"]
 
 ACRONYMS = {"iou": "IoU", "rms": "RMS", "id": "id"}
 """Words that are written in their own way."""
 
-UNREAD = frozenset({"id", "unit", "degree", "camera"})
+UNREAD = frozenset({"id", "unit"})
 """Keys that are there for other programs."""
 
 MOST_ROWS = 12
@@ -58,8 +41,12 @@ MINUS = "\u2212"
 Mark = Literal["", "good", "bad"]
 
 
+NOTHING_SAID = Figure("")
+"""Of a value whose modeler says nothing about it: it is shown by its key."""
+
+
 @dataclass(frozen=True)
-class Figure:
+class Row:
     """One row: a heading where `value` is None, a remark where it is empty."""
 
     key: str
@@ -71,11 +58,9 @@ class Figure:
 
 def readable_key(key: str) -> tuple[str, str]:
     """Return a key in words, and the unit that it ends in."""
-    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", key).replace("-", "_").split("_")
+    bare, unit = without_unit(key)
+    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", bare).replace("-", "_").split("_")
     words = [word for word in words if word]
-    unit = UNITS.get(words[-1], "") if len(words) > 1 else ""
-    if unit:
-        words = words[:-1]
     text = " ".join(ACRONYMS.get(word.lower(), word.lower()) for word in words)
     return text[:1].upper() + text[1:], unit
 
@@ -89,51 +74,40 @@ def _number(value: float) -> str:
     return f"{value:.2e}"
 
 
-def _said(value: Any, known: KnownFigure | None = None) -> str:
+def _said(value: Any, figure: Figure = NOTHING_SAID) -> str:
     if value is None:
         return "–"
     if isinstance(value, bool):
         return tr("Figures", "yes") if value else tr("Figures", "no")
     if isinstance(value, int | float):
-        if known is not None and value >= known.most:
-            return known.beyond
-        if known is not None and known.digits >= 0 and abs(value) < LARGEST_WRITTEN_OUT:
+        if value >= figure.most:
+            return figure.beyond
+        if figure.factor != 1.0:
+            value = figure.factor * value
+        if figure.digits >= 0 and abs(value) < LARGEST_WRITTEN_OUT:
             # Adding nothing takes the sign from a zero.
-            text = f"{round(known.factor * value, known.digits) + 0.0:,.{known.digits}f}"
+            text = f"{round(value, figure.digits) + 0.0:,.{figure.digits}f}"
             return text.replace(",", THIN_SPACE).replace("-", MINUS)
         return _number(value)
     if isinstance(value, Sequence) and not isinstance(value, str):
-        if known is not None and _is_spread(value, known):
-            return _spread(value, known)
-        return ", ".join(_said(entry, known) for entry in value) or "–"
-    return str(value)
+        if _is_spread(value, figure):
+            return _spread(value, figure)
+        return ", ".join(_said(entry, figure) for entry in value) or "–"
+    return figure.values.get(str(value), str(value))
 
 
-def _is_figure(report: Mapping[str, Any], key: str) -> bool:
-    """Whether a value is for people: long lists and what is only expected are not."""
-    if key.startswith("expected_") and key.removeprefix("expected_") in report:
-        return False
-    value = report[key]
-    if not isinstance(value, list):
-        return True
-    if _is_spread(value, _known(key)):
-        return True
-    return 0 < len(value) <= MOST_IN_A_ROW and not any(isinstance(e, list) for e in value)
-
-
-def _is_spread(value: Any, known: KnownFigure | None) -> bool:
+def _is_spread(value: Any, figure: Figure) -> bool:
     """Whether a value is a list of numbers that is summed up."""
-    numbers = isinstance(value, list) and bool(value) and all(map(_is_number, value))
-    return numbers and known is not None and known.spread
+    return figure.spread and isinstance(value, list) and bool(value) and all(map(_is_number, value))
 
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _spread(values: Sequence[float], known: KnownFigure) -> str:
+def _spread(values: Sequence[float], figure: Figure) -> str:
     """Return the median of many numbers, and the largest of them."""
-    middle, largest = _said(median(values), known), _said(max(values), known)
+    middle, largest = _said(median(values), figure), _said(max(values), figure)
     return tr("Figures", "{middle}, at most {largest}", middle=middle, largest=largest)
 
 
@@ -144,87 +118,89 @@ def _parts(value: Any) -> list[Mapping[str, Any]]:
     return []
 
 
-def figures_of(report: Mapping[str, Any], depth: int = 0, part: str = "") -> Iterator[Figure]:
+def rows_of(
+    report: Mapping[str, Any], figures: Mapping[str, Figure], depth: int = 0, part: str = ""
+) -> Iterator[Row]:
     """Return the rows of a report, in its own order.
 
     A value whose key also occurs with ``expected_`` before it is good when both agree. A
-    single part without a name needs no heading. Mappings and long lists are summed up where it
-    is known how; other long ones, and ids, are for other programs.
+    single part without a name needs no heading. Mappings and long lists are summed up where
+    their figure says so; other long ones, and ids, are for other programs.
 
     Parameters
     ----------
     report : mapping
-        Figures by their keys, as the modeler reports them.
+        Values by their keys, as the modeler reports them.
+    figures : mapping of str to Figure
+        How the modeler wants them said, by the keys without units. Any other is made readable
+        from its key.
     depth : int
         How far the rows are set in.
     part : str
         Id of the part that is chosen: where a list tells of it, only this part is shown.
     """
     for key, value in report.items():
-        if key in UNREAD:
+        figure = figure_of(key, figures)
+        if key in UNREAD or not (figure is None or figure.label):
             continue
+        said = figure or NOTHING_SAID
         parts = _parts(value)
         parts = [entry for entry in parts if part and entry.get("id") == part] or parts
-        if isinstance(value, Mapping) and _is_spread([*value.values()], _known(key)):
-            yield _row({key: [*value.values()]}, key, depth)
+        heading = said.label or readable_key(key)[0]
+        if isinstance(value, Mapping) and _is_spread([*value.values()], said):
+            yield _row({key: [*value.values()]}, key, said, depth)
         elif isinstance(value, Mapping) and len(value) > MOST_ROWS:
             continue
         elif isinstance(value, Mapping):
-            yield Figure(readable_key(key)[0], None, depth=depth)
-            yield from figures_of(value, depth + 1, part)
+            yield Row(heading, None, depth=depth, tip=said.help)
+            yield from rows_of(value, figures, depth + 1, part)
         elif len(parts) == 1 and not parts[0].get("name"):
-            yield from figures_of(parts[0], depth, part)
+            yield from rows_of(parts[0], figures, depth, part)
         elif parts:
             for number, entry in enumerate(parts, 1):
                 own = entry.get("name")
-                name = readable_key(key)[0].removesuffix("s")
-                yield Figure(str(own) if own else f"{name} {number}", None, depth=depth)
+                name = heading.removesuffix("s")
+                yield Row(str(own) if own else f"{name} {number}", None, depth=depth)
                 rest = {k: v for k, v in entry.items() if k != "name"}
-                yield from figures_of(rest, depth + 1, part)
+                yield from rows_of(rest, figures, depth + 1, part)
         elif key == "warnings" and isinstance(value, list):
-            yield from (Figure(str(words), "", "bad", depth) for words in value if words)
-        elif _is_figure(report, key):
-            yield _row(report, key, depth)
+            yield from (Row(str(words), "", "bad", depth) for words in value if words)
+        elif _is_shown(report, key, said):
+            yield _row(report, key, said, depth)
 
 
-def _is_verdict(report: Mapping[str, Any], key: str) -> bool:
-    """Whether yes is good; a curve need not be closed."""
-    return key.lower().split("_")[-1] in GOOD_WHEN_TRUE and "knots" not in report
+def _is_shown(report: Mapping[str, Any], key: str, figure: Figure) -> bool:
+    """Whether a value is for people: long lists and what is only expected are not."""
+    if key.startswith("expected_") and key.removeprefix("expected_") in report:
+        return False
+    value = report[key]
+    if not isinstance(value, list) or _is_spread(value, figure):
+        return True
+    return 0 < len(value) <= MOST_IN_A_ROW and not any(isinstance(e, list) for e in value)
 
 
-def _known(key: str) -> KnownFigure | None:
-    """Return what is known of a figure, by its key with or without the unit."""
-    bare = key.rpartition("_")[0] if readable_key(key)[1] else ""
-    return known_figures().get(key) or known_figures().get(bare)
-
-
-def _row(report: Mapping[str, Any], key: str, depth: int) -> Figure:
+def _row(report: Mapping[str, Any], key: str, figure: Figure, depth: int) -> Row:
     value = report[key]
     name, unit = readable_key(key)
-    known = _known(key)
-    if known is not None:
-        name, unit = known.label, known.unit
-    said = _said(value, known)
-    if value is None or (known is not None and said == known.beyond):
+    unit = figure.unit or unit
+    said = _said(value, figure)
+    if value is None or (figure.beyond and said == figure.beyond):
         unit = ""
-    mark: Mark = ""
-    if isinstance(value, str) and value in known_values():
-        said, verdict = known_values()[value]
-        mark = "" if verdict is None else "good" if verdict else "bad"
     if f"expected_{key}" in report:
         expected = report[f"expected_{key}"]
-        mark = "good" if value == expected else "bad"
-        if mark == "bad":
+        fine: bool | None = value == expected
+        if not fine:
             said = tr(
                 "Figures",
                 "{value}, expected {expected}",
                 value=said,
-                expected=_said(expected, known),
+                expected=_said(expected, figure),
             )
-    elif isinstance(value, bool) and _is_verdict(report, key):
-        mark = "good" if value else "bad"
+    else:
+        fine = figure.verdict(value)
+    mark: Mark = "" if fine is None else "good" if fine else "bad"
     joint = {"": "", "°": "", "%": THIN_SPACE}.get(unit, "\u00a0")
-    return Figure(name, f"{said}{joint}{unit}", mark, depth, known.tip if known else "")
+    return Row(figure.label or name, f"{said}{joint}{unit}", mark, depth, figure.help)
 
 
 class _Mark(QWidget):
@@ -259,38 +235,40 @@ class Figures(QWidget):
         self._grid.setHorizontalSpacing(8)
         self._grid.setVerticalSpacing(4)
         self._grid.setColumnStretch(1, 1)
-        self._rows: tuple[Figure, ...] = ()
+        self._rows: tuple[Row, ...] = ()
         self._labels: list[tuple[QLabel, QLabel]] = []
 
-    def show_report(self, report: Mapping[str, Any], part: str = "") -> None:
+    def show_report(
+        self, report: Mapping[str, Any], figures: Mapping[str, Figure], part: str = ""
+    ) -> None:
         """Show other rows; of the part of that id alone where the report tells of it.
 
         Rows of the same kinds only get other words: reports come with every stroke, and
         making a row takes a millisecond or two of the window's time.
         """
-        rows = tuple(figures_of(report, part=part))
+        rows = tuple(rows_of(report, figures, part=part))
         if list(map(_kind, rows)) != list(map(_kind, self._rows)):
             self._make_rows(rows)
-        for figure, (words, value) in zip(rows, self._labels, strict=True):
-            words.setText(figure.key)
-            words.setToolTip(figure.tip)
-            value.setText(figure.value or "")
+        for row, (words, value) in zip(rows, self._labels, strict=True):
+            words.setText(row.key)
+            words.setToolTip(row.tip)
+            value.setText(row.value or "")
         self._rows = rows
 
-    def _make_rows(self, rows: Sequence[Figure]) -> None:
+    def _make_rows(self, rows: Sequence[Row]) -> None:
         while (item := self._grid.takeAt(0)) is not None:
             widget = item.widget()
             if widget is not None:
                 widget.hide()
                 widget.deleteLater()
-        self._labels = [self._make_row(place, figure) for place, figure in enumerate(rows)]
+        self._labels = [self._make_row(place, row) for place, row in enumerate(rows)]
 
-    def _make_row(self, place: int, figure: Figure) -> tuple[QLabel, QLabel]:
+    def _make_row(self, place: int, row: Row) -> tuple[QLabel, QLabel]:
         words, value = QLabel(), QLabel()
         for label in (words, value):
             label.setTextFormat(Qt.TextFormat.PlainText)
-        words.setIndent(8 * figure.depth)
-        if figure.value:
+        words.setIndent(8 * row.depth)
+        if row.value:
             words.setProperty("tone", "quiet")
             value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             value.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -301,13 +279,13 @@ class Figures(QWidget):
             # Names of parts and remarks may be long: they take more lines, never more room.
             words.setWordWrap(True)
             words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-            words.setProperty("type", "heading" if figure.value is None else "")
-            self._grid.addWidget(words, place, 0, 1, 3 if figure.value is None else 2)
-        if figure.value is not None:
-            self._grid.addWidget(_Mark(figure.mark), place, 2)
+            words.setProperty("type", "heading" if row.value is None else "")
+            self._grid.addWidget(words, place, 0, 1, 3 if row.value is None else 2)
+        if row.value is not None:
+            self._grid.addWidget(_Mark(row.mark), place, 2)
         return words, value
 
 
-def _kind(figure: Figure) -> tuple[int, Mark, bool, bool]:
+def _kind(row: Row) -> tuple[int, Mark, bool, bool]:
     """Return the parts of a row that are not only words."""
-    return figure.depth, figure.mark, figure.value is None, figure.value == ""
+    return row.depth, row.mark, row.value is None, row.value == ""

@@ -8,7 +8,7 @@ number. Numbers count through the base in the order of its file, then through th
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from bozzetto.document.model import Document, NamedView
 from bozzetto.document.storage.bozz_file import STROKES, StoredDocument, put_strokes, take_strokes
 from bozzetto.document.storage.records import (
+    Id,
     ModelHeader,
     StoredModel,
     UnderlayHeader,
@@ -25,6 +26,7 @@ from bozzetto.document.storage.records import (
     store_model,
     store_underlay,
     store_waiting,
+    with_frozen_models,
 )
 from bozzetto.document.storage.side_tables import runs
 from bozzetto.document.storage.state_codec import EncodedState
@@ -47,9 +49,12 @@ Runs = list[tuple[int, int]]
 
 
 class _ModelChange(msgspec.Struct):
+    """A model, or a source that one keeps; `within` leads to what that is frozen in."""
+
     header: ModelHeader
     strokes: Runs
     arrays: list[int]
+    within: tuple[Id, ...] = ()
 
 
 class _Surroundings(msgspec.Struct):
@@ -113,8 +118,7 @@ class ChangeWriter:
         self._document = base
         self._models = {model.id: model for model in base}
         self._pending: tuple[Stroke, ...] = ()
-        for model in base:
-            encoded = store_model(model).encoded
+        for encoded in _in_file_order(map(store_model, base)):
             for stroke in encoded.strokes:
                 self._strokes.add(stroke)
             for array in encoded.arrays:
@@ -142,13 +146,12 @@ class ChangeWriter:
         writer = ContainerWriter()
         models = {model.id: model for model in document}
         changed = [model for model in models.values() if self._models.get(model.id) is not model]
-        entries = []
-        for place, model in enumerate(changed):
-            stored = store_model(model)
-            writer.add(_state_name(place), stored.encoded.json)
+        entries: list[_ModelChange] = []
+        for path, stored in (pair for model in changed for pair in store_model(model).with_paths()):
+            writer.add(_state_name(len(entries)), stored.encoded.json)
             strokes = runs([self._strokes.number(stroke) for stroke in stored.encoded.strokes])
             arrays = [self._arrays.number(array) for array in stored.encoded.arrays]
-            entries.append(_ModelChange(stored.header, strokes, arrays))
+            entries.append(_ModelChange(stored.header, strokes, arrays, path[:-1]))
         change = _Change(
             time,
             entries,
@@ -209,9 +212,10 @@ class Replay:
         self.stored = base
         self.pending: tuple[Stroke, ...] = ()
         self.time: float | None = None
-        self._strokes = [s for model in base.models for s in model.encoded.strokes]
+        states = list(_in_file_order(base.models))
+        self._strokes = [s for encoded in states for s in encoded.strokes]
         self._strokes += strokes_of(base.waiting)
-        self._arrays = [a for model in base.models for a in model.encoded.arrays]
+        self._arrays = [a for encoded in states for a in encoded.arrays]
         self._arrays += [underlay.pixels for underlay in base.underlays]
 
     def feed(self, record: bytes) -> None:
@@ -229,13 +233,15 @@ class Replay:
         fresh = [name for name in reader.arrays if name.startswith("arrays/")]
         arrays = self._arrays + [reader.array(name) for name in fresh]
         models = {model.header.id: model for model in self.stored.models}
+        changed: dict[tuple[str, ...], StoredModel] = {}
         for place, entry in enumerate(change.models):
             encoded = EncodedState(
                 reader.read(_state_name(place)),
                 _named(strokes, entry.strokes),
                 tuple(_one(arrays, number) for number in entry.arrays),
             )
-            models[entry.header.id] = StoredModel(entry.header, encoded)
+            changed[(*entry.within, entry.header.id)] = StoredModel(entry.header, encoded)
+        models |= {model.header.id: model for model in with_frozen_models(changed)}
         if change.order is not None:
             if len(set(change.order)) < len(change.order) or not set(change.order) <= set(models):
                 raise DocumentError("The journal orders objects that it does not hold.")
@@ -252,6 +258,13 @@ class Replay:
         self.pending = _named(strokes, change.pending)
         self.stored, self.time = stored, change.time
         self._strokes, self._arrays = strokes, arrays
+
+
+def _in_file_order(models: Iterable[StoredModel]) -> Iterator[EncodedState]:
+    """Yield the states of models, then of what is frozen in them: as their file numbers them."""
+    found = [pair for model in models for pair in model.with_paths()]
+    for is_frozen in (False, True):
+        yield from (stored.encoded for path, stored in found if (len(path) > 1) is is_frozen)
 
 
 def _waiting(strokes: Sequence[Stroke], ink: _WaitingInk) -> Waiting:

@@ -12,6 +12,10 @@
     core/waiting.json                 ink that no modeler has taken, one entry a stroke
     core/waiting/strokes.meta.json    its strokes, as above; nothing where none waits
     core/waiting/x.f4 …
+    core/frozen.json                  sources that followers keep, and which strokes are whose
+    core/frozen/strokes.meta.json     their strokes, as above; nothing where there are none
+    core/frozen/x.f4 …
+    frozen/<model>/<source>/state.json, 0.f4, 1.i4 …
     plugins/<modeler>/<model>/state.json, 0.f4, 1.i4 …
     derived/…                         may be dropped by anyone
     thumbnail.png
@@ -23,7 +27,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Final
 
@@ -44,8 +48,9 @@ from bozzetto.atomic_files import (
 from bozzetto.chunked import Chunked
 from bozzetto.damaged_files import as_format_errors
 from bozzetto.document.model import Document, NamedView, Underlay
-from bozzetto.document.storage.migrations import VERSION, WAITING, migrate
+from bozzetto.document.storage.migrations import FROZEN, VERSION, WAITING, migrate
 from bozzetto.document.storage.records import (
+    Id,
     ModelHeader,
     StoredModel,
     UnderlayHeader,
@@ -54,6 +59,7 @@ from bozzetto.document.storage.records import (
     store_model,
     store_underlay,
     store_waiting,
+    with_frozen_models,
 )
 from bozzetto.document.storage.state_codec import EncodedState, StateTypes
 from bozzetto.document.storage.stroke_columns import pack_strokes, unpack_strokes
@@ -88,7 +94,9 @@ MAX_STATE_VALUES: Final = 4_000_000
 MANIFEST, MODELS, VIEWS = "manifest.json", "core/models.json", "core/views.json"
 STROKES, STROKE_COLUMNS = "core/strokes.meta.json", "core/strokes/"
 WAITING_STROKES, WAITING_COLUMNS = "core/waiting/strokes.meta.json", "core/waiting/"
-OWN: Final = {"mimetype", MANIFEST, MODELS, VIEWS, STROKES, WAITING, "thumbnail.png"}
+FROZEN_STROKES, FROZEN_COLUMNS = "core/frozen/strokes.meta.json", "core/frozen/"
+CORE: Final = (MANIFEST, MODELS, VIEWS, STROKES, WAITING, FROZEN)
+OWN: Final = {"mimetype", *CORE, "thumbnail.png"}
 
 
 class _Manifest(msgspec.Struct):
@@ -115,6 +123,21 @@ class _ModelEntry(msgspec.Struct):
     header: ModelHeader
     strokes: tuple[int, int]
     arrays: list[str]
+
+    @property
+    def folder(self) -> str:
+        """Where its state lies in the file."""
+        return self.header.folder
+
+
+class _FrozenEntry(_ModelEntry):
+    """A source that a model keeps; `within` leads to what it is frozen in, from a model on."""
+
+    within: Annotated[tuple[Id, ...], Meta(min_length=1)]
+
+    @property
+    def folder(self) -> str:
+        return "/".join(("frozen", *self.within, self.header.id))
 
 
 class _Views(msgspec.Struct):
@@ -206,19 +229,24 @@ def _packed(document: Document, thumbnail: bytes | None) -> ContainerWriter:
     writer = ContainerWriter(first=("mimetype", MANIFEST))
     writer.add("mimetype", MIMETYPE)
     models: list[_ModelEntry] = []
+    frozen: list[_FrozenEntry] = []
     strokes: list[Stroke] = []
+    frozen_strokes: list[Stroke] = []
     for model in document:
-        stored = store_model(model)
-        encoded, folder = stored.encoded, stored.header.folder
-        writer.add(f"{folder}/state.json", encoded.json)
-        names = [
-            writer.add_array(f"{folder}/{place}", array)
-            for place, array in enumerate(encoded.arrays)
-        ]
-        span = (len(strokes), len(encoded.strokes))
-        models.append(_ModelEntry(stored.header, span, names))
-        strokes += encoded.strokes
+        for path, stored in store_model(model).with_paths():
+            within, row = path[:-1], frozen_strokes if path[:-1] else strokes
+            span = (len(row), len(stored.encoded.strokes))
+            row += stored.encoded.strokes
+            if within:
+                frozen.append(_FrozenEntry(stored.header, span, [], within))
+                _put_state(writer, frozen[-1], stored.encoded)
+            else:
+                models.append(_ModelEntry(stored.header, span, []))
+                _put_state(writer, models[-1], stored.encoded)
     writer.add_json(MODELS, models)
+    writer.add_json(FROZEN, frozen)
+    if frozen_strokes:
+        put_strokes(writer, frozen_strokes, FROZEN_STROKES, FROZEN_COLUMNS)
     for underlay in document.underlays:
         writer.add(_png_name(underlay.id), encode_png(underlay.pixels))
     headers = [store_underlay(underlay) for underlay in document.underlays]
@@ -240,11 +268,18 @@ def _packed(document: Document, thumbnail: bytes | None) -> ContainerWriter:
         f"Bozzetto {__version__}",
         "mm",
         "+Z",
-        sorted({model.modeler for model in document}),
+        sorted({entry.header.modeler for entry in (*models, *frozen)}),
         writer.parts,
     )
     writer.add_json(MANIFEST, manifest)
     return writer
+
+
+def _put_state(writer: ContainerWriter, entry: _ModelEntry, encoded: EncodedState) -> None:
+    """Add a state to a container, and the names of its arrays to its entry."""
+    writer.add(f"{entry.folder}/state.json", encoded.json)
+    for place, array in enumerate(encoded.arrays):
+        entry.arrays.append(writer.add_array(f"{entry.folder}/{place}", array))
 
 
 def put_strokes(
@@ -321,7 +356,12 @@ def parse_document(content: bytes | memoryview) -> StoredDocument:
     texts, version = _core_texts(reader)
     reader.declare(decode_json(texts[MANIFEST], _Manifest).parts)
     strokes = take_strokes(reader, texts[STROKES])
-    models = _models(decode_json(texts[MODELS], list[_ModelEntry]), strokes, reader)
+    models = _models(
+        decode_json(texts[MODELS], list[_ModelEntry]),
+        strokes,
+        decode_json(texts[FROZEN], list[_FrozenEntry]),
+        reader,
+    )
     waiting = _waiting(decode_json(texts[WAITING], list[WaitingHeader]), reader)
     views = decode_json(texts[VIEWS], _Views)
     underlays = _underlays(views.underlays, reader)
@@ -369,6 +409,9 @@ def document_info(path: str | os.PathLike[str]) -> dict[str, Any]:
     texts, version = _core_texts(reader)
     manifest = decode_json(texts[MANIFEST], _Manifest)
     views = decode_json(texts[VIEWS], _Views)
+    models = decode_json(texts[MODELS], list[_ModelEntry])
+    headers = [entry.header for entry in models]
+    frozen = decode_json(texts[FROZEN], list[_FrozenEntry])
     return {
         "format": manifest.format,
         "version": version,
@@ -383,15 +426,27 @@ def document_info(path: str | os.PathLike[str]) -> dict[str, Any]:
                 "modeler": entry.header.modeler,
                 "visible": entry.header.visible,
                 "locked": entry.header.locked,
+                **_links_of(entry.header, headers, frozen),
                 "strokes": entry.strokes[1],
                 "arrays": len(entry.arrays),
             }
-            for entry in decode_json(texts[MODELS], list[_ModelEntry])
+            for entry in models
         ],
         "views": [view.name for view in views.views],
         "underlays": [underlay.name for underlay in views.underlays],
         "waiting_strokes": len(decode_json(texts[WAITING], list[WaitingHeader])),
     }
+
+
+def _links_of(
+    header: ModelHeader, models: Sequence[ModelHeader], frozen: Sequence[_FrozenEntry]
+) -> dict[str, list[str]]:
+    """Return the names of what an object follows, and of what it keeps frozen; nothing if none."""
+    kept = {entry.header.id: entry.header.name for entry in frozen if entry.within == (header.id,)}
+    names = {model.id: model.name for model in models}
+    followed = [names.get(s, s) for s in header.sources if s not in kept]
+    links = {"follows": followed, "frozen": list(kept.values())}
+    return {word: row for word, row in links.items() if row}
 
 
 def _core_texts(reader: ContainerReader) -> tuple[dict[str, bytes], int]:
@@ -404,13 +459,13 @@ def _core_texts(reader: ContainerReader) -> tuple[dict[str, bytes], int]:
             f"This document was made with a newer Bozzetto ({promise.generator}). Update "
             "Bozzetto to open it."
         )
-    names = [name for name in (MANIFEST, MODELS, VIEWS, STROKES, WAITING) if name in reader]
+    names = [name for name in CORE if name in reader]
     texts = {name: reader.json(name) for name in names}
     if promise.version < VERSION:
         trees = {name: decode_json(text, object) for name, text in texts.items()}
         trees = migrate(trees, promise.version)
         texts = {name: encode_json(tree) for name, tree in trees.items()}
-    for name in (MODELS, VIEWS, STROKES, WAITING):
+    for name in CORE:
         if name not in texts:
             raise DocumentError(f"This document lacks its part {name}.")
     return texts, promise.version
@@ -419,36 +474,51 @@ def _core_texts(reader: ContainerReader) -> tuple[dict[str, bytes], int]:
 def _models(
     entries: Sequence[_ModelEntry],
     strokes: Sequence[Stroke],
+    frozen: Sequence[_FrozenEntry],
     reader: ContainerReader,
 ) -> tuple[StoredModel, ...]:
-    """Read the models; each owns the strokes that follow those of the one before."""
-    if len({entry.header.id for entry in entries}) < len(entries):
+    """Read the models with what is frozen in them."""
+    texts = [reader.read(f"{entry.folder}/state.json") for entry in (*entries, *frozen)]
+    if sum(map(json_values, texts)) > MAX_STATE_VALUES:
+        raise DocumentError("The states of this document's objects are too long together.")
+    found: dict[tuple[str, ...], StoredModel] = {}
+    for model in _in_turn(entries, strokes, texts[: len(entries)], reader):
+        found[(model.header.id,)] = model
+    count = sum(entry.strokes[1] for entry in frozen)
+    kept = take_strokes(reader, reader.json(FROZEN_STROKES), FROZEN_COLUMNS) if count > 0 else []
+    sources = _in_turn(frozen, kept, texts[len(entries) :], reader)
+    for entry, model in zip(frozen, sources, strict=True):
+        found[(*entry.within, model.header.id)] = model
+    if len(found) < len(texts):
         raise DocumentError("This document has two objects with one id.")
-    models = []
-    end = values = 0
-    for entry in entries:
+    return with_frozen_models(found)
+
+
+def _in_turn(
+    entries: Sequence[_ModelEntry],
+    strokes: Sequence[Stroke],
+    texts: Sequence[bytes],
+    reader: ContainerReader,
+) -> Iterator[StoredModel]:
+    """Read models; each owns the strokes that follow those of the one before."""
+    end = 0
+    for entry, text in zip(entries, texts, strict=True):
         first, count = entry.strokes
-        folder = entry.header.folder
         if first != end or count < 0 or first + count > len(strokes):
             raise DocumentError(f"The strokes of “{entry.header.name}” are not its own.")
         if len(set(entry.arrays)) < len(entry.arrays) or any(
-            not name.startswith(f"{folder}/") for name in entry.arrays
+            not name.startswith(f"{entry.folder}/") for name in entry.arrays
         ):
             raise DocumentError(f"The arrays of “{entry.header.name}” are not its own.")
         end = first + count
-        text = reader.read(f"{folder}/state.json")
-        values += json_values(text)
-        if values > MAX_STATE_VALUES:
-            raise DocumentError("The states of this document's objects are too long together.")
         encoded = EncodedState(
             text,
             tuple(strokes[first:end]),
             tuple(reader.array(name) for name in entry.arrays),
         )
-        models.append(StoredModel(entry.header, encoded))
+        yield StoredModel(entry.header, encoded)
     if end != len(strokes):
         raise DocumentError("This document has strokes that belong to no object.")
-    return tuple(models)
 
 
 def _waiting(entries: Sequence[WaitingHeader], reader: ContainerReader) -> Waiting:

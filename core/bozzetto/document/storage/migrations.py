@@ -18,12 +18,21 @@ WAITING: Final = "core/waiting.json"
 """Entry of version 2 that lists the waiting ink."""
 
 
+FROZEN: Final = "core/frozen.json"
+"""Entry of version 3 that lists the models that are frozen in others."""
+
+
 def _no_ink_waited(trees: Trees) -> Trees:
     """Migrate version 1 to 2: waiting ink is part of the document; before, it was never kept."""
     return {**trees, WAITING: []}
 
 
-STEPS: Final[tuple[Step, ...]] = (_no_ink_waited,)
+def _no_links(trees: Trees) -> Trees:
+    """Migrate version 2 to 3: models may be made from others; before, none was."""
+    return {**trees, FROZEN: []}
+
+
+STEPS: Final[tuple[Step, ...]] = (_no_ink_waited, _no_links)
 """The n-th step leads from version n to n + 1."""
 
 VERSION: Final = len(STEPS) + 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -11,7 +12,14 @@ from msgspec import Meta
 from msgspec.structs import asdict
 from numpy.typing import NDArray
 
-from bozzetto.document.model import ID_PATTERN, NAME_PATTERN, Model, OpaqueState, Underlay
+from bozzetto.document.model import (
+    ID_PATTERN,
+    LONGEST_CHAIN,
+    NAME_PATTERN,
+    Model,
+    OpaqueState,
+    Underlay,
+)
 from bozzetto.document.storage.state_codec import (
     EncodedState,
     StateTypes,
@@ -41,6 +49,7 @@ class ModelHeader(msgspec.Struct, frozen=True):
     visible: bool
     locked: bool
     color: tuple[Byte, Byte, Byte] | None
+    sources: tuple[Id, ...] = ()
 
     @property
     def folder(self) -> str:
@@ -88,6 +97,38 @@ class StoredModel:
 
     header: ModelHeader
     encoded: EncodedState
+    frozen: tuple[StoredModel, ...] = ()
+
+    def with_paths(self, above: tuple[str, ...] = ()) -> Iterator[tuple[Path, StoredModel]]:
+        """Yield it and all that is frozen in it, each behind what it is frozen in."""
+        path = (*above, self.header.id)
+        yield path, self
+        for source in self.frozen:
+            yield from source.with_paths(path)
+
+
+Path = tuple[str, ...]
+"""The id of a model, and of the frozen sources that lead from it to one."""
+
+
+def with_frozen_models(models: dict[Path, StoredModel]) -> tuple[StoredModel, ...]:
+    """Put models together that were listed as `StoredModel.with_paths` gives them.
+
+    Raises
+    ------
+    DocumentError
+        If one is frozen in a model that is not listed before it, or too deep.
+    """
+    within: dict[Path, list[StoredModel]] = {(): []}
+    for path, stored in reversed(models.items()):
+        if not path or len(path) > LONGEST_CHAIN + 1 or (path[:-1] and path[:-1] not in models):
+            raise DocumentError("This document has frozen objects that belong to no object.")
+        whole = replace(stored, frozen=tuple(reversed(within.pop(path, []))))
+        within.setdefault(path[:-1], []).append(whole)
+    made = within.pop(())
+    if within:
+        raise DocumentError("This document has frozen objects in no order.")
+    return tuple(reversed(made))
 
 
 def store_model(model: Model) -> StoredModel:
@@ -95,7 +136,7 @@ def store_model(model: Model) -> StoredModel:
     state = model.state
     version = state.version if isinstance(state, OpaqueState) else model.state_version
     header = ModelHeader(**_fields_of(model, ModelHeader) | {"state_version": version})
-    return StoredModel(header, encode_state(state))
+    return StoredModel(header, encode_state(state), tuple(map(store_model, model.frozen)))
 
 
 def store_underlay(underlay: Underlay) -> UnderlayHeader:
@@ -134,6 +175,16 @@ def open_model(stored: StoredModel, states: StateTypes) -> tuple[Model, str | No
     does not keep the rest of the document from being opened: the state stays opaque and
     is written back as it was.
     """
+    opened = [open_model(source, states) for source in stored.frozen]
+    warnings = [warning for _, warning in opened if warning is not None]
+    model, warning = _opened(stored, states)
+    frozen = tuple(source for source, _ in opened if source.id in model.sources)
+    model = replace(model, frozen=frozen)
+    warnings = ([] if warning is None else [warning]) + warnings
+    return model, " ".join(warnings) or None
+
+
+def _opened(stored: StoredModel, states: StateTypes) -> tuple[Model, str | None]:
     header = stored.header
     closed = OpaqueState(
         header.state_version, stored.encoded.json, stored.encoded.strokes, stored.encoded.arrays
@@ -159,9 +210,10 @@ def open_model(stored: StoredModel, states: StateTypes) -> tuple[Model, str | No
 
     try:
         state = decode_state(state_type, stored.encoded, upgrade=upgrade)
+        sources = states.sources(header.modeler, state)
     except DocumentError as problem:
         return model, (
             f"“{header.name}” cannot be read by {header.modeler!r} ({problem}). It is kept as "
             "it is and cannot be changed."
         )
-    return replace(model, state=state, state_version=version), None
+    return replace(model, state=state, state_version=version, sources=sources), None

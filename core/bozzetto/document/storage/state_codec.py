@@ -37,6 +37,16 @@ class StateTypes(Protocol):
         """Return the stored form of an older version's state in today's shape."""
         ...
 
+    def sources(self, modeler_id: str, state: Any) -> tuple[str, ...]:
+        """Return the ids of the models that a state is made from.
+
+        Raises
+        ------
+        DocumentError
+            If the modeler cannot say it.
+        """
+        ...
+
 
 @dataclass(frozen=True, eq=False)
 class EncodedState:

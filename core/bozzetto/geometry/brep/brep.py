@@ -144,8 +144,9 @@ class Face:
     name: str = ""
 
     def __post_init__(self) -> None:
-        if not self.loops or not all(self.loops):
-            raise ValueError("a face needs an outer loop, and a loop at least one side")
+        edged = [any(trim.edge is not None for trim in loop) for loop in self.loops]
+        if not edged or not all(edged):
+            raise ValueError("a face needs an outer loop, and a loop at least one edge")
         low, high = np.transpose(self.surface.ranges)
         slack = OFF * (high - low)
         for number, loop in enumerate(self.loops):
@@ -335,12 +336,7 @@ class Brep:
         kept, numbers = np.unique(least, return_inverse=True)
         places = np.empty((len(kept), 3))
         for number, first in enumerate(kept.tolist()):
-            if first < 2 * count:
-                places[number] = self.edges[first // 2].control_points[-(first % 2)]
-            else:  # nothing but poles: a face without an edge
-                f, k, i = list(poles)[first - 2 * count]
-                at = self.faces[f].loops[k][i].curve.control_points[:1]
-                places[number] = self.faces[f].surface.value(*at.T)[0]
+            places[number] = self.edges[first // 2].control_points[-(first % 2)]
         of_poles = {key: int(numbers[end]) for key, end in poles.items()}
         return places, numbers[: 2 * count].reshape(-1, 2), of_poles
 

@@ -10,6 +10,7 @@ from bozzetto.arrays import frozen
 from bozzetto.geometry.brep.brep import Brep, Face, ParameterCurve, Trim
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Curve
+from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patchwork import Patchwork
 
 KNOTS: Final = frozen((0.0,) * 4 + (1.0,) * 4, np.float64)
@@ -20,7 +21,9 @@ CORNERS: Final = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0))
 
 
 def brep_of_patchwork(patchwork: Patchwork) -> Brep:
-    """Return each patch as a face, with the same control points, edges and order."""
+    """Return each patch as a face, with the same control points and order; edges of none go."""
+    used = np.unique(edge_numbers(patchwork.sides))
+    number_of = {edge: number for number, edge in enumerate(used.tolist())}
     names = patchwork.patch_names or ("",) * len(patchwork.nets)
     faces = []
     for net, sides, name in zip(patchwork.nets, patchwork.sides.tolist(), names, strict=True):
@@ -29,7 +32,7 @@ def brep_of_patchwork(patchwork: Patchwork) -> Brep:
             ends = CORNERS[number : number + 2]
             start, end = ends if side >= 0 else ends[::-1]
             path = ParameterCurve.line(start, end, (0.0, 1.0))
-            loop.append(Trim(max(side, ~side), side >= 0, path))
+            loop.append(Trim(number_of[max(side, ~side)], side >= 0, path))
         faces.append(Face(BSplineSurface((3, 3), KNOTS, KNOTS, net), (tuple(loop),), name))
-    edges = tuple(Curve(3, KNOTS, points) for points in patchwork.edges)
+    edges = tuple(Curve(3, KNOTS, points) for points in patchwork.edges[used])
     return Brep(edges, tuple(faces), patchwork.name, patchwork.color)

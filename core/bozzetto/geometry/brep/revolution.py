@@ -52,7 +52,7 @@ def surface_of_revolution(
     Parameters
     ----------
     profile : Curve
-        mm. It may end on the axis and must not cross it.
+        mm. It may touch the axis and must not cross it.
     axis_point : (3,) array_like
         Any point of the axis, mm.
     axis_direction : (3,) array_like
@@ -263,7 +263,7 @@ def _radii(points: Array, origin: Array, axis: Array) -> Array:
 
 
 def _refuse_crossing(profile: Curve, origin: Array, axis: Array) -> None:
-    """Refuse a profile that crosses the axis, or touches it between its ends."""
+    """Refuse a profile that crosses the axis; it may touch it."""
     at = span_parameters(profile.degree, profile.knots, SAMPLES)
     points = profile.value(at) - origin
     out = points - (points @ axis)[:, None] * axis

@@ -17,6 +17,10 @@ from bozzetto.geometry.placement import Placement
 FLAT_SINE: Final = 1e-9
 """Sine of the angle between the tangents in u and v below which they tell no tangent plane."""
 
+FLAT: Final = 1e-15
+"""Departure of four corners from a parallelogram, as share of the largest coordinate, that is
+rounding."""
+
 VANISHED: Final = 1e-9
 """Length of a tangent, as share of the size of the control net, that counts as none: a pole."""
 
@@ -84,9 +88,11 @@ class BSplineSurface:
     @property
     def is_plane(self) -> bool:
         """Whether the surface is a parallelogram, evenly parametrised."""
-        a, b, c, d = self.control_points[[0, 1, 0, 1], [0, 0, 1, 1]]
-        bilinear = self.control_points.shape == (2, 2, 3) and self.weights is None
-        return bilinear and bool(np.abs(a - b - c + d).max() <= 1e-15 * np.abs((a, b, c, d)).max())
+        if self.control_points.shape != (2, 2, 3) or self.weights is not None:
+            return False
+        (a, b), (c, d) = self.control_points
+        largest = float(np.abs(self.control_points).max())
+        return bool(np.abs(a - b - c + d).max() <= FLAT * largest)
 
     # -- evaluation ------------------------------------------------------------------------
 

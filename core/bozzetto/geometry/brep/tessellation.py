@@ -13,8 +13,10 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index, frozen
+from bozzetto.errors import UserError
 from bozzetto.geometry.basis import span_parameters
 from bozzetto.geometry.brep.brep import Brep, Face
+from bozzetto.geometry.brep.shared_sides import FaceTriangles, with_single_sides
 from bozzetto.geometry.brep.triangulation import triangulated
 from bozzetto.geometry.curve import Curve
 from bozzetto.geometry.mesh import Mesh
@@ -24,6 +26,12 @@ TOLERANCE: Final = 1e-4
 
 MOST_DIVISIONS: Final = 256
 """Most steps in a span of a surface or an edge, whatever the tolerance asks for."""
+
+LEAST_STEPS: Final = 4
+"""Steps of a curved edge, at least: so a loop of one or two edges is no line."""
+
+MOST_CELLS: Final = 1 << 20
+"""Most cells of a face's grid, whatever the tolerance asks for."""
 
 PROBES: Final = 4
 """Places in every span at which second derivatives are looked at."""
@@ -40,25 +48,6 @@ STRAIGHT: Final = 1e-9
 """Bend of a span, as share of the size, that counts as none."""
 
 
-@dataclass(frozen=True, eq=False)
-class FaceTriangles:
-    """The triangles of one face.
-
-    Attributes
-    ----------
-    parameters : (n, 2) float
-        u and v of the corners.
-    vertices : (n,) int
-        Which vertex of the whole each corner is. On a seam and at a pole several are one.
-    triangles : (t, 3) int
-        Numbers of corners, counter-clockwise seen from outside.
-    """
-
-    parameters: Array
-    vertices: Index
-    triangles: Index
-
-
 def brep_mesh(brep: Brep, tolerance: float | None = None) -> Mesh:
     """Triangulate within a distance of the surfaces, closed wherever faces share an edge.
 
@@ -68,12 +57,17 @@ def brep_mesh(brep: Brep, tolerance: float | None = None) -> Mesh:
         The faces.
     tolerance : float, optional
         mm, above 0; by default `TOLERANCE` of the size. Kept unless a span would need more than
-        `MOST_DIVISIONS` steps.
+        `MOST_DIVISIONS` steps, or a face more than `MOST_CELLS`.
 
     Returns
     -------
     Mesh
         Without normals, so that vertices on creases are shared as well.
+
+    Raises
+    ------
+    UserError
+        If the tolerance is not above 0.
     """
     vertices, faces = _triangles(brep, _tolerance(brep, tolerance))
     rows = np.concatenate([face.vertices[face.triangles] for face in faces])
@@ -114,10 +108,12 @@ def face_meshes(brep: Brep, tolerance: float | None = None) -> tuple[Mesh, ...]:
 
 def _tolerance(brep: Brep, tolerance: float | None) -> float:
     if tolerance is not None:
+        if not tolerance > 0:
+            raise UserError("The tolerance of triangles must be above zero.")
         return tolerance
     points = np.concatenate([f.surface.control_points.reshape(-1, 3) for f in brep.faces])
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    return TOLERANCE * size
+    return TOLERANCE * size or TOLERANCE
 
 
 def _triangles(brep: Brep, tolerance: float) -> tuple[Array, list[FaceTriangles]]:
@@ -189,7 +185,8 @@ def _divided(brep: Brep, tolerance: float, finer: Array) -> tuple[Array, list[Fa
         known = names[triangles]
         apart = (known != np.roll(known, 1, axis=1)).all(axis=1)  # at poles some are nothing
         faces.append(FaceTriangles(np.concatenate((*rings, inside)), names, triangles[apart]))
-    return np.concatenate(places), faces
+    vertices = np.concatenate(places)
+    return with_single_sides(vertices, faces, [face.surface for face in brep.faces])
 
 
 # -- how finely --------------------------------------------------------------------------------
@@ -236,7 +233,7 @@ class _Grid:
             size = np.where(normals.any(axis=1), across, np.linalg.norm(bent, axis=1))
             bends[order] = size.reshape(len(u), len(v))
         widths = [np.diff(b) for b in breaks]
-        lines = []
+        every = []
         for axis, (order, width) in enumerate(zip(((2, 0), (0, 2)), widths, strict=True)):
             bent = np.maximum.reduceat(
                 bends[order].max(axis=1 - axis), PROBES * np.arange(len(width))
@@ -246,7 +243,12 @@ class _Grid:
             wanted = (np.maximum(bent, after) * width**2 + twist * width) / (4.0 * tolerance)
             wanted[wanted * 4.0 * tolerance <= STRAIGHT * surface.size] = 0.0
             steps = np.clip(np.ceil(finer * np.sqrt(wanted)), 1, MOST_DIVISIONS).astype(np.intp)
-            lines.append(_lines(breaks[axis], steps))
+            every.append(steps)
+        few = min(1.0, np.sqrt(MOST_CELLS / (float(every[0].sum()) * float(every[1].sum()))))
+        lines = [
+            _lines(places, np.maximum(1, (few * steps).astype(np.intp)))
+            for places, steps in zip(breaks, every, strict=True)
+        ]
         return cls((lines[0], lines[1]), None)
 
     @property
@@ -306,14 +308,19 @@ def _edge_parameters(brep: Brep, grids: list[_Grid], tolerance: float) -> list[A
 
 def _chord_steps(edge: Curve, at: Array, tolerance: float) -> Index:
     """Return steps for every span of an edge after which chords are near enough."""
-    bent = np.linalg.norm(edge.derivative(at, 2), axis=1)
+    along, bent = edge.derivative(at, 1), edge.derivative(at, 2)
+    # Along the curve a second derivative only moves parameters.
+    speed = np.linalg.norm(along, axis=1, keepdims=True)
+    unit = along / np.where(speed > 0, speed, 1.0)
+    bent = np.linalg.norm(bent - (bent * unit).sum(axis=1, keepdims=True) * unit, axis=1)
     spans = np.diff(np.unique(edge.knots))
     each = 4 * PROBES
     most = np.maximum(
         np.maximum.reduceat(bent[:-1], each * np.arange(len(spans))), bent[each::each]
     )
     steps = np.ceil(spans * np.sqrt(most / (8.0 * tolerance)))
-    return np.asarray(np.clip(steps, 1, MOST_DIVISIONS), np.intp)
+    least = np.ceil(LEAST_STEPS / len(spans)) if edge.degree > 1 else 1
+    return np.asarray(np.clip(steps, least, MOST_DIVISIONS), np.intp)
 
 
 def _pole_parameters(ends: Array, grid: _Grid) -> Array:

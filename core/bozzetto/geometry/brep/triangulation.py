@@ -14,8 +14,9 @@ MARGIN: Final = 0.4
 MOST_EXCHANGES: Final = 100
 """Exchanges of diagonals, per triangle, after which they stay as they are."""
 
-ROUNDING: Final = 1e-12
-"""Share of the fourth power of the distances by which a corner must lie inside a circle."""
+ROUNDING: Final = 1e-14
+"""Bound of rounding in the test for circles, as share of the sum of all products in it
+(Shewchuk 1997, "Adaptive precision floating-point arithmetic")."""
 
 
 def triangulated(rings: list[Array], counts: tuple[int, int]) -> tuple[Array, Index]:
@@ -152,5 +153,14 @@ def _inside_circle(places: list[list[float]], a: int, b: int, c: int, d: int) ->
     x, y = places[d]
     (ax, ay), (bx, by), (cx, cy) = ((places[k][0] - x, places[k][1] - y) for k in (a, b, c))
     one, two, three = ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy
-    found = one * (bx * cy - by * cx) - two * (ax * cy - ay * cx) + three * (ax * by - ay * bx)
-    return found > ROUNDING * max(one, two, three) ** 2
+    row = (
+        one * (bx * cy - by * cx),
+        two * (ay * cx - ax * cy),
+        three * (ax * by - ay * bx),
+    )
+    whole = (
+        one * (abs(bx * cy) + abs(by * cx))
+        + two * (abs(ay * cx) + abs(ax * cy))
+        + three * (abs(ax * by) + abs(ay * bx))
+    )
+    return sum(row) > ROUNDING * whole

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from numbers import Integral
 from typing import Any, Final
 
 import numpy as np
 
+from bozzetto.document.model import ID_PATTERN
 from bozzetto.geometry.brep.brep import Brep, Face
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.ink.stroke import Stroke, Strokes
+from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
+from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import Part
@@ -46,10 +51,19 @@ LONGEST_LABEL: Final = 200
 MOST_PARTS: Final = 20_000
 """Parts that one model hands over."""
 
+MOST_FIRST: Final = 3
+"""Parameters that a form shows before all others."""
+
 MOST_COMMANDS: Final = 200
 """Commands of one modeler; nobody would find more in a menu."""
 
+MOST_SOURCES: Final = 1_000
+"""Models that one model is made from."""
+
 HIDDEN: Final = ("hide", "faint", "dashed", "show")
+
+MOST_DIGITS: Final = 9
+"""Digits behind the decimal point of a figure."""
 
 LEVELS: Final = ("good", "warn", "refuse")
 
@@ -177,6 +191,21 @@ def sound_next_step(step: Any) -> NextStep:
     return step
 
 
+def sound_ink(ink: Any) -> Strokes:
+    """Return the strokes if they are strokes; a `Stroke` checks its own columns.
+
+    Raises
+    ------
+    Unsound
+    """
+    if type(ink) is not Strokes:
+        raise Unsound(f"{type(ink).__name__} where Strokes belong")
+    for stroke in ink:
+        if type(stroke) is not Stroke:
+            raise Unsound(f"{type(stroke).__name__} where a Stroke belongs")
+    return ink
+
+
 def sound_commands(commands: Any) -> tuple[Command, ...]:
     """Return the commands as a tuple if each has what `Command` asks for.
 
@@ -212,7 +241,8 @@ def sound_advice(advice: Any) -> ViewAdvice | None:
     if type(advice) is not ViewAdvice:
         raise Unsound(f"{type(advice).__name__} where a ViewAdvice belongs")
     _expect(advice.level in LEVELS, "ViewAdvice.level")
-    _text(advice.message, "ViewAdvice.message")
+    if advice.message != "" or advice.level != "good" or advice.better is not None:
+        _text(advice.message, "ViewAdvice.message")
     _expect(advice.better is None or type(advice.better) is Camera, "ViewAdvice.better")
     _expect(isinstance(advice.pinned, bool), "ViewAdvice.pinned")
     _expect(isinstance(advice.follow, bool), "ViewAdvice.follow")
@@ -250,6 +280,23 @@ def sound_cautions(cautions: Any) -> tuple[Caution, ...]:
     return tuple(cautions)
 
 
+def sound_sources(sources: Any) -> tuple[str, ...]:
+    """Return ids of models as a tuple if each can be one, and none stands there twice.
+
+    Raises
+    ------
+    Unsound
+    """
+    if not isinstance(sources, list | tuple):
+        raise Unsound(f"{type(sources).__name__} where a row of ids belongs")
+    _expect(len(sources) <= MOST_SOURCES, "the number of sources")
+    for source in sources:
+        fine = isinstance(source, str) and re.match(ID_PATTERN, source) is not None
+        _expect(fine, f"the id of a source ({source!r})")
+    _expect(len(set(sources)) == len(sources), "the id of a source (given twice)")
+    return tuple(sources)
+
+
 def sound_report(report: Any) -> dict[str, Any]:
     """Return a report as a dict.
 
@@ -260,6 +307,84 @@ def sound_report(report: Any) -> dict[str, Any]:
     if not isinstance(report, Mapping):
         raise Unsound(f"{type(report).__name__} where a mapping belongs")
     return dict(report)
+
+
+def sound_figures(figures: Any) -> dict[str, Figure]:
+    """Return the words of a report's values if each can be said.
+
+    Raises
+    ------
+    Unsound
+    """
+    if not isinstance(figures, Mapping):
+        raise Unsound(f"{type(figures).__name__} where a mapping of keys to Figure belongs")
+    for key, figure in figures.items():
+        _expect(isinstance(key, str) and bool(key), f"the key {key!r}")
+        if type(figure) is not Figure:
+            raise Unsound(f"{key}: {type(figure).__name__} where a Figure belongs")
+        for name in ("label", "help", "unit", "beyond"):
+            _text(getattr(figure, name), f"{key}: Figure.{name}")
+        _expect(bool(figure.help) or not figure.label, f"{key}: Figure.help")
+        _number(figure.factor, f"{key}: Figure.factor", -math.inf, math.inf)
+        _expect(
+            isinstance(figure.digits, int) and figure.digits <= MOST_DIGITS, f"{key}: Figure.digits"
+        )
+        _expect(isinstance(figure.spread, bool), f"{key}: Figure.spread")
+        _expect(isinstance(figure.most, int | float), f"{key}: Figure.most")
+        _check_bounds(key, figure)
+        _expect(
+            isinstance(figure.values, Mapping)
+            and all(isinstance(text, str) for pair in figure.values.items() for text in pair),
+            f"{key}: Figure.values",
+        )
+        _expect(
+            isinstance(figure.verdicts, Mapping)
+            and all(
+                isinstance(text, str) and isinstance(fine, bool)
+                for text, fine in figure.verdicts.items()
+            ),
+            f"{key}: Figure.verdicts",
+        )
+    return dict(figures)
+
+
+def _check_bounds(key: str, figure: Figure) -> None:
+    if figure.good is None and figure.bad is None:
+        return
+    if figure.good is None or figure.bad is None or figure.good == figure.bad:
+        raise Unsound(
+            f"{key}: give good and bad, and not the same: together they tell the direction"
+        )
+    for name in ("good", "bad"):
+        _number(getattr(figure, name), f"{key}: Figure.{name}", -math.inf, math.inf)
+
+
+def sound_first_parameters(names: Any, state_types: Iterable[type[Any]]) -> tuple[str, ...]:
+    """Return the names of the parameters that forms show first if there are such parameters.
+
+    Parameters
+    ----------
+    names : object
+        What the modeler says.
+    state_types : iterable of type
+        Of its states, and of its parts.
+
+    Raises
+    ------
+    Unsound
+    """
+    _expect_tuple(names, "first_parameters")
+    if not names:
+        return ()
+    if len(names) > MOST_FIRST or len(set(names)) != len(names):
+        raise Unsound(f"first_parameters: name {MOST_FIRST} at most, each once")
+    known = {field.name: field for kind in state_types for field in parameter_fields(kind)}
+    for name in names:
+        if name not in known:
+            raise Unsound(f"first_parameters: there is no parameter {name!r}")
+        if known[name].parameter.advanced:
+            raise Unsound(f"first_parameters: {name!r} is advanced, which is folded away")
+    return tuple(names)
 
 
 def sound_parts(tree: PartTree) -> PartTree:

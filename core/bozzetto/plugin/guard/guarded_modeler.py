@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.plugin.guard import answer_validation as validation
 from bozzetto.plugin.guard.guard import Guard
+from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import Group, PartsModeler, PartsState
 
 if TYPE_CHECKING:
     from bozzetto.images.stored_picture import Picture
     from bozzetto.ink.drawing import Drawing
+    from bozzetto.ink.stroke import Strokes
     from bozzetto.plugin.cautions import Caution
     from bozzetto.plugin.commands import Command
     from bozzetto.plugin.context import Context
     from bozzetto.plugin.gesture import Drag, Gesture
     from bozzetto.plugin.job import Job
-    from bozzetto.plugin.modeler import Modeler
     from bozzetto.plugin.next_step import NextStep
     from bozzetto.plugin.tool import Preview, Tool
     from bozzetto.plugin.view_advice import ViewAdvice
@@ -67,6 +68,37 @@ class GuardedModeler:
     def add_picture(self, state: Any, picture: Picture, context: Context) -> Any:
         """Return the state with one more picture."""
         return self._state("add_picture", self._modeler.add_picture, state, picture, context)
+
+    def ink(self, state: Any) -> Strokes:
+        """Return the strokes that a state was drawn with."""
+        return self._checked("ink", validation.sound_ink, self._modeler.ink, state)
+
+    # -- links --
+
+    def follow(self, sources: Mapping[str, Shapes]) -> Any:
+        """Return a state that follows models."""
+        state = self._state("follow", self._modeler.follow, sources)
+        unknown = sorted(set(self.sources(state)) - set(sources))
+        if unknown:
+            raise self._guard.blame(self.id, f"follow names {unknown[0]!r}, which was not given")
+        return state
+
+    def sources(self, state: Any) -> tuple[str, ...]:
+        """Return the ids of the models that a state is made from."""
+        if type(self._modeler).sources is Modeler.sources:
+            return ()
+        return self._checked("sources", validation.sound_sources, self._modeler.sources, state)
+
+    def with_sources(self, state: Any, sources: tuple[str, ...]) -> Any:
+        """Return a state with other sources."""
+        if sources == self.sources(state):
+            return state
+        changed = self._state("with_sources", self._modeler.with_sources, state, sources)
+        if self.sources(changed) != sources:
+            raise self._guard.blame(self.id, "with_sources gave a state with other sources")
+        return changed
+
+    # -- states, changed --
 
     def change(self, state: Any, change: Callable[[Any], Any]) -> Any:
         """Return what a function makes of a state; the state's own check of itself may fail."""

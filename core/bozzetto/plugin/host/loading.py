@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from bozzetto.plugin.modeler import Modeler
 
-METHODS: Final = ("read_shapes", "add_picture")
+METHODS: Final = ("read_shapes", "follow", "add_picture")
 """Methods of `Modeler` that the manifest names among the abilities where they are overridden."""
 
 
@@ -118,14 +118,29 @@ def _look_over(modeler: Any) -> None:
             f"{name} and {state_type.__name__} belong together: derive the modeler from "
             "PartsModeler and its state from PartsState, or neither."
         )
+    _look_over_words(modeler, (state_type, *getattr(modeler, "part_types", ())))
+
+
+def _look_over_words(modeler: Any, state_types: tuple[type[Any], ...]) -> None:
+    """Refuse words of figures that cannot be said, and first parameters that are none."""
+    from bozzetto.plugin.guard import answer_validation as validation
+
+    try:
+        validation.sound_figures(modeler.figures)
+        validation.sound_first_parameters(modeler.first_parameters, state_types)
+    except validation.Unsound as problem:
+        raise Undelivered(f"{type(modeler).__name__}: {problem}.") from None
 
 
 def _compare_abilities(modeler: Any, announced: Set[str]) -> None:
     """Refuse a modeler that can do more or less than a menu would offer."""
-    from bozzetto.plugin.modeler import Modeler
-
+    links = [method for method in ("follow", "with_sources") if not _writes(modeler, method)]
+    if links and _writes(modeler, "sources"):
+        raise Undelivered(
+            f"{type(modeler).__name__} has sources and not {links[0]}: write the three together."
+        )
     for method in METHODS:
-        able = getattr(type(modeler), method) is not getattr(Modeler, method)
+        able = _writes(modeler, method)
         if able and method not in announced:
             raise Undelivered(
                 f'{type(modeler).__name__} has {method}: write abilities = ["{method}"] under '
@@ -136,3 +151,10 @@ def _compare_abilities(modeler: Any, announced: Set[str]) -> None:
                 f"The manifest says that {modeler.id} can {method}, and "
                 f"{type(modeler).__name__} does not override it."
             )
+
+
+def _writes(modeler: Any, method: str) -> bool:
+    """Whether a modeler overrides a method of the contract."""
+    from bozzetto.plugin.modeler import Modeler
+
+    return getattr(type(modeler), method) is not getattr(Modeler, method)

@@ -41,7 +41,7 @@ LARGEST_MANIFEST = 64 * 1024
 MOST_MODELERS = 64
 """Modelers that one plugin may announce."""
 
-Ability = Literal["panel", "read_shapes", "add_picture"]
+Ability = Literal["panel", "read_shapes", "follow", "add_picture"]
 """What a menu must know of a modeler before its plugin is imported."""
 
 Word = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]

@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from bozzetto.errors import UserError, words_of
+from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.plugin import API_VERSION
 from bozzetto.plugin.guard.guard import Guard, PluginFault
 from bozzetto.plugin.host.listing import ModelerInfo, PluginInfo, Standing, Status
@@ -272,6 +272,19 @@ class Registry:
                 modeler_id, f"upgrade gave {type(upgraded).__name__} where a dict belongs"
             )
         return upgraded
+
+    def sources(self, modeler_id: str, state: Any) -> tuple[str, ...]:
+        """Return the ids of the models that a state is made from.
+
+        Raises
+        ------
+        DocumentError
+            If the modeler fails over it.
+        """
+        try:
+            return self.guarded(modeler_id).sources(state)
+        except (UserError, PluginFault) as problem:
+            raise DocumentError(str(problem)) from problem
 
     def panel(self, modeler_id: str, parent: object, host: PanelHost) -> object | None:
         """Return the plugin's own widget for a modeler, or None.

@@ -8,12 +8,14 @@ import os
 import shutil
 import subprocess
 import zipfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+from bozzetto.arrays import frozen
 from bozzetto.document.model import Document, Model, OpaqueState
 from bozzetto.document.storage import bozz_file as file_module
 from bozzetto.document.storage import migrations
@@ -49,6 +51,9 @@ class Nobody:
         return None
 
     def upgrade(self, modeler_id, state, version):
+        raise AssertionError
+
+    def sources(self, modeler_id, state):
         raise AssertionError
 
 
@@ -396,10 +401,18 @@ def plain(value):
     return [plain(item) for item in value]
 
 
+LATER = ("sources", "frozen", "linked")
+"""Fields of models that came with version 3; empty where nothing is followed."""
+
+
 def told(value):
-    """The JSON values without those that are null: fields that came later are that by default."""
+    """The JSON values without fields that came later and are what they are by default."""
     if isinstance(value, dict):
-        return {key: told(entry) for key, entry in value.items() if entry is not None}
+        return {
+            key: told(entry)
+            for key, entry in value.items()
+            if entry is not None and not (key in LATER and entry == [])
+        }
     return [told(entry) for entry in value] if isinstance(value, list) else value
 
 
@@ -418,6 +431,59 @@ def test_the_golden_file_of_version_2_opens_for_ever():
     assert told(plain(document)) == told(json.loads((GOLDEN / "v2.json").read_text()))
     assert not report.read_only
     assert [one.status for one in document.waiting] == "new unfinished refused failed".split()
+
+
+class Linked:
+    """Knows the linked states of the golden file of version 3."""
+
+    def state_type(self, modeler_id):
+        return {"test.linked": (LinkedState, 1)}.get(modeler_id)
+
+    def upgrade(self, modeler_id, state, version):
+        raise AssertionError
+
+    def sources(self, modeler_id, state):
+        return state.sources
+
+
+@dataclass(frozen=True)
+class LinkedState:
+    sources: tuple[str, ...] = ()
+    strokes: Strokes = Strokes()
+    weights: NDArray[np.float64] = field(default_factory=lambda: frozen([], np.float64))
+
+
+def linked_document():
+    """What version 3 keeps: a follower, one with frozen sources, and a closed follower."""
+    state = LinkedState((), Strokes([full_stroke(1)]), frozen([0.1, 1 / 3], np.float64))
+    a = Model("a", "Body", "test.linked", state)
+    moved = Placement(scale=2.0, offset=(1.0, 2.0, 3.0))
+    b = Model("b", "Skin", "test.linked", replace(state, sources=("a",)), sources=("a",))
+    b = replace(b, placement=moved, frozen=(replace(a, placement=moved.inverse()),))
+    c = Model("c", "Far", "test.linked", LinkedState(("b", "d")), sources=("b", "d"))
+    c = replace(c, frozen=(b,))
+    opaque = OpaqueState(7, b'{"odd":1}', (stroke(3),), (frozen([1.5], np.float32),))
+    e = Model("e", "Closed", "absent.modeler", opaque, state_version=7, sources=("a", "d"))
+    d = Model("d", "Living", "test.linked", state)
+    return Document((b, c, d, replace(e, frozen=(a,))))
+
+
+def test_the_golden_file_of_version_3_opens_for_ever():
+    document, report = decode_document((GOLDEN / "v3.bozz").read_bytes(), Linked())
+    assert plain(document) == json.loads((GOLDEN / "v3.json").read_text())
+    assert not report.read_only
+    assert same_document(document, linked_document())
+
+
+def test_what_version_2_knows_of_version_3_is_unharmed_by_frozen_models():
+    """A reader of version 2 finds the strokes and the arrays that it expects, and no others."""
+    content = encode_document(linked_document())
+    loose = Document(replace(model, frozen=(), sources=()) for model in linked_document())
+    ours, theirs = entries(content), entries(encode_document(loose))
+    for name in set(ours) & set(theirs) - {"manifest.json", "core/models.json"}:
+        if not name.startswith("core/frozen") and not name.endswith("state.json"):
+            assert ours[name] == theirs[name], name
+    assert all(name.startswith(("core/frozen", "frozen/")) for name in set(ours) - set(theirs))
 
 
 def test_waiting_ink_comes_back_and_a_document_without_any_has_no_columns_for_it():

@@ -65,6 +65,11 @@ def test_loops_that_bound_no_face_are_refused(loop, said):
         changed(loop)
 
 
+def test_a_surface_that_is_a_point_is_no_face():
+    with pytest.raises(ValueError, match="at least one edge"):
+        Brep.of_surface(replace(FACE.faces[0].surface, control_points=np.ones((2, 2, 3))))
+
+
 def test_a_loop_stays_on_its_surface():
     wide = tuple(
         replace(t, curve=replace(t.curve, control_points=1.1 * t.curve.control_points))
@@ -170,6 +175,14 @@ def test_a_patchwork_as_faces_has_the_very_numbers():
     np.testing.assert_array_equal(brep.rim, skin.rim)
     assert BALL.is_closed
     assert volume(BALL) > 0
+
+
+def test_edges_of_a_patchwork_that_no_patch_has_are_left_out():
+    skin = ball()
+    loose = np.vstack((skin.edges[:1] + 1.0, skin.edges))
+    shifted = np.where(skin.sides < 0, skin.sides - 1, skin.sides + 1)
+    brep = brep_of_patchwork(replace(skin, edges=loose, sides=shifted))
+    assert (len(brep.edges), brep.is_closed) == (len(skin.edges), True)
 
 
 def test_shapes_add_up_and_are_placed_with_breps():

@@ -9,6 +9,7 @@ import pytest
 import shapely
 from scipy.spatial import cKDTree
 
+from bozzetto.errors import UserError
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry import (
     Brep,
@@ -20,12 +21,16 @@ from bozzetto.geometry import (
     Trim,
     brep_mesh,
     plane_face,
+    sewn,
     shaded_brep,
+    surface_of_revolution,
 )
+from bozzetto.geometry.brep import tessellation
 from bozzetto.geometry.brep.brep import signed_area
+from bozzetto.geometry.brep.shared_sides import FaceTriangles, with_single_sides
 from bozzetto.geometry.brep.tessellation import face_meshes
 from bozzetto.geometry.brep.triangulation import triangulated
-from tests.core.geometry.brep.exact_shapes import KNOWN, bent_net, box
+from tests.core.geometry.brep.exact_shapes import KNOWN, UP, ZERO, bent_net, box, circle
 
 TOLERANCES = (0.3, 0.02)
 
@@ -92,6 +97,88 @@ def test_faces_by_themselves_are_the_parts_of_the_whole():
     assert sum(len(part.faces) for part in parts) == len(whole.faces)
     joined = np.concatenate([part.vertices[part.faces] for part in parts])
     np.testing.assert_array_equal(joined, whole.vertices[whole.faces])
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, np.nan])
+def test_a_tolerance_is_above_zero(tolerance):
+    with pytest.raises(UserError, match="above zero"):
+        brep_mesh(box(), tolerance)
+
+
+def test_no_tolerance_asks_for_more_cells_than_a_face_may_have(monkeypatch):
+    monkeypatch.setattr(tessellation, "MOST_CELLS", 200)
+    monkeypatch.setattr(tessellation, "MOST_DIVISIONS", 32)
+    mesh = brep_mesh(KNOWN["sphere"].brep, 1e-6)
+    assert check_solid(Solid(mesh)).volume == pytest.approx(KNOWN["sphere"].volume, rel=0.05)
+    assert len(mesh.faces) < 5_000
+
+
+def bunched_profile(seed):
+    """A profile from pole to pole, whose parameter runs unevenly."""
+    rng = np.random.default_rng(seed)
+    heights = np.sort(rng.uniform(0, 9, 7))
+    out = rng.uniform(1, 6, 7) * rng.choice([0.05, 1.0], 7)
+    out[[0, -1]] = 0.0
+    points = np.column_stack((out, np.zeros(7), heights))
+    knots = np.concatenate((np.zeros(4), np.sort(rng.uniform(0, 1, 3)) ** 3, np.ones(4)))
+    return Curve(3, knots, points, rng.uniform(0.2, 3.0, 7))
+
+
+@pytest.mark.parametrize("tolerance", [100.0, 1.0, 0.3])
+def test_solids_of_uneven_profiles_close_at_every_tolerance(tolerance):
+    for seed in range(3):
+        brep = surface_of_revolution(bunched_profile(seed), ZERO, UP)
+        mesh = brep_mesh(brep, tolerance)
+        assert rim_of(mesh.faces) == set()
+
+
+def test_a_face_that_meets_itself_closes_along_its_seam():
+    ring = circle(5.0)
+    net = np.stack((ring.control_points, ring.control_points + np.array((0.0, 7.0, 0.0))), axis=1)
+    weights = np.stack((ring.weights, ring.weights), axis=1)
+    surface = BSplineSurface((2, 1), ring.knots, (0, 0, 1, 1), net, weights)
+    tube = sewn([Brep.of_surface(surface)])
+    assert (len(tube.edges), len(tube.rim)) == (3, 2)
+    for tolerance in (0.5, 0.01):
+        rim = rim_of(brep_mesh(tube, tolerance).faces)
+        starts, ends = zip(*rim, strict=True)
+        assert sorted(starts) == sorted(ends)
+        assert len(set(starts)) == len(starts)
+
+
+def test_diagonals_of_two_faces_with_the_same_corners_are_not_one_side():
+    """Two saddles over one square, one up and one down, close to a pillow."""
+    ends = np.array([[(0, 0, 0), (0, 9, 3)], [(9, 0, 3), (9, 9, 0)]], float)
+    lower, upper = ends * (1, 1, 1), ends.copy()
+    knots = np.array((0.0, 0.0, 0.0, 1.0, 1.0, 1.0))
+    nets = []
+    for net, rise in ((lower, -2.0), (upper, 2.0)):
+        middle_u, middle_v = net.mean(axis=0), net.mean(axis=1)
+        rows = np.array([
+            [net[0, 0], middle_v[0], net[0, 1]],
+            [middle_u[0], net.mean(axis=(0, 1)) + np.array((0, 0, rise)), middle_u[1]],
+            [net[1, 0], middle_v[1], net[1, 1]],
+        ])  # fmt: skip
+        nets.append(BSplineSurface((2, 2), knots, knots, rows))
+    pillow = sewn([Brep.of_surface(nets[0]).turned_over(), Brep.of_surface(nets[1])])
+    assert pillow.is_closed
+    for tolerance in (50.0, 0.5, 0.05):
+        assert rim_of(brep_mesh(pillow, tolerance).faces) == set()
+
+
+def test_a_side_that_two_faces_share_inside_is_halved_in_one():
+    square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
+    flat = BSplineSurface(
+        (1, 1), (0, 0, 1, 1), (0, 0, 1, 1), [[(0, 0, 0), (0, 1, 0)], [(1, 0, 0), (1, 1, 0)]]
+    )
+    names = np.arange(4)
+    up = FaceTriangles(square, names, np.array([(0, 1, 2), (0, 2, 3)]))
+    down = FaceTriangles(square, names, np.array([(0, 2, 1), (0, 3, 2)]))
+    vertices, faces = with_single_sides(np.eye(4, 3), [up, down], [flat, flat])
+    every = np.concatenate([face.vertices[face.triangles] for face in faces])
+    assert rim_of(every) == set()
+    assert [len(face.triangles) for face in faces] == [2, 4]
+    np.testing.assert_array_equal(vertices[4:], [(0.5, 0.5, 0.0)])
 
 
 # -- trimmed at random -------------------------------------------------------------------------

@@ -96,6 +96,12 @@ BROKEN = {
     "a state that can be changed": WORKING.replace("frozen=True", "frozen=False"),
     "a state that is no dataclass": WORKING.replace("state_type = State", "state_type = dict"),
     "a version that is none": WORKING.replace("state_version = 3", "state_version = '3'"),
+    "words of a figure that are none": WORKING.replace(
+        "    state_version = 3", "    state_version, figures = 3, {'gap': 'Gap'}"
+    ),
+    "a first parameter that is none": WORKING.replace(
+        "    state_version = 3", "    state_version, first_parameters = 3, ('gap',)"
+    ),
     "a class and no object": WORKING.replace("[Mine()]", "[3]"),
 }
 

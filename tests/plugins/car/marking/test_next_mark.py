@@ -10,7 +10,13 @@ import pytest
 from bozzetto_car.body.build import body_of
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.edit_marks import set_mark, with_asked, with_skipped
-from bozzetto_car.marking.next_mark import asked_of, hint_of, in_work, neighbour_of, open_nodes
+from bozzetto_car.marking.next_mark import (
+    asked_of,
+    in_work,
+    neighbour_of,
+    next_mark_in_words,
+    open_nodes,
+)
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.template.loader import bundled
 from tests.plugins.car.penned import blank, guided, places_of, view_of
@@ -53,7 +59,7 @@ def test_nothing_is_asked_without_a_sketch():
     assert asked(CarState()) is None
     hidden = replace(blank().sketch, visible=False)
     assert asked(blank().with_node(hidden)) is None
-    assert "Drop a sketch" in hint_of(CarState(), solved_of(CarState()))
+    assert "Drop a sketch" in next_mark_in_words(CarState(), solved_of(CarState()))
 
 
 @pytest.mark.parametrize("azimuth", [-90.0, -40.0, 35.0, 130.0, 165.0])
@@ -94,7 +100,7 @@ def test_a_hidden_point_is_offered_for_passing_over():
     template_names = [n for n in SEDAN.names if n.endswith(".R")]
     state = with_asked(state, template_names[0])
     assert asked(state).hidden
-    assert "not seen from here" in hint_of(state, solved_of(state))
+    assert "not seen from here" in next_mark_in_words(state, solved_of(state))
 
 
 def test_what_was_passed_over_comes_again_at_the_end():
@@ -179,8 +185,8 @@ def test_the_region_is_no_smaller_for_a_car_that_it_knows():
 def test_a_hint_counts_what_is_missing():
     for count, words in ((0, "6 more marks"), (5, "1 more mark.")):
         state = guided(FRONT, count)
-        assert words in hint_of(state, solved_of(state))
-    assert "more mark" not in hint_of(guided(FRONT, 6), solved_of(guided(FRONT, 6)))
+        assert words in next_mark_in_words(state, solved_of(state))
+    assert "more mark" not in next_mark_in_words(guided(FRONT, 6), solved_of(guided(FRONT, 6)))
 
 
 def test_marks_in_a_plane_name_one_that_helps():
@@ -189,7 +195,7 @@ def test_marks_in_a_plane_name_one_that_helps():
     state = blank()
     for name in ("C0", "C1", "C2", "C3", "C4", "C5"):
         state = set_mark(state, name, truth[name], SEDAN)
-    hint = hint_of(state, solved_of(state))
+    hint = next_mark_in_words(state, solved_of(state))
     named = hint.split("for example ")[1].rstrip(".")
     assert not named.startswith("C")
     assert named in SEDAN.names

@@ -110,7 +110,7 @@ def test_a_view_through_the_sketch_is_pinned(known):
         assert advice.pinned
         assert not advice.follow
         assert advice.better is None
-        assert advice.message.startswith("Next mark: ")
+        assert advice.message == ""
 
 
 def test_the_view_goes_along_with_a_mark_that_moves_the_camera(known):

@@ -20,6 +20,7 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.placements import drawn_rings
 from bozzetto_silhouette.tools.outline_edits import Smooth
 from tests.plugins.silhouette import outlines
+from tests.previews import preview_of
 
 TURN = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
 SQUARE = np.array([(-50.0, -50.0), (50.0, -50.0), (50.0, 50.0), (-50.0, 50.0)])
@@ -161,7 +162,7 @@ def test_the_tool_smooths_a_part_where_it_stands() -> None:
     assert outline_of(after.parts[0]).area == pytest.approx(
         outline_of(state.parts[0]).area, rel=5e-3
     )
-    (lines,) = [item for _, item in Smooth().preview(state, Ink((rub,)), Context()).items()]
+    (lines,) = [item for _, item in preview_of(Smooth(), state, Ink((rub,)), Context()).items()]
     assert np.isfinite(lines.points).all()
 
 

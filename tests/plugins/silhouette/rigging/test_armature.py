@@ -341,13 +341,13 @@ def test_a_ball_has_one_joint_and_nothing_to_drag():
 @pytest.mark.parametrize("tool", MODELER.tools(), ids=lambda tool: tool.id)
 def test_while_posing_every_tool_speaks_of_joints_and_of_nothing_else(tool):
     limb = state_of(part(capsule(0, 0, 80, 8)))
-    assert tool.next_hint(limb) == tool.next_hint(state_of()) == tool.hint
-    assert tool.next_hint(replace(state_of(), posing=True)) == tool.hint, "nothing to pose"
-    said = tool.next_hint(replace(limb, posing=True))
+    assert tool.next_step(limb).sentence == tool.next_step(state_of()).sentence == tool.hint
+    assert tool.next_step(replace(state_of(), posing=True)).sentence == tool.hint, "nothing to pose"
+    said = tool.next_step(replace(limb, posing=True)).sentence
     assert said.startswith("Drag a joint")
     assert "outline" not in said
     ball = replace(state_of(part(circle(0, 0, 0.5))), posing=True)
-    assert "no joint" in tool.next_hint(ball)
+    assert "no joint" in tool.next_step(ball).sentence
 
 
 # -- dragging ------------------------------------------------------------------------------------

@@ -96,13 +96,13 @@ def test_one_stroke_more_merges_only_its_own_side(monkeypatch: pytest.MonkeyPatc
     forget_all()
     strokes = [stroke(side, seed=k) for k, side in enumerate([RAIL, RAIL * MIRROR] * 2)]
     merged = []
-    work = sides.settle
+    work = sides.merge_strokes
 
     def counted(places, weights):
         merged.append(len(places))
         return work(places, weights)
 
-    monkeypatch.setattr(sides, "settle", counted)
+    monkeypatch.setattr(sides, "merge_strokes", counted)
     state, curve = SymmetryState(), Curve(id="c", name="c", strokes=Strokes(strokes[:3]))
     trace_of(curve, state)
     assert merged == [2]

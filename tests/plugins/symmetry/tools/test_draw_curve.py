@@ -18,6 +18,7 @@ from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from bozzetto_symmetry.tools.draw_curve import DrawCurve, rungs
 from bozzetto_symmetry.view.hints import FIRST
 from tests.plugins.symmetry import scenes as s
+from tests.previews import preview_of
 
 VIEW = s.camera(35, 20)
 RAIL = s.PAIRS["roof rail"]
@@ -35,7 +36,7 @@ def after(state: SymmetryState, ink: Ink) -> SymmetryState:
 
 
 def preview(state: SymmetryState, ink: Ink) -> Scene:
-    return TOOL.preview(state, ink, Context(camera=VIEW))
+    return preview_of(TOOL, state, ink, Context(camera=VIEW))
 
 
 def layer(scene: Scene, name: str) -> tuple[Lines, ...]:
@@ -110,7 +111,7 @@ def test_a_curve_is_solved_once_however_many_ask_for_it(waiting, monkeypatch) ->
 
 
 def test_a_tap_is_no_curve(waiting) -> None:
-    with pytest.raises(UserError, match="with the pen"):
+    with pytest.raises(UserError, match=TOOL.hint):
         TOOL.apply(waiting, Tap(3.0, 4.0, VIEW), Context(camera=VIEW))
 
 
@@ -118,7 +119,7 @@ def test_a_tap_is_no_curve(waiting) -> None:
 
 
 def said(state: SymmetryState) -> str:
-    return TOOL.next_hint(state)
+    return TOOL.next_step(state).sentence
 
 
 def test_an_empty_box_asks_for_the_first_side() -> None:

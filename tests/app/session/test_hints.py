@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from bozzetto.plugin import NextStep
 from bozzetto.plugin.gesture import Drag
 from tests import adviser
 from tests.adviser import MODELER
@@ -12,13 +13,13 @@ from tests.app.tablet import stroke_of
 
 @pytest.fixture
 def session(make_session, marks, settle, monkeypatch):
-    def next_hint(tool, state):
+    def next_step(tool, state):
         marks.expected += 1
-        return marks.words(state)
+        return NextStep(marks.words(state))
 
     marks.expected = 0
     marks.words = lambda state: f"{len(state.marks)} marks. Draw another."
-    monkeypatch.setattr(adviser.DrawMark, "next_hint", next_hint, raising=False)
+    monkeypatch.setattr(adviser.DrawMark, "next_step", next_step)
     made = make_session(MODELER, extra=[marks.package])
     settle(made)
     return made
@@ -34,31 +35,31 @@ def draw(settle):
 
 
 def test_before_anything_is_drawn_the_tools_own_hint_stands(session, marks):
-    assert session.notices.hint == "Draw a mark."
+    assert session.hints.step.sentence == "Draw a mark."
     assert marks.expected == 0
 
 
 def test_the_hint_follows_strokes_commands_and_the_history(session, draw, settle):
     draw(session)
-    assert session.notices.hint == "1 marks. Draw another."
+    assert session.hints.step.sentence == "1 marks. Draw another."
     draw(session, 320.0)
-    assert session.notices.hint == "2 marks. Draw another."
+    assert session.hints.step.sentence == "2 marks. Draw another."
     session.drawing.undo()
     settle(session)
-    assert session.notices.hint == "1 marks. Draw another."
+    assert session.hints.step.sentence == "1 marks. Draw another."
     session.drawing.redo()
     settle(session)
-    assert session.notices.hint == "2 marks. Draw another."
+    assert session.hints.step.sentence == "2 marks. Draw another."
     session.commands.run("flip")
     settle(session)
-    assert session.notices.hint == "2 marks. Draw another."
+    assert session.hints.step.sentence == "2 marks. Draw another."
 
 
 def test_without_a_model_the_tools_own_hint_is_back(session, draw, settle):
     draw(session)
     session.selection.select(None)
     settle(session)
-    assert session.notices.hint == "Draw a mark."
+    assert session.hints.step.sentence == "Draw a mark."
 
 
 def test_the_same_state_is_asked_about_once(session, draw, settle, marks):
@@ -86,8 +87,8 @@ def test_a_tool_with_nothing_special_to_say_leaves_room_for_what_else_can_be_don
 ):
     marks.words = lambda state: "Draw a mark."
     draw(session)
-    assert session.notices.hint.startswith("Draw a mark. ")
-    assert "Enter starts a new object." in session.notices.hint
+    assert session.hints.step.sentence.startswith("Draw a mark. ")
+    assert "Enter starts a new object." in session.hints.step.sentence
 
 
 def test_after_a_drag_of_a_handle_the_tool_in_the_hand_still_speaks(make_window, settle):
@@ -99,8 +100,8 @@ def test_after_a_drag_of_a_handle_the_tool_in_the_hand_still_speaks(make_window,
     session.objects.set_parameter("posing", True)
     settle(session, window.keeper)
     assert session.toolbox.tool == "draw"
-    assert "joint" in session.notices.hint
-    assert "outline" not in session.notices.hint
+    assert "joint" in session.hints.step.sentence
+    assert "outline" not in session.hints.step.sentence
     layers = [layer for layer in session.scene.visible.layers if layer.name == "joints"]
     handle = next(item for layer in layers for item in layer.items if hasattr(item, "tip"))
     x, y = session.view.camera.project([handle.point])[0][0]
@@ -109,4 +110,4 @@ def test_after_a_drag_of_a_handle_the_tool_in_the_hand_still_speaks(make_window,
     settle(session)
     assert session.drawing.history.undo_label == "Arrange"
     assert session.toolbox.tool == "draw"
-    assert "joint" in session.notices.hint
+    assert "joint" in session.hints.step.sentence

@@ -1,13 +1,14 @@
-"""The base of the tools: while the shape is posed their hint says how to drag joints."""
+"""The base of the tools: one eraser, and while the shape is posed how to drag joints."""
 
 from __future__ import annotations
 
 from typing import Final
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import NextStep, Tool, override
+from bozzetto.plugin import Context, Ink, NextStep, Tool, override
 from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.rigging.posing import joints_layer
+from bozzetto_silhouette.tools.erase import erased
 
 DRAG_A_JOINT: Final = (
     "Drag a joint and the skin follows; the end of a limb draws the limb along. "
@@ -18,8 +19,13 @@ NO_JOINTS: Final = (
 )
 
 
-class PoseAwareTool(Tool[SilhouetteState]):
-    """A tool whose hint gives way to the joints while the shape is posed."""
+class ErasingTool(Tool[SilhouetteState]):
+    """A tool of the modeler: with all of them the eraser and posed shapes work the same."""
+
+    @override
+    def erase(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
+        """Take away what the eraser's path lies over; see `erased`."""
+        return erased(state, ink.strokes[-1])
 
     @override
     def next_step(self, state: SilhouetteState) -> NextStep:
