@@ -6,15 +6,15 @@ from collections.abc import Iterable
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt
-from PySide6.QtGui import QInputDevice, QMouseEvent, QPointingDevice, QTabletEvent
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
 from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
+from bozzetto_app.testing.stylus import Stylus as Stylus
 
 NO_BUTTON, LEFT = Qt.MouseButton.NoButton, Qt.MouseButton.LeftButton
 NO_KEY = Qt.KeyboardModifier.NoModifier
-Can = QInputDevice.Capability
 
 
 def circle(x=640.0, y=360.0, radius=120.0, samples=90, share=1.0, wave=0.0):
@@ -35,53 +35,6 @@ def stroke_of(points, camera: Camera, tool="pen") -> Stroke:
         camera=camera,
         tool=tool,
     )
-
-
-class Stylus:
-    """Draws on a widget as a tablet would, one event after the other."""
-
-    def __init__(self, widget: QWidget, *, eraser: bool = False, keys=NO_KEY) -> None:
-        self.widget = widget
-        self.keys = keys
-        self.stamp = 1000
-        # Events hold a bare pointer to the device: it lives as long as the stylus.
-        self.device = QPointingDevice(
-            "test stylus",
-            7,
-            QInputDevice.DeviceType.Stylus,
-            QPointingDevice.PointerType.Eraser if eraser else QPointingDevice.PointerType.Pen,
-            Can.Position | Can.Pressure | Can.XTilt | Can.YTilt | Can.Hover,
-            1,
-            3,
-        )
-
-    def press(self, place) -> None:
-        self._send(QEvent.Type.TabletPress, place, 0.5, LEFT, LEFT)
-
-    def move(self, place) -> None:
-        self._send(QEvent.Type.TabletMove, place, 0.5, NO_BUTTON, LEFT)
-
-    def lift(self, place) -> None:
-        self._send(QEvent.Type.TabletRelease, place, 0.0, LEFT, NO_BUTTON)
-
-    def draw(self, points: Iterable, *, lift: bool = True) -> None:
-        first, *rest = points
-        self.press(first)
-        for place in rest:
-            self.move(place)
-        QApplication.processEvents()
-        if lift:
-            self.lift(place)
-
-    def _send(self, kind, place, pressure, button, buttons) -> None:
-        here = QPointF(*map(float, place))
-        self.stamp += 5
-        event = QTabletEvent(
-            kind, self.device, here, QPointF(self.widget.mapToGlobal(here)), pressure,
-            0.0, 0.0, 0.0, 0.0, 0.0, self.keys, button, buttons,
-        )  # fmt: skip
-        event.setTimestamp(self.stamp)
-        QApplication.sendEvent(self.widget, event)
 
 
 class Mouse:
