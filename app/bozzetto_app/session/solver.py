@@ -295,18 +295,26 @@ class Solver(QObject):
     # -- on the window's thread --
 
     def _take_all(self, answers: Sequence[tuple[Task, Scene]]) -> None:
-        for task, scene in answers:
-            self._take(task, scene)
+        """Replace the scenes of some models, all before anybody looks: they are one picture."""
+        for task in [task for task, scene in answers if self._replace(task, scene)]:
+            self._tell(task)
 
     def _take(self, task: Task, scene: Scene) -> None:
         """Replace the scene of one model."""
-        model_id = task.model.id
+        self._take_all([(task, scene)])
+
+    def _replace(self, task: Task, scene: Scene) -> bool:
+        """Replace a scene, unless something newer is shown; return whether it was."""
         if task.stage is Stage.PREVIEW and self._drawing.is_dragging:
             self._paint.start()
         if not self._revisions.show(task):
-            return
-        self._shown[model_id] = (task.model, scene)
-        newest = self._revisions.is_newest(task)
+            return False
+        self._shown[task.model.id] = (task.model, scene)
+        return True
+
+    def _tell(self, task: Task) -> None:
+        """Say that the scene of a model differs."""
+        model_id, newest = task.model.id, self._revisions.is_newest(task)
         self.changed.emit(model_id, task.stage is not Stage.INK and newest)
         if newest and task.stage is Stage.FINAL and model_id in self._awaited:
             self._awaited.discard(model_id)
