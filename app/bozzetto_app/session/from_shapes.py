@@ -105,5 +105,13 @@ class ShapeInput:
             else:
                 label = tr("Session", "Start from “{name}”", name=model.name)
             self._drawing.apply_model(label, model, is_new=True)
+            if "follow" in abilities and not follows:
+                self._notices.tell(
+                    tr(
+                        "Session",
+                        "Parts are copied, not followed. To follow the whole object, choose its "
+                        "row in the list of objects.",
+                    )
+                )
 
         self.channel.submit(Request(work, done, self._notices.complain))

@@ -261,6 +261,13 @@ class Revisions:
                 course.made = (course.asked, Stage.REPORT)
 
     @property
+    def next_preview(self) -> str:
+        """Id of the model of the next task if that is a preview, else ""."""
+        with self._lock:
+            task = self._most_urgent()
+            return task.model.id if task is not None and task.stage is Stage.PREVIEW else ""
+
+    @property
     def running(self) -> Task | None:
         """The task that was taken last and has not ended."""
         with self._lock:

@@ -8,7 +8,8 @@ ink is shown all the same.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -43,6 +44,39 @@ REST: Final = 300
 LATEST_PAINT: Final = 250
 """How long the next preview waits for earlier ones to be painted, ms: where nothing had to be
 repainted, no viewport reports it."""
+
+
+TOGETHER: Final = 0.02
+"""How long answers wait for the next one, s: a model and its quick followers are one picture."""
+
+
+class _Answers:
+    """Scenes that a worker has made and not yet handed over.
+
+    Parameters
+    ----------
+    hand_on : callable
+        Gets them in the order in which they were made.
+    """
+
+    def __init__(self, hand_on: Callable[[Sequence[tuple[Task, Scene]]], None]) -> None:
+        self._hand_on = hand_on
+        self._made: list[tuple[Task, Scene]] = []
+        self._since = 0.0
+
+    def add(self, task: Task, scene: Scene) -> None:
+        """Keep one more, unless the first has waited long enough."""
+        if not self._made:
+            self._since = time.monotonic()
+        self._made.append((task, scene))
+        if time.monotonic() - self._since > TOGETHER:
+            self.hand_over()
+
+    def hand_over(self) -> None:
+        """Hand over what is there."""
+        if self._made:
+            made, self._made = self._made, []
+            self._hand_on(made)
 
 
 class Solver(QObject):
@@ -95,6 +129,7 @@ class Solver(QObject):
         self._linked = LinkedModels()
         self._last_report: tuple[Model, Report] | None = None
         self._awaited: set[str] = set()
+        self._quick: set[str] = set()  # ids of models whose last answer took no time to speak of
         self._channel = Channel("solve", time_limit=SOLVE_LIMIT, is_patient=True, parent=self)
         self._channel.slow.connect(notices.tell_slow)
         self._channel.progressed.connect(self.progressed)
@@ -131,6 +166,7 @@ class Solver(QObject):
         self._linked.forget()
         self._shown.clear()
         self._awaited.clear()
+        self._quick.clear()
         self._last_report = None
 
     def cancel(self) -> None:
@@ -214,20 +250,24 @@ class Solver(QObject):
 
     def _work(self, job: Job) -> None:
         """Do the most urgent task until nothing is left."""
-        while not job.cancelled():
-            task = self._revisions.next()
-            if task is None:
-                return
-            job.progress(0.0, task.model.name)
-            try:
-                if task.stage is Stage.REPORT:
-                    self._report(task, job)
-                else:
-                    self._solve(task, job)
-            except (UserError, PluginFault) as problem:
-                # Work that was replaced and then interrupted is no fault.
-                if not job.cancelled():
-                    self._refused(task, problem)
+        answers = _Answers(lambda made: call_on_main_thread(self, self._take_all, made))
+        try:
+            while not job.cancelled():
+                task = self._revisions.next()
+                if task is None:
+                    return
+                job.progress(0.0, task.model.name)
+                try:
+                    if task.stage is Stage.REPORT:
+                        self._report(task, job)
+                    else:
+                        self._solve(task, job, answers)
+                except (UserError, PluginFault) as problem:
+                    # Work that was replaced and then interrupted is no fault.
+                    if not job.cancelled():
+                        self._refused(task, problem)
+        finally:
+            answers.hand_over()
 
     def _refused(self, task: Task, problem: BaseException) -> None:
         """Note that a model has no solution, or no figures; it is not asked again."""
@@ -237,9 +277,9 @@ class Solver(QObject):
             self._revisions.give_up(task.model)
         call_on_main_thread(self, self._complain, task, problem)
 
-    def _solve(self, task: Task, job: Job) -> None:
+    def _solve(self, task: Task, job: Job, answers: _Answers) -> None:
         """Solve one model at one quality, or show its final result if that is cached."""
-        bench, model = self._workbench, task.model
+        bench, model, begun = self._workbench, task.model, time.monotonic()
         if bench.result(model, "final") is not None:
             task = replace(task, stage=Stage.FINAL)
         elif not self._revisions.has_picture(task) and bench.best_result(model) is None:
@@ -251,7 +291,11 @@ class Solver(QObject):
         scene = bench.model_scene(model, result)
         if not job.cancelled():
             self._revisions.made(task)
-            call_on_main_thread(self, self._take, task, scene)
+            answers.add(task, scene)
+            is_quick = time.monotonic() - begun < TOGETHER
+            (self._quick.add if is_quick else self._quick.discard)(model.id)
+            if self._revisions.next_preview not in self._quick:
+                answers.hand_over()
 
     def _report(self, task: Task, job: Job) -> None:
         """Compute the figures of a model that has its final result."""
@@ -267,15 +311,27 @@ class Solver(QObject):
 
     # -- on the window's thread --
 
+    def _take_all(self, answers: Sequence[tuple[Task, Scene]]) -> None:
+        """Replace the scenes of some models, all before anybody looks: they are one picture."""
+        for task in [task for task, scene in answers if self._replace(task, scene)]:
+            self._tell(task)
+
     def _take(self, task: Task, scene: Scene) -> None:
         """Replace the scene of one model."""
-        model_id = task.model.id
+        self._take_all([(task, scene)])
+
+    def _replace(self, task: Task, scene: Scene) -> bool:
+        """Replace a scene, unless something newer is shown; return whether it was."""
         if task.stage is Stage.PREVIEW and self._drawing.is_dragging:
             self._paint.start()
         if not self._revisions.show(task):
-            return
-        self._shown[model_id] = (task.model, scene)
-        newest = self._revisions.is_newest(task)
+            return False
+        self._shown[task.model.id] = (task.model, scene)
+        return True
+
+    def _tell(self, task: Task) -> None:
+        """Say that the scene of a model differs."""
+        model_id, newest = task.model.id, self._revisions.is_newest(task)
         self.changed.emit(model_id, task.stage is not Stage.INK and newest)
         if newest and task.stage is Stage.FINAL and model_id in self._awaited:
             self._awaited.discard(model_id)

@@ -228,6 +228,25 @@ def test_a_source_that_is_deleted_meanwhile_is_not_followed(session, settle):
     assert "no longer there" in session.heard[-1].text
 
 
+def test_parts_are_copied_and_the_whole_is_followed(make_session, settle):
+    session = make_session("bozzetto.symmetry")
+    samples = session.registry.info("bozzetto.symmetry").samples
+    session.files.import_file(next(path for path in samples if path.stem == "boat"))
+    settle(session)
+    boat = session.selection.model
+    part = session.parts.of(boat.id).parts[0].id
+    session.shapes.use("bozzetto.skin", [boat.id], {boat.id: [part]})
+    settle(session)
+    copy = session.selection.model
+    assert copy.sources == ()
+    assert len(copy.state.points)
+    assert session.heard[-1].text.startswith("Parts are copied, not followed.")
+    session.shapes.use("bozzetto.skin", [boat.id], {})
+    settle(session)
+    assert session.selection.model.sources == (boat.id,)
+    assert session.solver.shown(session.selection.id).linked
+
+
 def test_a_slider_on_the_source_shows_a_follower_for_every_value(session, settle, qtbot):
     """Values come as fast as the window takes them; each is shown of both, and in order."""
     body, follower = two(session)
