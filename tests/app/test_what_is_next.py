@@ -57,10 +57,10 @@ def check(window):
     pointed = {name for name, button in rail(window)._buttons.items() if button.is_next}
     assert pointed == {step.tool} - {"", tool}
     if step.place is None:
-        assert canvas.overlay.next_step is None
-    elif canvas.overlay.next_step is not None:
+        assert canvas.overlay.next_place is None
+    elif canvas.overlay.next_place is not None:
         seen = session.view.camera.project([step.place])[0][0]
-        assert np.allclose(canvas.overlay.next_step, seen, atol=1e-6)
+        assert np.allclose(canvas.overlay.next_place, seen, atol=1e-6)
     model = session.selection.target(session.toolbox.modeler)
     waits = any(
         one.is_for(session.toolbox.modeler, tool) and one.status in ("unfinished", "failed")
@@ -222,12 +222,12 @@ def test_the_place_is_marked_while_the_pen_is_up(window, settle):
     settle(session, window.keeper)
     check(window)
     assert session.hints.step.place is not None
-    before = overlay.next_step
+    before = overlay.next_place
     assert before is not None
     stylus = Stylus(window.canvas)
     stylus.press((500.0, 300.0))
-    assert overlay.next_step is None
+    assert overlay.next_place is None
     stylus.move((560.0, 340.0))
-    assert overlay.next_step is None
+    assert overlay.next_place is None
     window.canvas.hand.cancel()
-    assert overlay.next_step == before
+    assert overlay.next_place == before
