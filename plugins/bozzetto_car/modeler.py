@@ -24,7 +24,7 @@ from bozzetto.plugin import (
 from bozzetto.scene import Picture, Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of, preview_of
-from bozzetto_car.body.traced_ink import ink_of
+from bozzetto_car.body.edge_ink import ink_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of
 from bozzetto_car.marks_file import car_from_facts, is_car_file

@@ -89,7 +89,7 @@ def tap(session, dice):
 def sample(session, dice):
     info = dice.choice([info for info in session.toolbox.modelers if info.samples])
     session.toolbox.take_modeler(info.id)
-    session.files.import_file(dice.choice(info.samples))
+    session.files.import_file(info.samples[-1])
 
 
 def picture(session, dice):

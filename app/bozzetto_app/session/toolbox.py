@@ -174,7 +174,10 @@ class Toolbox(QObject):
     def take_tool(self, tool_id: str) -> None:
         """Draw with another tool of the active modeler."""
         for tool in self.tools:
-            if tool.id == tool_id:
+            if tool.id == tool_id == self.tool:
+                words = tr("Session", "“{title}” is in the hand already.", title=tool.title)
+                self._notices.tell(words)
+            elif tool.id == tool_id:
                 self.tool = tool_id
                 self.tool_changed.emit()
 

@@ -127,7 +127,7 @@ class Modeler(ABC, Generic[State, Result]):
         strokes that the state holds, in the order of its fields and parts. Write it where some of
         them are no drawing, or lie elsewhere than their camera says.
         """
-        from bozzetto.plugin.ink_of_state import ink_of_state
+        from bozzetto.plugin.state_ink import ink_of_state
 
         return ink_of_state(state)
 

@@ -24,7 +24,7 @@ from bozzetto.scene.display_list import Paint
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.overlay.highlights import LitPlaces
-from bozzetto_app.canvas.overlay.next_place import NextPlace
+from bozzetto_app.canvas.overlay.next_step import NextPlace
 from bozzetto_app.canvas.overlay.ribbon import InkPoint, Smoother, ribbon_path, smoothed
 from bozzetto_app.canvas.overlay.waiting_ink import MarkedLine
 from bozzetto_app.canvas.screen_limits import (

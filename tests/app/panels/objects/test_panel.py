@@ -139,9 +139,14 @@ def test_deleting_and_duplicating(panel, fake_session):
 def test_the_menu_offers_the_same(panel, fake_session):
     menu = panel.menu_for_current()
     titles = [action.text() for action in menu.actions() if not action.isSeparator()]
-    assert titles == ["Rename", "Duplicate", "Hide", "Lock", "Use as input for", "Delete"]
-    menu.actions()[3].trigger()
+    read, *more = "Read this ink as…", "Use as input for", "Delete"
+    assert titles == ["Rename", "Duplicate", read, "Hide", "Lock", *more]
+    menu.actions()[4].trigger()
     assert fake_session.calls.named("objects.set_visible") == [(("m1", False), {})]
+    asked = []
+    panel.reading_wanted.connect(asked.append)
+    menu.actions()[3].trigger()
+    assert asked == ["m1"]
 
 
 @given(st.integers(0, 3), st.integers(0, 7))

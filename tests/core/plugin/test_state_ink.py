@@ -8,7 +8,7 @@ import pytest
 
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Group, Part, PartsState
-from bozzetto.plugin.ink_of_state import ink_of_state
+from bozzetto.plugin.state_ink import ink_of_state
 from bozzetto.view import Camera
 
 
