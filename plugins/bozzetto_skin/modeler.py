@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.geometry import Mesh, Shapes, Solid, frozen
 from bozzetto.geometry.wrap.shrink_wrap import LEVELS, curve_distances, shrink_wrap
-from bozzetto.plugin import Job, Modeler, Parameter, override
+from bozzetto.plugin import Figure, Job, Modeler, Parameter, override
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_skin.reading import polylines
 
@@ -81,6 +81,21 @@ class SkinState:
         return tuple(np.split(self.points, self.starts[1:])) if len(self.starts) else ()
 
 
+FIGURES: Final[Mapping[str, Figure]] = {
+    "distance": Figure("Curves off the skin", "How far places along the curves are from the skin"),
+    "median": Figure("Half of them within", "Median of the distances", "mm", digits=3),
+    "95_percent": Figure("95 % within", "95th percentile of the distances", "mm", digits=3),
+    "greatest": Figure("All within", "Greatest of the distances", "mm", digits=3),
+    "greatest_distance_percent_of_size": Figure(
+        "Greatest by size",
+        "The greatest distance, as a part of the curves’ diagonal",
+        "%",
+        digits=2,
+    ),
+}
+"""The words of the report; `Modeler.figures`."""
+
+
 @dataclass(frozen=True, eq=False)
 class Skin:
     """A skin, if there are curves.
@@ -101,6 +116,8 @@ class RoughSkin(Modeler[SkinState, Skin]):
 
     id = "bozzetto.skin"
     state_type = SkinState
+    first_parameters = ("detail", "tightness", "smoothing")
+    figures = FIGURES
 
     @override
     def read_shapes(self, shapes: Shapes) -> SkinState:
