@@ -18,7 +18,7 @@ from bozzetto.geometry import (
     frozen,
     shrink_wrap,
 )
-from bozzetto.plugin import Job, Modeler, Parameter, override
+from bozzetto.plugin import Figure, Job, Modeler, Parameter, override
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_skin.reading import polylines
 
@@ -94,6 +94,21 @@ class SkinState:
         return tuple(np.split(self.points, self.starts[1:])) if len(self.starts) else ()
 
 
+FIGURES: Final[Mapping[str, Figure]] = {
+    "distance": Figure("Curves off the skin", "How far places along the curves are from the skin"),
+    "median": Figure("Half of them within", "Median of the distances", "mm", digits=3),
+    "95_percent": Figure("95 % within", "95th percentile of the distances", "mm", digits=3),
+    "greatest": Figure("All within", "Greatest of the distances", "mm", digits=3),
+    "greatest_distance_percent_of_size": Figure(
+        "Greatest by size",
+        "The greatest distance, as a part of the curves’ diagonal",
+        "%",
+        digits=2,
+    ),
+}
+"""The words of the report; `Modeler.figures`."""
+
+
 @dataclass(frozen=True, eq=False)
 class Skin:
     """A skin, if there are curves.
@@ -118,6 +133,8 @@ class RoughSkin(Modeler[SkinState, Skin]):
     id = "bozzetto.skin"
     state_type = SkinState
     state_version = 2
+    first_parameters = ("detail", "tightness", "smoothing")
+    figures = FIGURES
 
     @override
     def read_shapes(self, shapes: Shapes) -> SkinState:

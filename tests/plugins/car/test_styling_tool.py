@@ -169,8 +169,9 @@ def test_the_icon_is_of_the_set() -> None:
 
 def test_the_preview_lies_on_the_body_under_the_ink() -> None:
     body = template_body()
+    preview = tool.begin(CarState(), CONTEXT)
     for last in (3, 40, 41, 42, 120, 240):
-        scene = preview_of(tool, CarState(), ink(STROKE[:last], QUARTER), CONTEXT)
+        scene = preview.update(ink(STROKE[:last], QUARTER))
     (layer,) = scene.layers
     (line,) = layer.items
     assert isinstance(line, Lines)

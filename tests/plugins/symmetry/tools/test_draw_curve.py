@@ -61,6 +61,19 @@ def test_the_curve_grows_in_space_while_its_second_side_is_drawn(waiting, sense,
     assert length == pytest.approx(share * whole, rel=0.2)
 
 
+def test_what_has_grown_depends_on_the_ink_alone(waiting) -> None:
+    """However often it was asked for, and also where the pen was somewhere else before."""
+    whole, other = gesture(RAIL * MIRROR), gesture(RAIL * MIRROR + [0.0, 0.0, 6.0])
+    shares = [gesture(RAIL * MIRROR, share=share) for share in (0.2, 0.5, 0.8)]
+    growing = TOOL.begin(waiting, Context(camera=VIEW))
+    for ink in (*shares, whole, other, shares[0], whole):
+        shown, anew = growing.update(ink), preview(waiting, ink)
+        assert shown.layers
+        for name in ("ghost", "heat"):
+            for one, two in zip(layer(shown, name), layer(anew, name), strict=True):
+                assert np.array_equal(one.points, two.points)
+
+
 def test_rungs_are_square_to_the_plane_and_end_on_the_curve(waiting) -> None:
     scene = preview(waiting, gesture(RAIL * MIRROR))
     (ladder,) = layer(scene, "ghost")
