@@ -263,19 +263,27 @@ class Motion(QObject):
 
         Where somebody else has changed the model meanwhile, the motion goes on from that.
         """
-        models = self._drawing.document
-        present = next((model for model in models if model.id == course.model_id), None)
+        present = self._present(course)
         if present is None:
             return False
         count, newest = course.newest
         if present is not course.taken:
             course.start, course.taken = (course.start[0] + 1, present), present
         elif count == course.start[0] and newest is not present:
-            course.taken, course.changed = newest, True
             titles = (tool.title for tool in self._toolbox.tools if tool.id == course.tool)
-            document = self._drawing.document.with_model(newest)
+            try:
+                document = self._drawing.document.with_model(newest)
+            except UserError as problem:  # it would follow itself
+                self._notices.complain(problem)
+                return False
             self._drawing.commit(next(titles, course.tool), document, course.key)
+            course.taken, course.changed = self._present(course) or newest, True
         return True
+
+    def _present(self, course: _Course) -> Model | None:
+        """Return the model that moves, as the document has it; None if it is gone."""
+        models = self._drawing.document
+        return next((model for model in models if model.id == course.model_id), None)
 
     def _tool_changed(self) -> None:
         course, target = self._course, self._target

@@ -177,7 +177,7 @@ class Workbench:
         to_own, own = self._frame_of(model, context)
         held = None if held is None else held.moved(to_own)
         state = self.guarded(model).step(tool, model.state, held, seconds, own)
-        return model if state is model.state else replace(model, state=state)
+        return model if state is model.state else with_state(self.registry, model, state)
 
     def next_step(self, model: Model, tool: Tool[Any]) -> NextStep:
         """Return what to do next with a tool, as the model is now; its place is in the world."""
