@@ -131,7 +131,7 @@ class WindowShell:
     @property
     def hint(self) -> str:
         """The line that says what to do next."""
-        return self.session.notices.hint
+        return self.session.hints.step.sentence
 
     @property
     def state(self) -> Any:
