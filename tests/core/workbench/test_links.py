@@ -22,7 +22,7 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Shell, same
 from bozzetto.testing.abilities import check_follow
 from bozzetto.testing.subject import Broken, Subject
-from bozzetto.workbench.export_document import chosen_models, object_shapes
+from bozzetto.workbench.export_document import chosen_models, links_of, object_shapes
 from bozzetto.workbench.links import with_sources, with_state
 from tests.linked_boxes import CORNERS, FACES, MODELER, BoxState
 
@@ -267,3 +267,10 @@ def test_a_headless_shell_follows_what_is_used(boxes, tmp_path):
     shell.reopen()
     assert [solid.mesh.bounds[1, 0] for solid in shell.shapes().solids] == [20.0]
     assert len(shell.workbench.shapes(shell.document, Job()).solids) == 2
+
+
+def test_reports_name_what_is_followed_and_what_is_frozen(bench):
+    assert links_of(resolved(chain(bench))["c"]) == {"follows": ["B"]}
+    kept = edit.delete_models(chain(bench), ["b"]).document
+    assert links_of(resolved(kept)["c"]) == {"frozen": ["B"]}
+    assert links_of(resolved(kept)["a"]) == {}
