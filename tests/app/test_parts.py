@@ -9,6 +9,7 @@ import pytest
 
 from bozzetto.document import edit
 from bozzetto.geometry import Mesh
+from bozzetto.plugin import Tool
 from bozzetto.plugin.gesture import Tap
 from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
 from bozzetto.testing import Pen
@@ -249,7 +250,7 @@ def test_a_layer_stands_in_for_that_of_its_name_and_owner():
     assert own.under(Scene()).layers == own.layers
 
 
-class StandsIn:
+class StandsIn(Tool):
     """A tool whose preview takes the place of the shape."""
 
     id, title, icon, hint, gesture = "stand", "Stand in", "", "Draw.", "ink"
@@ -258,7 +259,7 @@ class StandsIn:
         line = Lines(np.zeros((2, 3)), color="accent")
         return Scene((Layer("shape", (line,)),))
 
-    def apply(self, state, gesture, context):
+    def draw(self, state, gesture, context):
         nodes = tuple(replace(node, visible=k > 0) for k, node in enumerate(state.nodes))
         return replace(state, nodes=nodes)
 
@@ -299,7 +300,7 @@ def test_a_preview_stands_in_until_the_new_shape_is_there(session, settle, monke
 
 def test_a_gesture_that_only_chooses_is_no_step(session, settle, monkeypatch):
     class Chooses(StandsIn):
-        def apply(self, state, gesture, context):
+        def tap(self, state, gesture, context):
             return replace(state, selected=state.nodes[0].id)
 
     chooses = Chooses()

@@ -106,6 +106,9 @@ class DrawBox(Tool[BoxesState]):
 
         return self.owner.do("preview", well, state, gesture, context)
 
+    def erase(self, state, gesture, context):
+        return self.draw(state, gesture, context)
+
     def tap(self, state, gesture, context):
         return self.owner.do("apply", lambda: state, state, gesture, context)
 

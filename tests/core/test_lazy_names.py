@@ -25,10 +25,7 @@ def seen_by_type_checkers(package):
     tree = ast.parse(Path(package.__file__).read_text(encoding="utf-8"))
     found = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
     return {
-        name.name: node.module
-        for node in found
-        if (node.module or "").startswith("bozzetto.") and node.module != "bozzetto.lazy_names"
-        for name in node.names
+        name.name: node.module for node in found for name in node.names if name.asname == name.name
     }
 
 

@@ -260,15 +260,24 @@ class Workbench:
         )
 
     def advises(self, modeler_id: str) -> bool:
-        """Whether a modeler may have advice on a view."""
-        modeler = self.registry.modeler(modeler_id)
-        by_state = _overrides(modeler.view_advice, Modeler.view_advice)
+        """Whether a modeler may have advice on a view; False where it cannot be used."""
+        modeler = self._usable(modeler_id)
+        by_state = modeler is not None and _overrides(modeler.view_advice, Modeler.view_advice)
         return by_state or self.advises_on_results(modeler_id)
 
     def advises_on_results(self, modeler_id: str) -> bool:
         """Whether a modeler's advice on a view follows from results, which may be previews."""
-        modeler = self.registry.modeler(modeler_id)
-        return _overrides(modeler.advice_on_result, Modeler.advice_on_result)
+        modeler = self._usable(modeler_id)
+        return modeler is not None and _overrides(
+            modeler.advice_on_result, Modeler.advice_on_result
+        )
+
+    def _usable(self, modeler_id: str) -> Modeler[Any, Any] | None:
+        """Return a modeler; None where its plugin is absent, broken or switched off."""
+        try:
+            return self.registry.modeler(modeler_id)
+        except UserError:
+            return None
 
     def _results_of(self, seen: Iterable[Model], placement: Placement, now: Any) -> tuple[Any, ...]:
         """Return the results of earlier states that are still known, but for that of now."""

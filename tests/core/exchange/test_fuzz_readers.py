@@ -94,7 +94,7 @@ def seeds(tmp_path_factory):
     stroke = Stroke(
         [1, 2, 3], [4, 5, 6], Camera(), pressure=[0, 0.5, 1], t=[0, 1, 2], twist=[1, 2, 3]
     )
-    drawing = Drawing(Strokes([stroke] * 2), Camera(), extra={"box": [1, {"a": None}]})
+    drawing = Drawing(Strokes([stroke] * 2), Camera(), facts={"box": [1, {"a": None}]})
     for ending in ("json", "inkml", "svg"):
         write_drawing(drawing, folder / f"a.{ending}")
     picture = Image.fromarray(np.random.default_rng(0).integers(0, 255, (9, 7, 3), np.uint8))

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from bozzetto.cli.output import write_output
+from bozzetto.document.model import Document, Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad import cad_surfaces as surface_pieces
 from bozzetto.exchange.cad.iges import write_shapes as iges
@@ -360,21 +361,17 @@ def test_mesh_formats_hold_triangles_that_close_along_every_edge(tmp_path, endin
 
 
 def test_the_command_line_hands_a_skin_over(tmp_path):
-    class Document(list):
-        camera = None
-        waiting = ()
-
-    car = SimpleNamespace(name="Car", modeler="author.car", visible=True)
+    document = Document((Model("m1", "Car", "author.car", OpaqueState(1, b"{}")),))
     bench = SimpleNamespace(
         shapes=lambda models, job: SHAPES if len(models) else Shapes(),
         registry=SimpleNamespace(standing=lambda modeler: Standing("ready", "author.car")),
         is_foreign=lambda model: False,
         cautions=lambda model, job: (),
     )
-    write_output(bench, Document([car]), tmp_path / "out" / "car.STP")
+    write_output(bench, document, tmp_path / "out" / "car.STP")
     assert (tmp_path / "out" / "car.STP").read_bytes() == step(SHAPES)
     with pytest.raises(UserError, match=r"“\.3ds” cannot be used here.*\.step"):
-        write_output(bench, Document([car]), tmp_path / "car.3ds")
+        write_output(bench, document, tmp_path / "car.3ds")
 
 
 def test_3mf_takes_them_too():
