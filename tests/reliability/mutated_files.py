@@ -138,7 +138,7 @@ def seeds() -> list[Case]:
     shapes = Shapes(solids=(solid, solid))
     row: dict[str, Any] = {"pressure": [0, 0.5, 1], "t": [0, 1, 2], "twist": [1, 2, 3]}
     stroke = Stroke([1, 2, 3], [4, 5, 6], Camera(), **row)
-    drawing = Drawing(Strokes([stroke] * 2), Camera(), extra={"box": [1, {"a": None}]})
+    drawing = Drawing(Strokes([stroke] * 2), Camera(), facts={"box": [1, {"a": None}]})
     found: list[Case] = [
         (".stl", stl.write_shapes(shapes)), (".stl", TEXT_STL), (".obj", OBJ),
         (".obj", obj.write_shapes(shapes)), (".ply", ply.write_shapes(shapes)),
