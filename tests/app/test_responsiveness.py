@@ -125,10 +125,12 @@ def test_numpy_in_a_plugin_leaves_the_window_free(make_window, boxes, settle):
 
 
 def test_saving_and_journalling_much_ink_leaves_the_window_free(
-    make_window, boxes, settle, tmp_path
+    make_window, boxes, settle, tmp_path, monkeypatch
 ):
     from bozzetto.ink import Strokes
 
+    # OpenGL without a graphics card paints on the window's thread, for as long as it takes.
+    monkeypatch.setenv("BOZZETTO_VIEWPORT", "software")
     window = make_window(MODELER, extra=[boxes.package])
     Stylus(window.canvas).draw(circle())
     settle(window.session)
