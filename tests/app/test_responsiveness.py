@@ -78,6 +78,12 @@ def assert_free(pauses, machine):
     assert pauses.max() < GENEROUS + machine.longest
 
 
+@pytest.fixture(autouse=True)
+def _software(monkeypatch):
+    """OpenGL without a graphics card paints on the window's thread, for as long as it takes."""
+    monkeypatch.setenv("BOZZETTO_VIEWPORT", "software")
+
+
 @pytest.fixture
 def drawn(make_window, settle):
     """A window with a real silhouette at the finest resolution, everything imported."""
@@ -125,12 +131,10 @@ def test_numpy_in_a_plugin_leaves_the_window_free(make_window, boxes, settle):
 
 
 def test_saving_and_journalling_much_ink_leaves_the_window_free(
-    make_window, boxes, settle, tmp_path, monkeypatch
+    make_window, boxes, settle, tmp_path
 ):
     from bozzetto.ink import Strokes
 
-    # OpenGL without a graphics card paints on the window's thread, for as long as it takes.
-    monkeypatch.setenv("BOZZETTO_VIEWPORT", "software")
     window = make_window(MODELER, extra=[boxes.package])
     Stylus(window.canvas).draw(circle())
     settle(window.session)
@@ -190,8 +194,11 @@ STEPS = 55.0
 
 
 @pytest.mark.parametrize("way", ["held", "playing"])
-def test_a_tool_that_moves_takes_sixty_steps_a_second(make_window, springs, settle, qtbot, way):
+def test_a_tool_that_moves_takes_sixty_steps_a_second(
+    make_window, springs, settle, qtbot, monkeypatch, way
+):
     """The solver shows them as fast as it can; no step waits for a picture of the last one."""
+    monkeypatch.delenv("BOZZETTO_VIEWPORT")  # with OpenGL where it is, too
     window = make_window(springs.id, extra=[springs.package])
     session = window.session
     session.toolbox.take_tool("draw")
