@@ -13,6 +13,7 @@ from bozzetto.geometry import Curve, Shapes
 from bozzetto.plugin import Command, Modeler, Tool, ViewAdvice
 from bozzetto.scene import Layer, Lines, Points, Scene
 from bozzetto.view.standard_views import look_along
+from tests import plugin_package
 
 MODELER = "adviser.marks"
 
@@ -31,28 +32,12 @@ order = 95
 abilities = ["read_shapes"]
 """
 
-CODE = """
-from bozzetto.plugin import hookimpl
-
-given = []
-
-@hookimpl
-def bozzetto_modelers():
-    return given
-"""
-
-ICON = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 20 20"><path d="M2 2h16"/></svg>'
-
 ABOVE = 0.5
 """How steeply one must look down for a good view (sine)."""
 
 
 def write_package(folder: Path, name: str) -> None:
-    package = folder / name
-    package.mkdir(parents=True)
-    (package / "__init__.py").write_text(CODE)
-    (package / "icon.svg").write_text(ICON)
-    (package / "plugin.toml").write_text(MANIFEST)
+    plugin_package.write(folder, name, MANIFEST)
 
 
 @dataclass(frozen=True)

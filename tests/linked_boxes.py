@@ -13,6 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.plugin import Command, Context, Ink, Job, Modeler, Parameter, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded
+from tests import plugin_package
 
 MODELER = "linked.boxes"
 
@@ -31,6 +32,16 @@ order = 96
 abilities = ["follow"]
 """
 
+CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)
+FACES = np.array(
+    [
+        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+    ],
+    np.int32,
+)  # fmt: skip
+
+
 CODE = """
 from bozzetto.plugin import hookimpl
 
@@ -43,24 +54,9 @@ def bozzetto_modelers():
     return given or [Boxes()]
 """
 
-ICON = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 20 20"><path d="M2 2h16"/></svg>'
-
-CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)
-FACES = np.array(
-    [
-        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
-    ],
-    np.int32,
-)  # fmt: skip
-
 
 def write_package(folder: Path, name: str) -> None:
-    package = folder / name
-    package.mkdir(parents=True)
-    (package / "__init__.py").write_text(CODE)
-    (package / "icon.svg").write_text(ICON)
-    (package / "plugin.toml").write_text(MANIFEST)
+    plugin_package.write(folder, name, MANIFEST, CODE)
 
 
 @dataclass(frozen=True)

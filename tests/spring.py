@@ -13,6 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.plugin import Modeler, Parameter, Tool
 from bozzetto.scene import Handle, Layer, Lines, Scene
+from tests import plugin_package
 
 MODELER = "spring.balls"
 
@@ -30,25 +31,9 @@ hint = "Draw where the ball hangs."
 order = 97
 """
 
-CODE = """
-from bozzetto.plugin import hookimpl
-
-given = []
-
-@hookimpl
-def bozzetto_modelers():
-    return given
-"""
-
-ICON = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 20 20"><path d="M2 2h16"/></svg>'
-
 
 def write_package(folder: Path, name: str) -> None:
-    package = folder / name
-    package.mkdir(parents=True)
-    (package / "__init__.py").write_text(CODE)
-    (package / "icon.svg").write_text(ICON)
-    (package / "plugin.toml").write_text(MANIFEST)
+    plugin_package.write(folder, name, MANIFEST)
 
 
 @dataclass(frozen=True)

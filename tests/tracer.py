@@ -13,7 +13,7 @@ from bozzetto.geometry import Mesh, Shapes, Surface
 from bozzetto.plugin import Modeler, Parameter, Tool, ViewAdvice
 from bozzetto.scene import Handle, Image, Layer, Lines, Picture, Points, Scene
 from bozzetto.view import Camera
-from tests.adviser import CODE, ICON
+from tests import plugin_package
 
 MODELER = "tracer.sketches"
 
@@ -43,11 +43,7 @@ MOST = 3
 
 
 def write_package(folder: Path, name: str) -> None:
-    package = folder / name
-    package.mkdir(parents=True)
-    (package / "__init__.py").write_text(CODE)
-    (package / "icon.svg").write_text(ICON)
-    (package / "plugin.toml").write_text(MANIFEST)
+    plugin_package.write(folder, name, MANIFEST)
 
 
 @dataclass(frozen=True)

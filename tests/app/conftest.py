@@ -1,9 +1,7 @@
 from __future__ import annotations
 
 import gc
-import importlib
 import os
-import sys
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
@@ -53,65 +51,43 @@ def settle(qtbot):
 @pytest.fixture
 def boxes(tmp_path, monkeypatch):
     """The troublemaking modeler in a package of its own; `boxes.package` is its name."""
+    from tests import plugin_package
     from tests.app import troublemaker
 
-    package = f"made_up_{tmp_path.name.replace('-', '_')}"
-    troublemaker.write_package(tmp_path / "packages", package)
-    monkeypatch.syspath_prepend(tmp_path / "packages")
-    importlib.invalidate_caches()
-    modeler = troublemaker.Boxes()
-    importlib.import_module(package).given.append(modeler)
-    modeler.package = package
-    yield modeler
-    sys.modules.pop(package, None)
+    with plugin_package.imported(
+        troublemaker, troublemaker.Boxes(), tmp_path, monkeypatch
+    ) as modeler:
+        yield modeler
 
 
 @pytest.fixture
 def marks(tmp_path, monkeypatch):
     """The advising modeler in a package of its own; `marks.package` is its name."""
-    from tests import adviser
+    from tests import adviser, plugin_package
 
-    package = f"made_up_marks_{tmp_path.name.replace('-', '_')}"
-    adviser.write_package(tmp_path / "packages", package)
-    monkeypatch.syspath_prepend(tmp_path / "packages")
-    importlib.invalidate_caches()
-    modeler = adviser.Marks()
-    importlib.import_module(package).given.append(modeler)
-    modeler.package = package
-    yield modeler
-    sys.modules.pop(package, None)
+    made = adviser.Marks()
+    with plugin_package.imported(adviser, made, tmp_path, monkeypatch) as modeler:
+        yield modeler
 
 
 @pytest.fixture
 def sketches(tmp_path, monkeypatch):
     """The modeler of sketches in a package of its own; `sketches.package` is its name."""
-    from tests import tracer
+    from tests import plugin_package, tracer
 
-    package = f"made_up_sketches_{tmp_path.name.replace('-', '_')}"
-    tracer.write_package(tmp_path / "packages", package)
-    monkeypatch.syspath_prepend(tmp_path / "packages")
-    importlib.invalidate_caches()
-    modeler = tracer.Sketches()
-    importlib.import_module(package).given.append(modeler)
-    modeler.package = package
-    yield modeler
-    sys.modules.pop(package, None)
+    made = tracer.Sketches()
+    with plugin_package.imported(tracer, made, tmp_path, monkeypatch) as modeler:
+        yield modeler
 
 
 @pytest.fixture
 def springs(tmp_path, monkeypatch):
     """The modeler of balls that move, in a package of its own; `springs.package` is its name."""
-    from tests import spring
+    from tests import plugin_package, spring
 
-    package = f"made_up_springs_{tmp_path.name.replace('-', '_')}"
-    spring.write_package(tmp_path / "packages", package)
-    monkeypatch.syspath_prepend(tmp_path / "packages")
-    importlib.invalidate_caches()
-    modeler = spring.Springs()
-    importlib.import_module(package).given.append(modeler)
-    modeler.package = package
-    yield modeler
-    sys.modules.pop(package, None)
+    made = spring.Springs()
+    with plugin_package.imported(spring, made, tmp_path, monkeypatch) as modeler:
+        yield modeler
 
 
 @pytest.fixture(scope="module", autouse=True)

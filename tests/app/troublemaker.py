@@ -17,6 +17,7 @@ from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Modeler, Parameter, Tool
 from bozzetto.scene import Layer, Lines, Scene, Shaded
+from tests import plugin_package
 
 MODELER = "trouble.boxes"
 PLUGIN = "trouble.plugin"
@@ -56,16 +57,10 @@ def bozzetto_panel(modeler_id, parent):
     return given[0].do("panel", lambda: None, modeler_id, parent)
 """
 
-ICON = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 20 20"><path d="M2 2h16"/></svg>'
-
 
 def write_package(folder: Path, name: str) -> None:
     """Write the plugin's package, without its modeler."""
-    package = folder / name
-    package.mkdir(parents=True)
-    (package / "__init__.py").write_text(textwrap.dedent(CODE))
-    (package / "icon.svg").write_text(ICON)
-    (package / "plugin.toml").write_text(MANIFEST)
+    plugin_package.write(folder, name, MANIFEST, textwrap.dedent(CODE))
 
 
 @dataclass(frozen=True)

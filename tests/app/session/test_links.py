@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QTimer
@@ -13,22 +10,17 @@ from bozzetto.document.model import Document
 from bozzetto.geometry import Placement
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.panels.objects.rows import link_words
-from tests import linked_boxes
+from tests import linked_boxes, plugin_package
 from tests.app.tablet import circle, stroke_of
 from tests.linked_boxes import MODELER, BoxState
 
 
 @pytest.fixture
 def boxes(tmp_path, monkeypatch):
-    package = f"made_up_boxes_{tmp_path.name.replace('-', '_')}"
-    linked_boxes.write_package(tmp_path / "packages", package)
-    monkeypatch.syspath_prepend(tmp_path / "packages")
-    importlib.invalidate_caches()
-    modeler = linked_boxes.Boxes()
-    importlib.import_module(package).given.append(modeler)
-    modeler.package = package
-    yield modeler
-    sys.modules.pop(package, None)
+    with plugin_package.imported(
+        linked_boxes, linked_boxes.Boxes(), tmp_path, monkeypatch
+    ) as modeler:
+        yield modeler
 
 
 @pytest.fixture

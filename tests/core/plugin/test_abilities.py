@@ -21,7 +21,7 @@ from bozzetto.testing import Pen, Shell
 from bozzetto.testing.abilities import ABILITIES
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
-from tests import adviser
+from tests import adviser, plugin_package
 from tests.adviser import MODELER
 
 LINE = Pen().along([(300, 300), (500, 400)])
@@ -31,7 +31,7 @@ TURNED = Placement((1.0, 0, 0, 0, 0, -1.0, 0, 1.0, 0), 2.0, (5.0, -3.0, 1.0))
 
 @pytest.fixture
 def marks(make_package):
-    package = make_package(adviser.CODE, adviser.MANIFEST)
+    package = make_package(plugin_package.CODE, adviser.MANIFEST)
     modeler = adviser.Marks()
     importlib.import_module(package).given.append(modeler)
     modeler.package = package

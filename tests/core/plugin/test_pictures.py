@@ -29,7 +29,7 @@ from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
 from bozzetto.view.navigation import pan
 from bozzetto.workbench.workbench import Workbench
-from tests import adviser, tracer
+from tests import plugin_package, tracer
 from tests.tracer import MODELER, STAND, Tracing
 
 PICTURE = Picture.of(np.full((60, 90, 4), 200, np.uint8), "page")
@@ -37,7 +37,7 @@ PICTURE = Picture.of(np.full((60, 90, 4), 200, np.uint8), "page")
 
 @pytest.fixture
 def sketches(make_package):
-    package = make_package(adviser.CODE, tracer.MANIFEST)
+    package = make_package(plugin_package.CODE, tracer.MANIFEST)
     modeler = tracer.Sketches()
     importlib.import_module(package).given.append(modeler)
     modeler.package = package

@@ -1,0 +1,45 @@
+"""Packages of modelers that tests make up: written into a folder, and imported from there."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+CODE = """
+from bozzetto.plugin import hookimpl
+
+given = []
+
+@hookimpl
+def bozzetto_modelers():
+    return given
+"""
+
+ICON = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 20 20"><path d="M2 2h16"/></svg>'
+
+
+def write(folder: Path, name: str, manifest: str, code: str = CODE) -> None:
+    """Write a package without its modeler, which is put into `given` once it is imported."""
+    package = folder / name
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text(code)
+    (package / "icon.svg").write_text(ICON)
+    (package / "plugin.toml").write_text(manifest)
+
+
+@contextmanager
+def imported(source: ModuleType, modeler: Any, tmp_path: Path, monkeypatch: Any) -> Iterator[Any]:
+    """The modeler in a package of its own, written by `source`; `modeler.package` is its name."""
+    package = f"made_up_{source.__name__.rpartition('.')[2]}_{tmp_path.name.replace('-', '_')}"
+    source.write_package(tmp_path / "packages", package)
+    monkeypatch.syspath_prepend(tmp_path / "packages")
+    importlib.invalidate_caches()
+    importlib.import_module(package).given.append(modeler)
+    modeler.package = package
+    yield modeler
+    sys.modules.pop(package, None)
