@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.plugin.host.registry import ModelerInfo
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.tool import Tool
+from bozzetto.plugin.overrides import overrides
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.notices import Notices
@@ -132,7 +132,7 @@ class Toolbox(QObject):
                     tool.grabs,
                     tool.plays,
                     tool.hovers,
-                    type(tool).step is not Tool.step,
+                    overrides(tool, "step"),
                 )
                 for tool in bench.tools(modeler_id)
             )

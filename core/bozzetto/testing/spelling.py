@@ -13,6 +13,7 @@ from typing import Any, Final
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.host.similar_names import meant_by
 from bozzetto.plugin.modeler import Modeler
+from bozzetto.plugin.overrides import overrides
 from bozzetto.plugin.parts import PartsModeler
 from bozzetto.plugin.tool import Preview, Tool
 from bozzetto.testing.subject import Subject, ensure
@@ -96,17 +97,11 @@ def _misspelt(names: Iterable[str], kind: type) -> Iterator[str]:
         if name.startswith("_") or name in known:
             continue
         meant = meant_by(name, known)
-        if meant and not _overrides(kind, meant):
+        if meant and not overrides(kind, meant):
             yield (
                 f"{name!r} looks like {meant!r}; write it so, or let the name begin with an "
                 "underscore"
             )
-
-
-def _overrides(kind: type, name: str) -> bool:
-    """Whether a plugin writes something of the contract itself."""
-    parts = [part for part in kind.__mro__ if name in vars(part)]
-    return bool(parts) and parts[0].__module__.partition(".")[0] != "bozzetto"
 
 
 def _other_uses(own: Iterable[str], kind: type) -> Iterator[str]:

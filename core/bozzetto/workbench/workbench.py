@@ -26,6 +26,7 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.next_step import NextStep
+from bozzetto.plugin.overrides import overrides
 from bozzetto.plugin.tool import Tool
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Image, Layer, Scene
@@ -262,15 +263,14 @@ class Workbench:
     def advises(self, modeler_id: str) -> bool:
         """Whether a modeler may have advice on a view; False where it cannot be used."""
         modeler = self._usable(modeler_id)
-        by_state = modeler is not None and _overrides(modeler.view_advice, Modeler.view_advice)
-        return by_state or self.advises_on_results(modeler_id)
+        return modeler is not None and (
+            overrides(modeler, "view_advice") or overrides(modeler, "advice_on_result")
+        )
 
     def advises_on_results(self, modeler_id: str) -> bool:
         """Whether a modeler's advice on a view follows from results, which may be previews."""
         modeler = self._usable(modeler_id)
-        return modeler is not None and _overrides(
-            modeler.advice_on_result, Modeler.advice_on_result
-        )
+        return modeler is not None and overrides(modeler, "advice_on_result")
 
     def _usable(self, modeler_id: str) -> Modeler[Any, Any] | None:
         """Return a modeler; None where its plugin is absent, broken or switched off."""
@@ -439,8 +439,3 @@ class Workbench:
                 "installed or switched off. Install it to change this object."
             )
         return self.registry.guarded(model.modeler)
-
-
-def _overrides(method: object, base: object) -> bool:
-    """Whether a modeler's method is another one than the contract's."""
-    return getattr(method, "__func__", None) is not base

@@ -10,6 +10,7 @@ from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.plugin.guard import answer_validation as validation
 from bozzetto.plugin.guard.guard import Guard
 from bozzetto.plugin.modeler import Modeler
+from bozzetto.plugin.overrides import overrides
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import Group, PartsModeler, PartsState
 
@@ -85,7 +86,7 @@ class GuardedModeler:
 
     def sources(self, state: Any) -> tuple[str, ...]:
         """Return the ids of the models that a state is made from."""
-        if type(self._modeler).sources is Modeler.sources:
+        if not overrides(self._modeler, "sources"):
             return ()
         return self._checked("sources", validation.sound_sources, self._modeler.sources, state)
 

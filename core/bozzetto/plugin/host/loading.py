@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
 from bozzetto.errors import UserError, words_of
+from bozzetto.plugin.overrides import overrides
 
 if TYPE_CHECKING:
     import pluggy
@@ -134,13 +135,13 @@ def _look_over_words(modeler: Any, state_types: tuple[type[Any], ...]) -> None:
 
 def _compare_abilities(modeler: Any, announced: Set[str]) -> None:
     """Refuse a modeler that can do more or less than a menu would offer."""
-    links = [method for method in ("follow", "with_sources") if not _writes(modeler, method)]
-    if links and _writes(modeler, "sources"):
+    links = [method for method in ("follow", "with_sources") if not overrides(modeler, method)]
+    if links and overrides(modeler, "sources"):
         raise Undelivered(
             f"{type(modeler).__name__} has sources and not {links[0]}: write the three together."
         )
     for method in METHODS:
-        able = _writes(modeler, method)
+        able = overrides(modeler, method)
         if able and method not in announced:
             raise Undelivered(
                 f'{type(modeler).__name__} has {method}: write abilities = ["{method}"] under '
@@ -151,10 +152,3 @@ def _compare_abilities(modeler: Any, announced: Set[str]) -> None:
                 f"The manifest says that {modeler.id} can {method}, and "
                 f"{type(modeler).__name__} does not override it."
             )
-
-
-def _writes(modeler: Any, method: str) -> bool:
-    """Whether a modeler overrides a method of the contract."""
-    from bozzetto.plugin.modeler import Modeler
-
-    return getattr(type(modeler), method) is not getattr(Modeler, method)
