@@ -38,7 +38,8 @@ from bozzetto.geometry import (
     surface_of_revolution,
 )
 from bozzetto.geometry.brep import tessellation
-from bozzetto.plugin.guard.answer_validation import Unsound, sound_shapes
+from bozzetto.plugin.guard.checked_values import Unsound
+from bozzetto.plugin.guard.shape_validation import sound_shapes
 from bozzetto.workbench.placed import shapes_in_world
 from tests.core.exchange.curve_kit import NAMES, Iges, Step
 from tests.core.exchange.test_curve_interop import ask, messages

@@ -26,7 +26,8 @@ from bozzetto.exchange.import_file import read_mesh
 from bozzetto.geometry import Curve, Mesh, Patchwork, Placement, Shapes, Solid
 from bozzetto.geometry.patches import tessellation
 from bozzetto.geometry.patches.patch import extent, grid
-from bozzetto.plugin.guard.answer_validation import Unsound, sound_shapes
+from bozzetto.plugin.guard.checked_values import Unsound
+from bozzetto.plugin.guard.shape_validation import sound_shapes
 from bozzetto.plugin.host.listing import Standing
 from bozzetto.workbench.placed import shapes_in_world
 from tests.core.exchange.curve_kit import NAMES, Iges, Step

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from bozzetto.plugin import Figure
 from bozzetto.plugin.figures import UNITS, figure_of, without_unit
-from bozzetto.plugin.guard.answer_validation import Unsound, sound_figures, sound_first_parameters
+from bozzetto.plugin.guard.answer_validation import sound_figures, sound_first_parameters
+from bozzetto.plugin.guard.checked_values import Unsound
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=32)

@@ -1,55 +1,34 @@
-"""Validation of plugins' answers: only what can be shown and exported passes."""
+"""Validation of plugins' answers: only what the program can use passes."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import fields
-from numbers import Integral
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 import numpy as np
 
 from bozzetto.document.model import ID_PATTERN
-from bozzetto.geometry.brep.brep import Brep, Face
-from bozzetto.geometry.brep.surface import BSplineSurface
-from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.patches.patchwork import Patchwork
-from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
 from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.commands import Command
 from bozzetto.plugin.figures import Figure
+from bozzetto.plugin.guard.checked_values import (
+    Unsound,
+    check_number,
+    check_text,
+    expect,
+    expect_tuple,
+)
+from bozzetto.plugin.guard.scene_validation import sound_scene
 from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import Part
 from bozzetto.plugin.tool import Preview, Tool
 from bozzetto.plugin.view_advice import ViewAdvice
-from bozzetto.scene.display_list import (
-    Handle,
-    Image,
-    Label,
-    Layer,
-    Lines,
-    Points,
-    Scene,
-    Shaded,
-)
 from bozzetto.view.camera import Camera
-
-MOST_ITEMS: Final = 20_000
-"""Items of one model's scene; beyond that a viewport crawls. Lines and points hold many."""
-
-MOST_LABELS: Final = 2_000
-"""Labels and handles of one model's scene."""
-
-LONGEST_LABEL: Final = 200
-"""Characters of a label, and of the names within a scene."""
-
-MOST_PARTS: Final = 20_000
-"""Parts that one model hands over."""
 
 MOST_FIRST: Final = 3
 """Parameters that a form shows before all others."""
@@ -60,74 +39,11 @@ MOST_COMMANDS: Final = 200
 MOST_SOURCES: Final = 1_000
 """Models that one model is made from."""
 
-HIDDEN: Final = ("hide", "faint", "dashed", "show")
 
 MOST_DIGITS: Final = 9
 """Digits behind the decimal point of a figure."""
 
 LEVELS: Final = ("good", "warn", "refuse")
-
-
-class Unsound(ValueError):
-    """Something that a plugin made cannot be used; the message says what."""
-
-
-def sound_scene(scene: Any) -> Scene:
-    """Return the scene if it can be shown.
-
-    Raises
-    ------
-    Unsound
-        If it is no scene, or an item is of a wrong type, not finite or out of bounds.
-    """
-    if type(scene) is not Scene:
-        raise Unsound(f"{type(scene).__name__} where a Scene belongs")
-    _expect_tuple(scene.layers, "Scene.layers")
-    items = labels = 0
-    for layer in scene.layers:
-        if type(layer) is not Layer:
-            raise Unsound(f"{type(layer).__name__} where a Layer belongs")
-        _text(layer.name, "the name of a layer")
-        _expect_tuple(layer.items, f"the items of the layer {layer.name!r}")
-        for item in layer.items:
-            check = _ITEM_CHECKS.get(type(item))
-            if check is None:
-                raise Unsound(f"{type(item).__name__} is not a display item")
-            check(item)
-            _paint(getattr(item, "color", "ink"))
-            items += 1
-            labels += isinstance(item, Label | Handle)
-    if items > MOST_ITEMS or labels > MOST_LABELS:
-        raise Unsound(
-            f"{items} items with {labels} labels and handles; "
-            f"at most {MOST_ITEMS} and {MOST_LABELS} can be shown"
-        )
-    return scene
-
-
-def sound_shapes(shapes: Any) -> Shapes:
-    """Return the shapes if other programs can use them.
-
-    Raises
-    ------
-    Unsound
-        If a part is of a wrong type, not finite, or there are too many.
-    """
-    if type(shapes) is not Shapes:
-        raise Unsound(f"{type(shapes).__name__} where Shapes belong")
-    count = 0
-    kinds = (Solid, Surface, Curve, Skeleton, Patchwork, Brep)
-    for entry, kind in zip(fields(Shapes), kinds, strict=True):
-        parts = getattr(shapes, entry.name)
-        _expect_tuple(parts, f"Shapes.{entry.name}")
-        count += len(parts)
-        for part in parts:
-            if type(part) is not kind:
-                raise Unsound(f"{type(part).__name__} among Shapes.{entry.name}")
-            _check_part(part)
-    if count > MOST_PARTS:
-        raise Unsound(f"{count} parts; at most {MOST_PARTS} can be handed over")
-    return shapes
 
 
 def sound_tools(tools: Any) -> tuple[Tool[Any], ...]:
@@ -183,11 +99,11 @@ def sound_next_step(step: Any) -> NextStep:
     if type(step) is not NextStep:
         raise Unsound(f"{type(step).__name__} where a NextStep belongs")
     for name in ("sentence", "tool"):
-        _expect(isinstance(getattr(step, name), str), f"NextStep.{name}")
+        expect(isinstance(getattr(step, name), str), f"NextStep.{name}")
     if step.place is not None:
         place = np.asarray(step.place, np.float64)
-        _expect(place.shape == (3,) and bool(np.isfinite(place).all()), "NextStep.place")
-    _expect(isinstance(step.panel, bool), "NextStep.panel")
+        expect(place.shape == (3,) and bool(np.isfinite(place).all()), "NextStep.place")
+    expect(isinstance(step.panel, bool), "NextStep.panel")
     return step
 
 
@@ -215,17 +131,17 @@ def sound_commands(commands: Any) -> tuple[Command, ...]:
     """
     if not isinstance(commands, list | tuple):
         raise Unsound(f"{type(commands).__name__} where a list of commands belongs")
-    _expect(len(commands) <= MOST_COMMANDS, "the number of commands")
+    expect(len(commands) <= MOST_COMMANDS, "the number of commands")
     for command in commands:
         if not isinstance(command, Command):
             raise Unsound(f"{type(command).__name__} where a Command belongs")
         for name in ("id", "title", "help", "key"):
-            _text(getattr(command, name), f"Command.{name}")
-        _expect(bool(command.id and command.title), "a command without an id or a title")
+            check_text(getattr(command, name), f"Command.{name}")
+        expect(bool(command.id and command.title), "a command without an id or a title")
         for name in ("run", "enabled"):
-            _expect(callable(getattr(command, name)), f"{name} of the command {command.id!r}")
+            expect(callable(getattr(command, name)), f"{name} of the command {command.id!r}")
     ids = [command.id for command in commands]
-    _expect(len(set(ids)) == len(ids), "an id of a command (given twice)")
+    expect(len(set(ids)) == len(ids), "an id of a command (given twice)")
     return tuple(commands)
 
 
@@ -240,12 +156,12 @@ def sound_advice(advice: Any) -> ViewAdvice | None:
         return None
     if type(advice) is not ViewAdvice:
         raise Unsound(f"{type(advice).__name__} where a ViewAdvice belongs")
-    _expect(advice.level in LEVELS, "ViewAdvice.level")
+    expect(advice.level in LEVELS, "ViewAdvice.level")
     if advice.message != "" or advice.level != "good" or advice.better is not None:
-        _text(advice.message, "ViewAdvice.message")
-    _expect(advice.better is None or type(advice.better) is Camera, "ViewAdvice.better")
-    _expect(isinstance(advice.pinned, bool), "ViewAdvice.pinned")
-    _expect(isinstance(advice.follow, bool), "ViewAdvice.follow")
+        check_text(advice.message, "ViewAdvice.message")
+    expect(advice.better is None or type(advice.better) is Camera, "ViewAdvice.better")
+    expect(isinstance(advice.pinned, bool), "ViewAdvice.pinned")
+    expect(isinstance(advice.follow, bool), "ViewAdvice.follow")
     sound_scene(advice.scene)
     return advice
 
@@ -276,7 +192,7 @@ def sound_cautions(cautions: Any) -> tuple[Caution, ...]:
             raise Unsound(f"{type(caution).__name__} where a Caution belongs")
         if not isinstance(caution.message, str) or not caution.message.strip():
             raise Unsound("a caution needs words")
-        _expect(isinstance(caution.baseless, bool), "Caution.baseless")
+        expect(isinstance(caution.baseless, bool), "Caution.baseless")
     return tuple(cautions)
 
 
@@ -289,11 +205,11 @@ def sound_sources(sources: Any) -> tuple[str, ...]:
     """
     if not isinstance(sources, list | tuple):
         raise Unsound(f"{type(sources).__name__} where a row of ids belongs")
-    _expect(len(sources) <= MOST_SOURCES, "the number of sources")
+    expect(len(sources) <= MOST_SOURCES, "the number of sources")
     for source in sources:
         fine = isinstance(source, str) and re.match(ID_PATTERN, source) is not None
-        _expect(fine, f"the id of a source ({source!r})")
-    _expect(len(set(sources)) == len(sources), "the id of a source (given twice)")
+        expect(fine, f"the id of a source ({source!r})")
+    expect(len(set(sources)) == len(sources), "the id of a source (given twice)")
     return tuple(sources)
 
 
@@ -319,25 +235,25 @@ def sound_figures(figures: Any) -> dict[str, Figure]:
     if not isinstance(figures, Mapping):
         raise Unsound(f"{type(figures).__name__} where a mapping of keys to Figure belongs")
     for key, figure in figures.items():
-        _expect(isinstance(key, str) and bool(key), f"the key {key!r}")
+        expect(isinstance(key, str) and bool(key), f"the key {key!r}")
         if type(figure) is not Figure:
             raise Unsound(f"{key}: {type(figure).__name__} where a Figure belongs")
         for name in ("label", "help", "unit", "beyond"):
-            _text(getattr(figure, name), f"{key}: Figure.{name}")
-        _expect(bool(figure.help) or not figure.label, f"{key}: Figure.help")
-        _number(figure.factor, f"{key}: Figure.factor", -math.inf, math.inf)
-        _expect(
+            check_text(getattr(figure, name), f"{key}: Figure.{name}")
+        expect(bool(figure.help) or not figure.label, f"{key}: Figure.help")
+        check_number(figure.factor, f"{key}: Figure.factor", -math.inf, math.inf)
+        expect(
             isinstance(figure.digits, int) and figure.digits <= MOST_DIGITS, f"{key}: Figure.digits"
         )
-        _expect(isinstance(figure.spread, bool), f"{key}: Figure.spread")
-        _expect(isinstance(figure.most, int | float), f"{key}: Figure.most")
+        expect(isinstance(figure.spread, bool), f"{key}: Figure.spread")
+        expect(isinstance(figure.most, int | float), f"{key}: Figure.most")
         _check_bounds(key, figure)
-        _expect(
+        expect(
             isinstance(figure.values, Mapping)
             and all(isinstance(text, str) for pair in figure.values.items() for text in pair),
             f"{key}: Figure.values",
         )
-        _expect(
+        expect(
             isinstance(figure.verdicts, Mapping)
             and all(
                 isinstance(text, str) and isinstance(fine, bool)
@@ -356,7 +272,7 @@ def _check_bounds(key: str, figure: Figure) -> None:
             f"{key}: give good and bad, and not the same: together they tell the direction"
         )
     for name in ("good", "bad"):
-        _number(getattr(figure, name), f"{key}: Figure.{name}", -math.inf, math.inf)
+        check_number(getattr(figure, name), f"{key}: Figure.{name}", -math.inf, math.inf)
 
 
 def sound_first_parameters(names: Any, state_types: Iterable[type[Any]]) -> tuple[str, ...]:
@@ -373,7 +289,7 @@ def sound_first_parameters(names: Any, state_types: Iterable[type[Any]]) -> tupl
     ------
     Unsound
     """
-    _expect_tuple(names, "first_parameters")
+    expect_tuple(names, "first_parameters")
     if not names:
         return ()
     if len(names) > MOST_FIRST or len(set(names)) != len(names):
@@ -396,22 +312,22 @@ def sound_parts(tree: PartTree) -> PartTree:
         If one is no `Part`, two have the same id, or one lies
         within what is no group, or within itself.
     """
-    _expect_tuple(tree.parts, "the parts")
+    expect_tuple(tree.parts, "the parts")
     for part in tree.parts:
         if not isinstance(part, Part):
             raise Unsound(f"{type(part).__name__} is not derived from bozzetto.plugin.Part")
         for name in ("id", "name", "within"):
-            _text(getattr(part, name), f"{type(part).__name__}.{name}")
-        _expect(isinstance(part.visible, bool), "the visibility of a part")
+            check_text(getattr(part, name), f"{type(part).__name__}.{name}")
+        expect(isinstance(part.visible, bool), "the visibility of a part")
     ids = [part.id for part in tree.parts]
-    _expect(all(ids) and len(set(ids)) == len(ids), "an id of a part (empty, or given twice)")
-    _expect(tree.selected in {"", *ids}, f"the chosen part {tree.selected!r}")
+    expect(all(ids) and len(set(ids)) == len(ids), "an id of a part (empty, or given twice)")
+    expect(tree.selected in {"", *ids}, f"the chosen part {tree.selected!r}")
     within = {part.id: part.within for part in tree.parts}
     for part in tree.parts:
         around, steps = part.within, 0
         while around:
             group = around in tree.groups and around in within
-            _expect(group and steps < len(ids), f"what {part.name!r} is within")
+            expect(group and steps < len(ids), f"what {part.name!r} is within")
             around, steps = within[around], steps + 1
     return tree
 
@@ -419,147 +335,4 @@ def sound_parts(tree: PartTree) -> PartTree:
 # -- items of a scene ---------------------------------------------------------------------------
 
 
-def _expect(condition: bool, what: str) -> None:
-    if not condition:
-        raise Unsound(f"{what} is of a wrong kind or out of range")
-
-
-def _expect_tuple(value: Any, what: str) -> None:
-    if type(value) is not tuple:
-        raise Unsound(
-            f"{what}: {type(value).__name__} where a tuple belongs; "
-            "a tuple of one thing is written (thing,)"
-        )
-
-
-def _paint(paint: Any) -> None:
-    """Refuse what is no paint; names of roles were checked when the item was made."""
-    fine = isinstance(paint, str) or all(isinstance(part, Integral) for part in paint)
-    if not fine:
-        raise Unsound(f"the colour {paint!r}: write three whole numbers from 0 to 255, or a role")
-
-
-def _finite(values: Any, what: str) -> None:
-    if not np.isfinite(values).all():
-        raise Unsound(f"{what} hold a number that is not finite")
-
-
-def _number(value: Any, what: str, low: float, high: float) -> None:
-    fine = isinstance(value, int | float) and math.isfinite(value) and low <= value <= high
-    _expect(fine, what)
-
-
-def _point(value: Any, what: str) -> None:
-    _expect(np.shape(value) == (3,), what)
-    _finite(np.asarray(value, float), what)
-
-
-def _text(value: Any, what: str) -> None:
-    _expect(isinstance(value, str) and len(value) <= LONGEST_LABEL, what)
-
-
-def _mesh(mesh: Any) -> None:
-    _expect(type(mesh) is Mesh, "a mesh")
-    _finite(mesh.vertices, "the vertices of a mesh")
-    if mesh.normals is not None:
-        _finite(mesh.normals, "the normals of a mesh")
-
-
-def _shaded(item: Shaded) -> None:
-    _mesh(item.mesh)
-    _number(item.opacity, "the opacity of a mesh", 0.0, 1.0)
-
-
-def _lines(item: Lines) -> None:
-    _finite(item.points, "the points of lines")
-    _finite(item.width, "the widths of lines")
-    _expect(bool((np.asarray(item.width) >= 0).all()), "the width of lines")
-    _number(item.opacity, "the opacity of lines", 0.0, 1.0)
-    _expect(item.hidden in HIDDEN, "how lines are hidden")
-    if item.starts is not None and len(item.starts):
-        first, last = int(item.starts[0]), int(item.starts[-1])
-        rising = bool((np.diff(item.starts) >= 0).all())
-        _expect(rising and first >= 0 and last <= len(item.points), "the starts of lines")
-
-
-def _points(item: Points) -> None:
-    _finite(item.points, "points")
-    _number(item.size, "the size of points", 0.0, 1000.0)
-    _number(item.opacity, "the opacity of points", 0.0, 1.0)
-    _expect(item.hidden in HIDDEN, "how points are hidden")
-
-
-def _label(item: Label) -> None:
-    _point(item.point, "the place of a label")
-    _text(item.text, "the text of a label")
-    _number(item.size, "the size of a label", 0.0, 1000.0)
-
-
-def _image(item: Image) -> None:
-    for name in ("corner", "across", "down"):
-        _point(getattr(item, name), f"the {name} of an image")
-    _number(item.opacity, "the opacity of an image", 0.0, 1.0)
-
-
-def _handle(item: Handle) -> None:
-    _text(item.id, "the id of a handle")
-    _expect(item.id != "", "the id of a handle")
-    _point(item.point, "the place of a handle")
-    _text(item.tip, "the tip of a handle")
-
-
-_ITEM_CHECKS: Final[dict[type[Any], Callable[[Any], None]]] = {
-    Shaded: _shaded,
-    Lines: _lines,
-    Points: _points,
-    Label: _label,
-    Image: _image,
-    Handle: _handle,
-}
-
-
 # -- parts of shapes -------------------------------------------------------------------------------
-
-
-def _check_part(part: Any) -> None:
-    _expect(isinstance(part.name, str), "the name of a part")
-    if isinstance(part, Solid | Surface):
-        _mesh(part.mesh)
-    elif isinstance(part, Curve):
-        _curve(part, "a curve")
-    elif isinstance(part, Patchwork):
-        _finite(part.nets, "the control points of a patchwork")
-        _finite(part.edges, "the edges of a patchwork")
-        _expect(all(isinstance(n, str) for n in part.patch_names), "the names of patches")
-    elif isinstance(part, Brep):
-        _brep(part)
-    else:
-        _finite(part.joints, "the joints of a skeleton")
-        _finite(part.radii, "the radii of a skeleton")
-        count = len(part.joints)
-        fits = part.bones.size == 0 or (part.bones.min() >= 0 and part.bones.max() < count)
-        _expect(len(part.radii) == count and bool(fits), "a skeleton")
-
-
-def _curve(part: Any, what: str) -> None:
-    _finite(part.knots, f"the knots of {what}")
-    _finite(part.control_points, f"the control points of {what}")
-    if part.weights is not None:
-        _finite(part.weights, f"the weights of {what}")
-
-
-def _brep(part: Brep) -> None:
-    """Check what a frozen brep could be given all the same; it has checked itself when made."""
-    _expect_tuple(part.edges, "Brep.edges")
-    _expect_tuple(part.faces, "Brep.faces")
-    for edge in part.edges:
-        _expect(type(edge) is Curve, "an edge of a brep")
-        _curve(edge, "an edge")
-    for face in part.faces:
-        _expect(type(face) is Face, "a face of a brep")
-        _expect(isinstance(face.name, str), "the name of a face")
-        surface = face.surface
-        _expect(type(surface) is BSplineSurface, "the surface of a face")
-        _finite(surface.control_points, "the control points of a surface")
-        if surface.weights is not None:
-            _finite(surface.weights, "the weights of a surface")

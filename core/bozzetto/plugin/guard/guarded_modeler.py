@@ -9,6 +9,8 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.plugin.guard import answer_validation as validation
 from bozzetto.plugin.guard.guard import Guard
+from bozzetto.plugin.guard.scene_validation import sound_scene
+from bozzetto.plugin.guard.shape_validation import sound_shapes
 from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.overrides import overrides
 from bozzetto.plugin.part_tree import PartTree
@@ -131,7 +133,7 @@ class GuardedModeler:
             return preview.update(gesture)
 
         world = (gesture, preview.state, preview.context)  # what the tool may not change
-        return self._checked(f"{preview.tool.id}.preview", validation.sound_scene, update, *world)
+        return self._checked(f"{preview.tool.id}.preview", sound_scene, update, *world)
 
     def step(
         self, tool: Tool[Any], state: Any, held: Drag | None, seconds: float, context: Context
@@ -168,17 +170,17 @@ class GuardedModeler:
 
     def scene(self, state: Any, result: Any | None) -> Scene:
         """Return what to show."""
-        return self._checked("scene", validation.sound_scene, self._modeler.scene, state, result)
+        return self._checked("scene", sound_scene, self._modeler.scene, state, result)
 
     def shapes(self, state: Any, result: Any) -> Shapes:
         """Return what to hand over."""
-        return self._checked("shapes", validation.sound_shapes, self._modeler.shapes, state, result)
+        return self._checked("shapes", sound_shapes, self._modeler.shapes, state, result)
 
     def curves(self, state: Any, result: Any) -> tuple[Curve, ...]:
         """Return what others may snap to."""
 
         def sound(curves: Iterable[Curve]) -> tuple[Curve, ...]:
-            return validation.sound_shapes(Shapes(curves=tuple(curves))).curves
+            return sound_shapes(Shapes(curves=tuple(curves))).curves
 
         return self._checked("curves", sound, self._modeler.curves, state, result)
 

@@ -125,11 +125,12 @@ def _look_over(modeler: Any) -> None:
 def _look_over_words(modeler: Any, state_types: tuple[type[Any], ...]) -> None:
     """Refuse words of figures that cannot be said, and first parameters that are none."""
     from bozzetto.plugin.guard import answer_validation as validation
+    from bozzetto.plugin.guard.checked_values import Unsound
 
     try:
         validation.sound_figures(modeler.figures)
         validation.sound_first_parameters(modeler.first_parameters, state_types)
-    except validation.Unsound as problem:
+    except Unsound as problem:
         raise Undelivered(f"{type(modeler).__name__}: {problem}.") from None
 
 

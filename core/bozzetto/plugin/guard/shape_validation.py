@@ -1,0 +1,90 @@
+"""Validation of shapes: only what other programs can use passes."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, Final
+
+from bozzetto.geometry.brep.brep import Brep, Face
+from bozzetto.geometry.brep.surface import BSplineSurface
+from bozzetto.geometry.patches.patchwork import Patchwork
+from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.plugin.guard.checked_values import (
+    Unsound,
+    check_finite,
+    check_mesh,
+    expect,
+    expect_tuple,
+)
+
+MOST_PARTS: Final = 20_000
+"""Parts that one model hands over."""
+
+
+def sound_shapes(shapes: Any) -> Shapes:
+    """Return the shapes if other programs can use them.
+
+    Raises
+    ------
+    Unsound
+        If a part is of a wrong type, not finite, or there are too many.
+    """
+    if type(shapes) is not Shapes:
+        raise Unsound(f"{type(shapes).__name__} where Shapes belong")
+    count = 0
+    kinds = (Solid, Surface, Curve, Skeleton, Patchwork, Brep)
+    for entry, kind in zip(fields(Shapes), kinds, strict=True):
+        parts = getattr(shapes, entry.name)
+        expect_tuple(parts, f"Shapes.{entry.name}")
+        count += len(parts)
+        for part in parts:
+            if type(part) is not kind:
+                raise Unsound(f"{type(part).__name__} among Shapes.{entry.name}")
+            _check_part(part)
+    if count > MOST_PARTS:
+        raise Unsound(f"{count} parts; at most {MOST_PARTS} can be handed over")
+    return shapes
+
+
+def _check_part(part: Any) -> None:
+    expect(isinstance(part.name, str), "the name of a part")
+    if isinstance(part, Solid | Surface):
+        check_mesh(part.mesh)
+    elif isinstance(part, Curve):
+        _curve(part, "a curve")
+    elif isinstance(part, Patchwork):
+        check_finite(part.nets, "the control points of a patchwork")
+        check_finite(part.edges, "the edges of a patchwork")
+        expect(all(isinstance(n, str) for n in part.patch_names), "the names of patches")
+    elif isinstance(part, Brep):
+        _brep(part)
+    else:
+        check_finite(part.joints, "the joints of a skeleton")
+        check_finite(part.radii, "the radii of a skeleton")
+        count = len(part.joints)
+        fits = part.bones.size == 0 or (part.bones.min() >= 0 and part.bones.max() < count)
+        expect(len(part.radii) == count and bool(fits), "a skeleton")
+
+
+def _curve(part: Any, what: str) -> None:
+    check_finite(part.knots, f"the knots of {what}")
+    check_finite(part.control_points, f"the control points of {what}")
+    if part.weights is not None:
+        check_finite(part.weights, f"the weights of {what}")
+
+
+def _brep(part: Brep) -> None:
+    """Check what a frozen brep could be given all the same; it has checked itself when made."""
+    expect_tuple(part.edges, "Brep.edges")
+    expect_tuple(part.faces, "Brep.faces")
+    for edge in part.edges:
+        expect(type(edge) is Curve, "an edge of a brep")
+        _curve(edge, "an edge")
+    for face in part.faces:
+        expect(type(face) is Face, "a face of a brep")
+        expect(isinstance(face.name, str), "the name of a face")
+        surface = face.surface
+        expect(type(surface) is BSplineSurface, "the surface of a face")
+        check_finite(surface.control_points, "the control points of a surface")
+        if surface.weights is not None:
+            check_finite(surface.weights, "the weights of a surface")
