@@ -13,6 +13,8 @@ import tempfile
 from typing import TYPE_CHECKING
 
 import car_pictures
+import product_pictures
+import solid_pictures
 import symmetry_pictures
 from picture_kit import GALLERY, HERE, PICTURES, grab, opened, pen_stroke, save, until, wait
 
@@ -39,6 +41,9 @@ def main() -> int:
     car_pictures.gallery()
     car_pictures.bodies()
     car_pictures.window()
+    solid_pictures.samples()
+    solid_pictures.linkages()
+    product_pictures.gallery()
     return 0
 
 

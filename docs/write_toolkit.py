@@ -21,6 +21,7 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "toolkit.md"
 MARK = "<!-- written by docs/write_toolkit.py -->\n"
 DOORS = (
+    "bozzetto.arrays",
     "bozzetto.ink",
     "bozzetto.geometry",
     "bozzetto.geometry.patches",

@@ -23,6 +23,8 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto.errors import UserError
+from bozzetto.view.camera import Camera
+from bozzetto.view.standard_views import standard_view
 from bozzetto_app.actions.dynamic_menus import ChangingMenus
 from bozzetto_app.actions.menu_actions import commands_of, number_keys
 from bozzetto_app.actions.registry import ActionRegistry
@@ -40,9 +42,10 @@ from bozzetto_app.panels.status_line import StatusLine
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.paths import recovery_folder
-from bozzetto_app.session.files import recent_files
+from bozzetto_app.session.recent_files import recent_files
 from bozzetto_app.session.replay import Replays
 from bozzetto_app.session.session import Session
+from bozzetto_app.session.view_state import FIRST_VIEW
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
 
@@ -342,8 +345,15 @@ class Window(QMainWindow):
         self.session.toolbox.take_modeler(modeler_id)
         self.session.files.import_file(path)
 
-    def _imported(self) -> None:
-        """Bring what came from a file into view, once there is something to see."""
+    def _imported(self, drawn_in: Camera | None) -> None:
+        """Bring what came from a file into view, once there is something to see.
+
+        What comes to an empty sheet is seen as it was drawn, or else three-quarter.
+        """
+        if not self.session.drawing.document.models:
+            size = self.session.view.camera.viewport
+            view = drawn_in or standard_view(FIRST_VIEW, "three-quarter")
+            self.session.view.set_camera(view.with_viewport(*size))
         self.session.solver.settled.connect(
             lambda _: self.canvas.fit(), Qt.ConnectionType.SingleShotConnection
         )

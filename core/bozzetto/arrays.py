@@ -7,11 +7,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+__all__ = ["Array", "Bytes", "Faces", "Flags", "Floats", "Index", "frozen"]
+
 Array = NDArray[np.float64]
+"""Numbers of double precision: what is computed with."""
+
 Floats = NDArray[np.float32]
+"""Numbers of single precision: what is shown, and the vertices of meshes."""
+
 Index = NDArray[np.intp]
+"""Numbers of items."""
+
 Flags = NDArray[np.bool_]
+"""Yes or no for each item."""
+
+Faces = NDArray[np.int32]
+"""Numbers of the three corners of each triangle."""
+
 Bytes = NDArray[np.uint8]
+"""Bytes, such as the channels of pixels."""
 
 
 def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> NDArray[Any]:

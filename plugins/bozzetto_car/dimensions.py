@@ -14,8 +14,8 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
-from bozzetto_car.array_types import Array, Index
 from bozzetto_car.template.model import Template
 
 WORDS: Final = {

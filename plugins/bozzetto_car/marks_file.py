@@ -12,10 +12,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.scene import Picture
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import body_of
 from bozzetto_car.camera.sketch_camera import upright_camera
 from bozzetto_car.report import SHORT

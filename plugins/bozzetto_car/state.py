@@ -13,11 +13,11 @@ from typing import Annotated, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import frozen
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto.scene import Picture
-from bozzetto_car.array_types import Array
 from bozzetto_car.dimensions import LONGEST, Dimensions
 from bozzetto_car.template.loader import Bundled
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bozzetto.geometry import Mesh, Shapes, Solid, Surface
+from bozzetto.geometry import Mesh, Shapes, Solid, Surface, meshed
 from bozzetto.plugin import Job, Modeler, override
 from bozzetto.scene import Layer, Scene, Shaded
 
@@ -36,7 +36,8 @@ class ImportedMesh(Modeler[MeshState, MeshState]):
 
     @override
     def read_shapes(self, shapes: Shapes) -> MeshState:
-        """Return a state with the meshes of a file."""
+        """Return a state with the meshes of a file, and exact surfaces as meshes."""
+        shapes = meshed(shapes)
         meshes = tuple(part.mesh for part in shapes.meshes())
         return MeshState(meshes, (True,) * len(shapes.solids) + (False,) * len(shapes.surfaces))
 

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import (
     SHRINK_WRAP_LEVELS,
     Mesh,
@@ -21,8 +22,6 @@ from bozzetto.geometry import (
 from bozzetto.plugin import Figure, Job, Modeler, Parameter, override
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_skin.reading import polylines
-
-Array = NDArray[np.float64]
 
 PREVIEW_LEVEL: Final = 4
 """Finest level of a preview: 2562 vertices, a tenth of a second."""

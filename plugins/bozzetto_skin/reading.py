@@ -6,12 +6,10 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes, flattened
-
-Array = NDArray[np.float64]
 
 STEPS: Final = 24
 """Steps along each span of a curve: its polyline is a thousandth of the span off at most, which
@@ -25,7 +23,7 @@ MOST_POINTS: Final = 1_000_000
 
 
 def polylines(shapes: Shapes) -> tuple[Array, ...]:
-    """Return the curves and the edges of patches as polylines, (n, 3) each, mm.
+    """Return the curves and the edges of patches and breps as polylines, (n, 3) each, mm.
 
     Bones of skeletons are left out, for they run inside a shape, and so are meshes.
 
@@ -50,6 +48,8 @@ def polylines(shapes: Shapes) -> tuple[Array, ...]:
 def _each(shapes: Shapes) -> Iterator[Array]:
     for curve in shapes.curves:
         yield _sampled(curve)
+    for brep in shapes.breps:
+        yield from map(_sampled, brep.edges)
     for patchwork in shapes.patchworks:
         for edge in patchwork.edges:
             extent = float(np.linalg.norm(np.ptp(edge, axis=0)))

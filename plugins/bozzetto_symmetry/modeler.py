@@ -10,7 +10,7 @@ from typing import Any, Final
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.geometry import Shapes
-from bozzetto.ink import Drawing
+from bozzetto.ink import Drawing, is_one_view
 from bozzetto.plugin import (
     Caution,
     Command,
@@ -27,7 +27,6 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.export import shapes_of
-from bozzetto_symmetry.ink.same_view import is_one_view
 from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view

@@ -92,7 +92,7 @@ def test_a_stroke_right_after_the_first_paint_becomes_a_shape(tmp_path):
     assert found["waiting"] == 0
 
 
-@pytest.mark.slow
+@pytest.mark.quiet
 def test_meanwhile_the_window_does_not_pause(tmp_path):
     pauses = sorted(first_stroke(tmp_path)["pauses"][:60])
     assert pauses[int(0.95 * len(pauses))] <= BOUND

@@ -96,6 +96,9 @@ def test_an_empty_sheet_leads_to_the_first_stroke(make_window, settle):
     (edges,) = [i for i in shown(window, "box") if isinstance(i, Lines)]
     assert edges.points[:, 2].min() == 0.0, "it stands on the ground"
     assert len(session.drawing.document) == 0
+    assert light.advice.level == "good", "a new sheet is seen from where one draws best"
+    window.actions_.run("view.front")
+    settle(session)
     assert light.advice.level != "good"
     assert light.advice.message.startswith(light.words), "whole words, beside the samples"
     assert not light.words.endswith("…")
@@ -292,7 +295,7 @@ def usual_frame(window):
     return float(np.median(found))
 
 
-@pytest.mark.slow
+@pytest.mark.quiet
 def test_the_window_is_free_while_curves_are_drawn(window, draw, settle):
     """Pauses from the moment the pen is lifted until the curve is shown."""
     draw(window, RAIL)  # what is made once is made

@@ -231,3 +231,35 @@ def test_the_place_is_marked_while_the_pen_is_up(window, settle):
     assert overlay.next_place is None
     window.canvas.hand.cancel()
     assert overlay.next_place == before
+
+
+def test_a_touch_with_the_pen_does_what_is_next_where_that_is_a_touch(window, settle):
+    session = window.session
+    session.toolbox.take_modeler("bozzetto.polyhedron")
+    settle(session)
+    front = [(480.0, 320.0), (720.0, 370.0), (720.0, 540.0), (480.0, 490.0)]
+    back = [(x + 150.0, y - 110.0) for x, y in front]
+    stylus = Stylus(window.canvas)
+    for k in range(4):
+        for begin, end in ((front[k], front[k - 1]), (front[k], back[k]), (back[k], back[k - 1])):
+            stylus.draw(np.linspace(begin, end, 12))
+    settle(session)
+    assert session.hints.step.tool == "turn"
+    (model,) = session.drawing.document.models
+    assert model.state.nodes[0].choice is None
+    stylus.press(front[1])
+    stylus.lift(front[1])
+    settle(session)
+    (model,) = session.drawing.document.models
+    assert session.toolbox.tool == "turn"
+    assert model.state.nodes[0].choice is not None
+
+
+def test_a_touch_with_the_pen_says_what_is_missing_where_a_stroke_is_next(window, settle):
+    session = window.session
+    settle(session)
+    stylus = Stylus(window.canvas)
+    stylus.press((400.0, 300.0))
+    stylus.lift((400.0, 300.0))
+    assert "too short" in window.status._words.text()
+    assert len(session.drawing.document) == 0

@@ -16,7 +16,7 @@ from bozzetto.document import edit
 from bozzetto.document.model import NamedView
 from bozzetto_app.actions.registry import Action, ActionRegistry
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.files import recent_files
+from bozzetto_app.session.recent_files import recent_files
 
 if TYPE_CHECKING:
     from bozzetto_app.main_window import Window

@@ -395,6 +395,7 @@ def _view(window: Window) -> Iterator[Action]:
         "curvature": tr("View", "Curvature"),
         "normals": tr("View", "Normals"),
         "xray": tr("View", "X-ray"),
+        "draft": tr("View", "Draft angle"),
     }
     for shading in get_args(Shading):
         yield Action(

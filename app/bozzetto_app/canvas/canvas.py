@@ -28,6 +28,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import is_seen
+from bozzetto.plugin.gesture import Tap
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene, Shaded
 from bozzetto.scene.palette import Palette
@@ -158,6 +159,7 @@ class Canvas(QWidget):
         self.hand.aimed.connect(self._aim)
         self.hand.aim_ended.connect(self.loupe.put_away)
         self.hand.mode_changed.connect(self._mode_changed)
+        self.hand.touched.connect(self._touch)
         self.hand.came_to_nothing.connect(session.gestures.explain)
         self.hand.menu_pressed.connect(self.open_menu)
         self.hand.menu_moved.connect(self.menu.point)
@@ -439,6 +441,16 @@ class Canvas(QWidget):
             return
         if session.advice.is_about(session.view.camera):
             session.view.set_camera(advice.better.with_viewport(*session.view.camera.viewport))
+
+    def _touch(self, tap: Tap) -> None:
+        """Do what is next with a touch that a drawing tool has no use for, if a touch is next."""
+        session = self._session
+        wanted = session.hints.step.tool
+        if any(tool.id == wanted and tool.gesture == "tap" for tool in session.toolbox.tools):
+            session.toolbox.take_tool(wanted)
+            session.gestures.tap(tap)
+        else:
+            session.gestures.explain("stroke")
 
     def _got_picture(self, model_id: str) -> None:
         """Go to the view of a sketch that came in, once the modeler says which it is."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QObject
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit_points
 from bozzetto.view.standard_views import standard_view
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Framing", "framed", "is_in_view", "points_to_frame", "same_view"]
 
-Array = NDArray[np.float64]
 
 KEPT_SHARE: Final = 0.5
 """Share of the points that must be seen for the view of a saved document to be kept: a person
@@ -33,6 +32,11 @@ SMALLEST: Final = 0.05
 
 SAME: Final = 1e-5
 """Largest difference of two views that are the same, in visible heights and as a sine."""
+
+STEPS: Final = 4
+"""Times at most that the view of a new sheet is changed: first to the one that its modeler calls
+better, then so that all is in it. What is shown there may depend on the view, and there may always
+be a better one."""
 
 EDGE: Final = 0.5
 """How far a point may lie beyond the canvas and still count as seen, pixels."""
@@ -84,7 +88,7 @@ class Framing(QObject):
 
     A saved document comes back in its own view if its objects can be seen there. A document
     without a view is seen three-quarter, or as its last waiting stroke was drawn; an empty one
-    as at the start.
+    as at the start, or as the modeler calls it better.
 
     Parameters
     ----------
@@ -97,7 +101,9 @@ class Framing(QObject):
         self._camera: Camera | None = session.view.camera
         self._share = 1.0
         self._must_fit = False
+        self._steps = STEPS
         session.drawing.opened.connect(self._opened)
+        session.toolbox.modeler_changed.connect(self._take_modeler)
         session.scene.changed.connect(self._look)
         session.advice.changed.connect(self._look)
         session.view.camera_changed.connect(self._moved)
@@ -112,7 +118,7 @@ class Framing(QObject):
         session = self._session
         document, pending = session.drawing.document, session.drawing.pending
         size = session.view.camera.viewport
-        self._share, self._must_fit = 1.0, False
+        self._share, self._must_fit, self._steps = 1.0, False, STEPS
         if document.camera is not None:
             self._share = KEPT_SHARE
             self._camera = session.view.camera
@@ -135,15 +141,34 @@ class Framing(QObject):
             return
         advice = session.advice.advice
         hidden = not len(session.scene.visible.under(session.scene.advice).points())
-        if hidden and advice is not None and advice.better is not None:
-            # A sketch is seen from where it was drawn, and from nowhere else.
+        fresh = self._is_fresh
+        if fresh and not self._steps:
+            return
+        asks = self._steps == STEPS if fresh else hidden
+        if asks and advice is not None and advice.better is not None:
+            # A sketch is seen from where it was drawn, and from nowhere else; on a new sheet the
+            # modeler knows from where one draws best.
+            self._steps -= fresh
             self._show(advice.better.with_viewport(*session.view.camera.viewport))
         elif self._must_fit or not is_in_view(session.view.camera, points, self._share):
+            self._steps -= fresh
             self._show(framed(session.view.camera, points))
         else:
             return
         self._must_fit = False
         self._share = 1.0
+
+    @property
+    def _is_fresh(self) -> bool:
+        """Whether nothing was drawn yet."""
+        drawing = self._session.drawing
+        return not (len(drawing.document) or drawing.pending)
+
+    def _take_modeler(self) -> None:
+        """Begin again with the first view when another modeler comes to a new sheet."""
+        self._steps = STEPS
+        if self._camera is not None and self._is_fresh:
+            self._show(FIRST_VIEW.with_viewport(*self._session.view.camera.viewport))
 
     def _show(self, camera: Camera) -> None:
         self._camera = camera
@@ -157,7 +182,7 @@ class Framing(QObject):
         if now != known.with_viewport(*now.viewport):
             self.end()
             return
-        self._camera = now
+        self._camera, self._steps = now, STEPS
         self._look()
 
     def _changed(self) -> None:

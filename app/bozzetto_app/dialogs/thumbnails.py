@@ -25,7 +25,7 @@ LARGEST = 32 << 20
 
 
 def thumbnail_of(path: Path) -> QImage | None:
-    """Return a picture of a drawing's ink or sketch, or the one kept in a document.
+    """Return the picture that a drawing names, or its ink, or the picture kept in a document.
 
     None if there is none.
     """
@@ -49,7 +49,7 @@ def _of_ink(path: Path) -> QImage | None:
     from bozzetto.exchange.import_file import read_drawing
 
     drawing = read_drawing(path, trusted=True)  # a sample that came with its plugin
-    if not len(drawing.strokes):
+    if drawing.pictures or not len(drawing.strokes):
         return _of_picture(next(iter(drawing.pictures.values()), None))
     strokes = [stroke.points for stroke in drawing.strokes]
     points = np.concatenate(strokes)

@@ -8,8 +8,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog
 
 from bozzetto.errors import UserError
-from bozzetto_app.session.files import recent_files
 from bozzetto_app.session.notices import Notice
+from bozzetto_app.session.recent_files import recent_files
 from bozzetto_app.settings import keep_plugin_disabled
 
 if TYPE_CHECKING:

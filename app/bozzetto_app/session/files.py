@@ -5,12 +5,10 @@ No dialog is shown here: `bozzetto_app.dialogs.file_dialogs` asks the person.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
-from urllib.parse import unquote_to_bytes
 
 from PySide6.QtCore import QObject, Signal
 
@@ -22,6 +20,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.job import Job
 from bozzetto.temporary_files import remove_leftovers
+from bozzetto.view.camera import Camera
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim, Claims
@@ -29,6 +28,7 @@ from bozzetto_app.session.document_model import DocumentModel
 from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.notices import Notice, Notices
 from bozzetto_app.session.pictures import PictureInput
+from bozzetto_app.session.recent_files import free_name, keep_recent, recent_files, still_there
 from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.thumbnail import SmallPictures
 from bozzetto_app.session.toolbox import Toolbox
@@ -36,40 +36,13 @@ from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.settings import settings
 from bozzetto_app.workers.channel import Channel, Request
 
-__all__ = ["DOCUMENT_ENDING", "LAST_FOLDER", "Claim", "Files", "Hindrance", "recent_files"]
+__all__ = ["DOCUMENT_ENDING", "LAST_FOLDER", "Claim", "Files", "Hindrance"]
 
 DOCUMENT_ENDING = ".bozz"
 MESH_MODELER = "bozzetto.mesh"
-RECENT = "recent/files"
 LAST_FOLDER = "files/last_folder"
-MOST_RECENT = 10
-URI = "file://"
 SLOW_AFTER = 60.0
 """Seconds without progress after which reading or exporting is told as slow."""
-
-
-def recent_files() -> list[Path]:
-    """Return the documents that were opened or saved lately, newest first.
-
-    The disk is not asked, for it may be slow or far away; those that are gone are left out
-    by the next worker that looks.
-    """
-    kept = settings().value(RECENT, [])
-    names = [kept] if isinstance(kept, str) else kept if isinstance(kept, list) else []
-    return [_path_of(str(name)) for name in names]
-
-
-def _name_of(path: Path) -> str:
-    """Return a path as settings can hold it: as text, or as a URI if it is no text."""
-    try:
-        str(path).encode()
-    except UnicodeEncodeError:
-        return path.as_uri()
-    return str(path)
-
-
-def _path_of(name: str) -> Path:
-    return Path(os.fsdecode(unquote_to_bytes(name[7:]))) if name.startswith(URI) else Path(name)
 
 
 @dataclass(frozen=True)
@@ -144,13 +117,13 @@ class Files(QObject):
     locked : Path
         The document that was opened is read-only, for somebody else has it open.
     imported
-        Something was imported from a file.
+        Something was imported from a file, with the view that it was drawn in, or None.
     progressed : float, str; busy_changed : bool
         Long work advances, starts, ends.
     """
 
     recent_changed = Signal()
-    imported = Signal()
+    imported = Signal(object)
     saved = Signal(object)
     given_up = Signal()
     locked = Signal(object)
@@ -500,7 +473,7 @@ class Files(QObject):
         bench, drawing, active = self._workbench, self._drawing, self._toolbox.modeler
         context, history = self._context.now(), drawing.history
 
-        def work(job: Job) -> tuple[Model, bool, tuple[str, ...]]:
+        def work(job: Job) -> tuple[Model, bool, Camera | None, tuple[str, ...]]:
             from bozzetto.exchange.formats import find, readers
             from bozzetto.exchange.import_file import read_drawing, read_mesh
 
@@ -509,22 +482,23 @@ class Files(QObject):
 
             if "mesh" in find(path, readers()).holds:
                 shapes = read_mesh(path, checkpoint=reading)
-                return bench.sources.from_shapes(MESH_MODELER, shapes, path.stem), False, ()
+                return bench.sources.from_shapes(MESH_MODELER, shapes, path.stem), False, None, ()
             ink = read_drawing(path, checkpoint=reading)
             facts_only = not len(ink.strokes)
             modeler = (facts_only and bench.registry.told_by(ink.facts)) or active
             if not modeler:
                 raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
             here = context if facts_only else replace(context, camera=ink.camera)
-            model = bench.sources.from_drawing(modeler, ink, {}, here)
-            return model, bool(ink.pictures), ink.left_out
+            model = bench.sources.from_drawing(modeler, ink, {}, here, job)
+            view = None if facts_only else ink.camera
+            return model, bool(ink.pictures), view, ink.left_out
 
-        def done(answer: tuple[Model, bool, tuple[str, ...]]) -> None:
+        def done(answer: tuple[Model, bool, Camera | None, tuple[str, ...]]) -> None:
             if drawing.history is not history:
                 return
-            model, pictured, left_out = answer
+            model, pictured, view, left_out = answer
             if not pictured:
-                self.imported.emit()
+                self.imported.emit(view)
             drawing.apply_model(tr("Files", "Import {name}", name=path.name), model, is_new=True)
             if pictured:
                 self._pictures.taken.emit(model.id)
@@ -553,22 +527,8 @@ class Files(QObject):
         return _Known(self.lock, recent_files())
 
     def _keep_recent(self, recent: Iterable[Path]) -> None:
-        settings().setValue(RECENT, [_name_of(path) for path in recent][:MOST_RECENT])
+        keep_recent(recent)
         self.recent_changed.emit()
-
-
-def still_there(recent: Iterable[Path], newest: Path) -> list[Path]:
-    """Return a document, and those before it that still exist; in a worker."""
-    whole = Path(os.path.abspath(newest))
-    return [whole, *(path for path in recent if path != whole and path.is_file())]
-
-
-def free_name(path: Path) -> Path:
-    """Return the next name like this that no file has; in a worker."""
-    number = 2
-    while (free := path.with_stem(f"{path.stem} {number}")).exists():
-        number += 1
-    return free
 
 
 def _saved_text(path: Path, written: Written, expected: FileStamp | Over) -> str:

@@ -9,19 +9,11 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from bozzetto.errors import UserError
 from bozzetto.ink.drawing import Drawing
-from bozzetto.ink.stroke import COLUMNS, Stroke
+from bozzetto_app.session.replay_ink import PAUSE, TICK_MS, beginning, samples_after
 from bozzetto_app.session.session import Session
+from bozzetto_app.session.step_replay import StepReplay
 
 __all__ = ["Replay", "Replays"]
-
-TICK_MS = 33
-"""Milliseconds between two steps of the pen."""
-
-UNTIMED_SAMPLES_PER_SECOND = 200.0
-"""Speed of strokes that were recorded without time."""
-
-PAUSE = 0.35
-"""Seconds between two strokes."""
 
 
 class Replay(QObject):
@@ -60,6 +52,7 @@ class Replay(QObject):
         self._facts, self._pictures = drawing.facts, drawing.pictures
         self._speed = speed
         self._pen_down = 0.0
+        self._whole = False
         self._timer = QTimer(self)
         self._timer.setInterval(TICK_MS)
         self._timer.timeout.connect(self._step)
@@ -93,19 +86,19 @@ class Replay(QObject):
         if passed < 0:
             return
         stroke = self._strokes[0]
-        if stroke.has_time:
-            shown = int((stroke.t <= stroke.t[0] + passed).sum())
-        else:
-            shown = int(passed * UNTIMED_SAMPLES_PER_SECOND)
-        if shown >= len(stroke):
+        shown = samples_after(stroke, passed)
+        if self._whole:
+            self._whole = False
             self._strokes.pop(0)
             self._pen_down = time.monotonic() + PAUSE
             self._gestures.stroke_lifted(stroke)
             self.inked.emit(None)
-        elif shown > 1:
-            beginning = _beginning(stroke, shown)
-            self._gestures.stroke_moved(beginning)
-            self.inked.emit(beginning)
+        elif shown > 1 or shown >= len(stroke):
+            # A slow machine sees every stroke as well, if only once and whole.
+            self._whole = shown >= len(stroke)
+            so_far = beginning(stroke, shown)
+            self._gestures.stroke_moved(so_far)
+            self.inked.emit(so_far)
 
 
 class Replays(QObject):
@@ -113,7 +106,7 @@ class Replays(QObject):
 
     Attributes
     ----------
-    current : Replay, optional
+    current : Replay or StepReplay, optional
         The replay that began last, until it is stopped.
     speed : float
         Of the next replay; see `Replay`.
@@ -134,7 +127,7 @@ class Replays(QObject):
 
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self.current: Replay | None = None
+        self.current: Replay | StepReplay | None = None
         self.speed = 2.0
         self._session = session
 
@@ -161,7 +154,8 @@ class Replays(QObject):
         view = self._session.view
         view.set_camera(drawing.camera.with_viewport(*view.camera.viewport))
         self.began.emit()
-        self.current = Replay(self._session, drawing, speed=self.speed, parent=self)
+        kind = StepReplay if drawing.steps else Replay
+        self.current = kind(self._session, drawing, speed=self.speed, parent=self)
         self.current.inked.connect(self.inked)
         self.current.finished.connect(self.finished)
         self.current.start()
@@ -172,13 +166,3 @@ class Replays(QObject):
         if replay is not None:
             replay.stop()
             replay.deleteLater()
-
-
-def _beginning(stroke: Stroke, count: int) -> Stroke:
-    """Return the first samples of a stroke."""
-    columns = {name: getattr(stroke, name)[:count] for name in COLUMNS}
-    if not stroke.has_pressure:
-        del columns["pressure"]
-    if not stroke.has_time:
-        del columns["t"]
-    return Stroke(camera=stroke.camera, tool=stroke.tool, color=stroke.color, **columns)

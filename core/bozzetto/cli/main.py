@@ -24,15 +24,17 @@ from bozzetto.cli.output import (
     fault_message,
     make_folder,
     open_document,
+    picture_size,
     warn,
     workbench,
     write_output,
 )
 from bozzetto.cli.plugins import ACTIONS
 from bozzetto.cli.plugins import plugins as run_plugins
+from bozzetto.cli.simulate import add_simulate
 from bozzetto.errors import UserError
 
-COMMANDS = ("build", "export", "render", "info", "samples", "plugins")
+COMMANDS = ("build", "export", "render", "simulate", "info", "samples", "plugins")
 """Words after which no window opens."""
 
 SWITCHES = ("-v", "--verbose")
@@ -138,11 +140,13 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("--theme", choices=("light", "dark"), default="light")
     render.add_argument(
         "--shading",
-        choices=("clay", "zebra", "curvature", "normals", "xray"),
+        choices=("clay", "zebra", "curvature", "normals", "xray", "draft"),
         default="clay",
     )
     _add_trust(render)
     render.set_defaults(run=_render)
+
+    add_simulate(commands)
 
     info = commands.add_parser("info", help="say what a file holds")
     info.add_argument("input", type=Path)
@@ -190,7 +194,7 @@ def _render(options: argparse.Namespace) -> int:
 
     if options.output.suffix.lower() != ".png":
         raise UserError("A picture is written as PNG. Let its name end in .png.")
-    width, height = _size(options.size)
+    width, height = picture_size(options.size)
     bench = workbench()
     document = _document_of(bench, options.input, options.trust_file)
     unseen = (unusable(bench, model) for model in document if model.visible)
@@ -234,16 +238,6 @@ def _document_of(bench: Any, path: Path, trusted: bool) -> Any:
     return Document(
         (bench.sources.from_shapes("bozzetto.mesh", read_mesh(path, trusted=trusted), path.stem),)
     )
-
-
-def _size(text: str) -> tuple[int, int]:
-    try:
-        width, height = (int(part) for part in text.lower().replace("×", "x").split("x"))
-    except ValueError:
-        raise UserError(
-            f"A size is WIDTHxHEIGHT in pixels, such as 1200x900; not {text!r}."
-        ) from None
-    return width, height
 
 
 def _info(options: argparse.Namespace) -> int:

@@ -156,3 +156,14 @@ def make_folder(target: Path) -> None:
         raise UserError(
             f"The folder {target.parent} cannot be made: {problem.strerror}. Choose another."
         ) from None
+
+
+def picture_size(text: str) -> tuple[int, int]:
+    """Return width and height, px, of a size such as 1200x900."""
+    try:
+        width, height = (int(part) for part in text.lower().replace("×", "x").split("x"))
+    except ValueError:
+        raise UserError(
+            f"A size is WIDTHxHEIGHT in pixels, such as 1200x900; not {text!r}."
+        ) from None
+    return width, height

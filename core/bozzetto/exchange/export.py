@@ -9,10 +9,10 @@ from typing import Any, Final
 from bozzetto.atomic_files import write_bytes
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import readable
-from bozzetto.exchange.cad.cad_surfaces import with_meshes
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
 from bozzetto.exchange.left_out import LeftOut, parts_left_out, with_place
 from bozzetto.exchange.mesh.manifold_check import check_solid
+from bozzetto.geometry.meshed_shapes import meshed
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
@@ -121,7 +121,7 @@ def prepare_export(
     if chosen.flat:
         data: bytes = function(chosen, "write_view")(parts, camera)
     else:
-        written = with_meshes(parts) if "mesh" in chosen.holds else parts
+        written = meshed(parts) if "mesh" in chosen.holds else parts
         for solid in written.solids:
             check_solid(solid)
         data = function(chosen, "write_shapes")(written)
@@ -153,6 +153,7 @@ def has_room(path: str | os.PathLike[str], shapes: Shapes) -> bool:
 def _kinds_in(shapes: Shapes) -> set[Kind]:
     """Return the kinds of content that shapes hold."""
     exact = bool(shapes.patchworks or shapes.breps)
+    exact = exact or any(part.exact is not None for part in shapes.meshes())
     has: dict[Kind, bool] = {
         "mesh": exact or any(len(part.mesh.faces) for part in shapes.meshes()),
         "surfaces": exact,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from bozzetto.exchange.formats import Format
@@ -61,8 +61,18 @@ def with_place(shapes: Shapes, chosen: Format) -> Shapes:
         surfaces=tuple(s for s in shapes.surfaces if mesh and len(s.mesh.faces)),
         curves=shapes.curves if "curves" in holds else (),
         patchworks=shapes.patchworks if mesh or "surfaces" in holds else (),
-        breps=shapes.breps if mesh or "surfaces" in holds else (),
+        breps=_breps(shapes, mesh=mesh) if mesh or "surfaces" in holds else (),
     )
+
+
+def _breps(shapes: Shapes, *, mesh: bool) -> tuple[Brep, ...]:
+    """Return the exact surfaces; without those of parts that are written as triangles."""
+    exact = (
+        replace(part.exact, name=part.name, color=part.exact.color or part.color)
+        for part in (() if mesh else shapes.meshes())
+        if part.exact is not None
+    )
+    return (*shapes.breps, *exact)
 
 
 def parts_left_out(shapes: Shapes, chosen: Format) -> tuple[LeftOut, ...]:
@@ -74,7 +84,8 @@ def parts_left_out(shapes: Shapes, chosen: Format) -> tuple[LeftOut, ...]:
     found: list[LeftOut] = []
     if "mesh" not in chosen.holds:
         exact = "surfaces" in chosen.holds
-        for word, parts in (("solid", shapes.solids), ("open surface", shapes.surfaces)):
+        for word, row in (("solid", shapes.solids), ("open surface", shapes.surfaces)):
+            parts = tuple(part for part in row if not exact or part.exact is None)
             if parts:
                 reason = f"{_they(parts)} no exact surfaces" if exact else _only("curves")
                 found.append(_left_out(word, parts, reason, MESH_FILES[word]))

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from bozzetto.geometry.brep.sewing import sewn as sewn
     from bozzetto.geometry.brep.surface import BSplineSurface as BSplineSurface
     from bozzetto.geometry.brep.tessellation import brep_mesh as brep_mesh
+    from bozzetto.geometry.brep.tessellation import counted_mesh as counted_mesh
     from bozzetto.geometry.brep.tessellation import shaded_brep as shaded_brep
+    from bozzetto.geometry.brep.tessellation import shaded_faces as shaded_faces
     from bozzetto.geometry.curve import Color as Color
     from bozzetto.geometry.curve import Curve as Curve
     from bozzetto.geometry.curve_flattening import FLATNESS as FLATNESS
@@ -29,10 +31,12 @@ if TYPE_CHECKING:
     from bozzetto.geometry.mesh_places import closest_on_mesh as closest_on_mesh
     from bozzetto.geometry.mesh_places import face_normals as face_normals
     from bozzetto.geometry.mesh_places import mesh_points as mesh_points
+    from bozzetto.geometry.meshed_shapes import meshed as meshed
     from bozzetto.geometry.patches.patchwork import Patchwork as Patchwork
     from bozzetto.geometry.placement import Placement as Placement
     from bozzetto.geometry.rig import Rig as Rig
     from bozzetto.geometry.rig import Skin as Skin
+    from bozzetto.geometry.shapes import FaceGroup as FaceGroup
     from bozzetto.geometry.shapes import Shapes as Shapes
     from bozzetto.geometry.shapes import Skeleton as Skeleton
     from bozzetto.geometry.shapes import Solid as Solid
@@ -59,15 +63,18 @@ else:
             "bozzetto.geometry.brep.ruled": "ruled_surface",
             "bozzetto.geometry.brep.sewing": "sewn",
             "bozzetto.geometry.brep.surface": "BSplineSurface",
-            "bozzetto.geometry.brep.tessellation": "brep_mesh shaded_brep",
+            "bozzetto.geometry.brep.tessellation": (
+                "brep_mesh counted_mesh shaded_brep shaded_faces"
+            ),
             "bozzetto.geometry.curve": "Color Curve",
             "bozzetto.geometry.curve_flattening": "FLATNESS flattened",
             "bozzetto.geometry.mesh": "Mesh",
             "bozzetto.geometry.mesh_places": "MeshPlaces closest_on_mesh face_normals mesh_points",
             "bozzetto.geometry.patches.patchwork": "Patchwork",
+            "bozzetto.geometry.meshed_shapes": "meshed",
             "bozzetto.geometry.placement": "Placement",
             "bozzetto.geometry.rig": "Rig Skin",
-            "bozzetto.geometry.shapes": "Shapes Skeleton Solid Surface",
+            "bozzetto.geometry.shapes": "FaceGroup Shapes Skeleton Solid Surface",
             "bozzetto.geometry.spline": "DEGREE Spline derived_points uniform_knots",
             "bozzetto.geometry.texture": "Texture",
             "bozzetto.geometry.triangulation": "Triangulation ring_links triangulate",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,30 @@ from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.texture import Texture
+
+Finish = Literal["matt", "gloss", "rubber", "metal", "glass"]
+"""Materials that surfaces look as if they were made of."""
+
+
+@dataclass(frozen=True)
+class FaceGroup:
+    """Triangles of a mesh that follow one another and belong together.
+
+    Parameters
+    ----------
+    name : str
+    count : int
+        How many triangles.
+    color : (r, g, b), optional
+        sRGB; None for that of the part. The colours of the mesh's vertices come before it.
+    finish : {"matt", "gloss", "rubber", "metal", "glass"}
+        Of what it is made, for files that know materials.
+    """
+
+    name: str
+    count: int
+    color: Color | None = None
+    finish: Finish = "matt"
 
 
 @dataclass(frozen=True)
@@ -33,6 +58,10 @@ class Solid:
         In formats that hold pictures it takes the place of the mesh's colours.
     skin : Skin, optional
         The rig that the mesh follows. The mesh is as the rig's turns have it.
+    groups : tuple of FaceGroup
+        All triangles, in their order; none where the solid is one piece.
+    exact : Brep, optional
+        The same shape for formats that hold exact surfaces.
     """
 
     mesh: Mesh
@@ -40,8 +69,11 @@ class Solid:
     color: Color | None = None
     texture: Texture | None = None
     skin: Skin | None = None
+    groups: tuple[FaceGroup, ...] = ()
+    exact: Brep | None = None
 
     def __post_init__(self) -> None:
+        _check_groups(self)
         if self.texture is not None and len(self.texture.corners) != len(self.mesh.faces):
             raise ValueError("a texture needs a place for every corner of every face")
         if self.skin is not None and len(self.skin.joints) != len(self.mesh.vertices):
@@ -53,16 +85,46 @@ class Solid:
         if texture is not None and placement.mirrors:
             texture = texture.turned_over()
         skin = None if self.skin is None else self.skin.placed(placement)
-        return replace(self, mesh=self.mesh.placed(placement), texture=texture, skin=skin)
+        exact = None if self.exact is None else self.exact.placed(placement)
+        mesh = self.mesh.placed(placement)
+        return replace(self, mesh=mesh, texture=texture, skin=skin, exact=exact)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """An open triangle mesh: a skin without an inside."""
+    """An open triangle mesh: a skin without an inside.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    name : str
+    color : (r, g, b), optional
+        sRGB.
+    groups : tuple of FaceGroup
+        All triangles, in their order; none where the surface is one piece.
+    exact : Brep, optional
+        The same shape for formats that hold exact surfaces.
+    """
 
     mesh: Mesh
     name: str = "surface"
     color: Color | None = None
+    groups: tuple[FaceGroup, ...] = ()
+    exact: Brep | None = None
+
+    def __post_init__(self) -> None:
+        _check_groups(self)
+
+    def placed(self, placement: Placement) -> Surface:
+        """Return the surface moved by a placement."""
+        exact = None if self.exact is None else self.exact.placed(placement)
+        return replace(self, mesh=self.mesh.placed(placement), exact=exact)
+
+
+def _check_groups(part: Solid | Surface) -> None:
+    counts = [group.count for group in part.groups]
+    if counts and (min(counts) < 0 or sum(counts) != len(part.mesh.faces)):
+        raise ValueError("groups must hold all triangles of their mesh")
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +181,7 @@ class Shapes:
             return self
         return Shapes(
             tuple(s.placed(placement) for s in self.solids),
-            tuple(replace(s, mesh=s.mesh.placed(placement)) for s in self.surfaces),
+            tuple(s.placed(placement) for s in self.surfaces),
             tuple(c.placed(placement) for c in self.curves),
             tuple(
                 replace(s, joints=placement.points(s.joints), radii=s.radii * placement.scale)

@@ -16,6 +16,9 @@ from bozzetto.geometry.refinement import refined
 DEGREE: Final = 3
 """Cubic: the least degree whose curvature is continuous, and what CAD programs expect."""
 
+ROUNDING: Final = 1e-12
+"""Share of the parameter range by which a parameter and a knot that is meant may differ."""
+
 SAMPLES_PER_SPAN: Final = 24
 """Places tried on every span in the search for foot points. The arc between two places is
 so flat then that Newton's method starts in the right valley."""
@@ -65,6 +68,7 @@ class Spline:
     def __post_init__(self) -> None:
         object.__setattr__(self, "knots", frozen(self.knots, np.float64))
         object.__setattr__(self, "control_points", frozen(self.control_points, np.float64))
+        object.__setattr__(self, "closed", bool(self.closed))  # numpy's own is no bool
         points, knots = self.control_points, self.knots
         if points.ndim != 2 or points.shape[1] not in (2, 3) or len(points) <= DEGREE:
             raise ValueError("a cubic spline needs four control points of two or three numbers")
@@ -275,7 +279,8 @@ class Spline:
         Parameters
         ----------
         *parameters : float
-            Where to cut. Places outside the inside of an open curve's range cut nothing.
+            Where to cut; what is only a rounding off a knot is that knot. Places outside the
+            inside of an open curve's range cut nothing.
 
         Returns
         -------
@@ -285,13 +290,22 @@ class Spline:
         """
         begin, end = self.range
         if self.closed:
-            cuts = sorted({float(cut) for cut in self.within(parameters)} or {begin})
+            cuts = sorted({self._at_knot(float(cut)) for cut in self.within(parameters)} or {begin})
+            if len(cuts) > 1 and cuts[-1] == end:  # the seam, twice
+                cuts = sorted({begin, *cuts[:-1]})
             cuts.append(cuts[0] + end - begin)
         else:
-            cuts = [begin, *sorted({float(c) for c in parameters if begin < c < end}), end]
+            inner = {self._at_knot(float(cut)) for cut in parameters if begin < cut < end}
+            cuts = [begin, *sorted(inner - {begin, end}), end]
         unrolled = self._unrolled() if self.closed else self
         pairs = itertools.pairwise(cuts)
         return tuple(unrolled._between(low, high) for low, high in pairs)
+
+    def _at_knot(self, parameter: float) -> float:
+        """Return the knot that a parameter is off by rounding only, else the parameter."""
+        begin, end = self.range
+        nearest = float(self.knots[np.abs(self.knots - parameter).argmin()])
+        return nearest if abs(nearest - parameter) <= ROUNDING * (end - begin) else parameter
 
     def beziers(self) -> Array:
         """Return the curve as exact cubic Bezier pieces.

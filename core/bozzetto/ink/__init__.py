@@ -44,6 +44,10 @@ if TYPE_CHECKING:
     from bozzetto.ink.oversketch.snake import SNAKE_RESTITUTION as SNAKE_RESTITUTION
     from bozzetto.ink.oversketch.snake import Oversketched as Oversketched
     from bozzetto.ink.oversketch.snake import oversketch_curve as oversketch_curve
+    from bozzetto.ink.same_view import SAME_VIEW as SAME_VIEW
+    from bozzetto.ink.same_view import carried_places as carried_places
+    from bozzetto.ink.same_view import is_one_view as is_one_view
+    from bozzetto.ink.same_view import on_canvas as on_canvas
     from bozzetto.ink.stroke import Stroke as Stroke
     from bozzetto.ink.stroke import Strokes as Strokes
 else:
@@ -67,6 +71,7 @@ else:
             "bozzetto.ink.oversketch.ordered_feet": "FEET_LAPS ordered_feet",
             "bozzetto.ink.oversketch.snake": "Oversketched SNAKE_LOCATION SNAKE_PRESSURE "
             "SNAKE_RESTITUTION oversketch_curve",
+            "bozzetto.ink.same_view": "SAME_VIEW carried_places is_one_view on_canvas",
             "bozzetto.ink.stroke": "Stroke Strokes",
         },
     )

@@ -23,7 +23,7 @@ from bozzetto.scene.palette import ROLES, Color
 Paint = str | Color
 """A role of the theme, such as "ink" or "accent", or a colour of its own."""
 
-Finish = Literal["clay", "zebra"]
+Finish = Literal["clay", "zebra", "gloss", "rubber", "metal"]
 Hidden = Literal["hide", "faint", "dashed", "show"]
 """How parts of lines and dots behind surfaces appear."""
 
@@ -54,10 +54,11 @@ class Shaded:
         0 … 1; below 1 the inside shows through (see-through boxes).
     pickable : bool
         Whether ink can be laid on it.
-    finish : {"clay", "zebra"}
-        Matte, or polished so that it mirrors rings of light: their stripes break where the
-        surface has a crease and have a kink where its curvature jumps, so the mesh should bring
-        exact normals. A view that shades all surfaces in its own way takes no notice.
+    finish : {"clay", "zebra", "gloss", "rubber", "metal"}
+        Matte; polished so that it mirrors rings of light, whose stripes break where the surface
+        has a crease and have a kink where its curvature jumps; or a material that mirrors a lamp.
+        The mesh should bring exact normals. A view that shades all surfaces in its own way takes
+        no notice.
     """
 
     mesh: Mesh

@@ -42,7 +42,7 @@ def picture(
         Pixels; ``scale`` multiplies them, and the widths of lines with them.
     scale : float
         Picture pixels per canvas pixel.
-    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft"}
         How surfaces are shaded.
     background : bool
         Paper behind the scene, or nothing.

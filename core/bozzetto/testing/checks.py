@@ -74,7 +74,9 @@ def check_drawing(subject: Subject) -> None:
         with subject.shell() as untouched:
             drawn = not same(shell.state, untouched.state)
         shapes = shell.shapes()
-        ensure(not drawn or bool(shapes), "a drawing must hand something over")
+        if drawn and not shapes:
+            told = bench.cautions(shell.model, Job())
+            ensure(bool(told), "a drawing must hand something over, or its cautions say why not")
         _check_solids(shapes)
 
 

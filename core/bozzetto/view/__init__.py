@@ -12,14 +12,17 @@ if TYPE_CHECKING:
     from bozzetto.view.eye_fixed_motion import FOV_LIMITS as FOV_LIMITS
     from bozzetto.view.navigation import fit_points as fit_points
     from bozzetto.view.navigation import turn as turn
+    from bozzetto.view.navigation import with_kind as with_kind
     from bozzetto.view.rotations import triple as triple
+    from bozzetto.view.standard_views import standard_view as standard_view
 else:
     __getattr__, __all__ = lazy_names(
         __name__,
         {
             "bozzetto.view.camera": "Camera Rays",
             "bozzetto.view.eye_fixed_motion": "FOV_LIMITS",
-            "bozzetto.view.navigation": "fit_points turn",
+            "bozzetto.view.navigation": "fit_points turn with_kind",
             "bozzetto.view.rotations": "triple",
+            "bozzetto.view.standard_views": "standard_view",
         },
     )

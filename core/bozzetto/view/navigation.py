@@ -35,6 +35,10 @@ what is seen lies in front of it and can be hit by rays; the picture does not ch
 END_ON = 1e-3
 """A box this thin for its depth is seen end on, like a point: the scale is kept."""
 
+CLEARANCE = 0.01
+"""Least way from the eye to the nearest point framed, as share of half their depth: a wide view
+along the diagonal of a box would have its corner in the eye."""
+
 NARROW = 0.5
 """Opening angle (degrees) that passes for orthographic while one kind turns into the other."""
 
@@ -236,10 +240,18 @@ def fit(camera: Camera, bounds: ArrayLike, margin: float = FIT_MARGIN) -> Camera
     slope = np.tan(np.radians(camera.fov_y) / 2.0)
     distance = float((across.max(1) / slope - seen[:, 2]).max())
     half_depth = float(np.abs(seen[:, 2]).max())
-    if distance <= (1.0 + END_ON) * half_depth:
-        distance = half_depth + camera.distance
+    distance = _framing_distance(camera, distance, across.max(), half_depth)
     limits = np.array((MIN_VISIBLE, MAX_VISIBLE)) / (2.0 * slope)
     return _stood(camera, middle, float(np.clip(distance, *limits)))
+
+
+def _framing_distance(
+    camera: Camera, distance: float, half_width: float, half_depth: float
+) -> float:
+    """Return how far to stand from the middle of what is framed from a distance (mm)."""
+    if half_width <= END_ON * half_depth:
+        return half_depth + camera.distance
+    return max(distance, (1.0 + CLEARANCE) * half_depth)
 
 
 def fit_points(camera: Camera, points: ArrayLike, margin: float = FIT_MARGIN) -> Camera:
@@ -294,8 +306,9 @@ def fit_points(camera: Camera, points: ArrayLike, margin: float = FIT_MARGIN) ->
     inner = (seen[:, :2] + slope * seen[:, 2:]).min(0)
     outer = (seen[:, :2] - slope * seen[:, 2:]).max(0)
     distance = float(centre[2] - ((inner - outer) / (2.0 * slope)).min())
-    if distance <= (1.0 + END_ON) * half_depth:
-        distance = half_depth + camera.distance
+    distance = _framing_distance(
+        camera, distance, 0.5 * ((high - low)[:2] / room).max(), half_depth
+    )
     limits = np.array((MIN_VISIBLE, MAX_VISIBLE)) / (2.0 * opening)
     target = middle + np.array((*(0.5 * (inner + outer)), centre[2])) @ axes
     return _stood(camera, target, float(np.clip(distance, *limits)))

@@ -17,6 +17,7 @@ from bozzetto.exchange.cad.cad_curves import points_on
 from bozzetto.exchange.export import Exported, prepare_export
 from bozzetto.exchange.formats import find, writers
 from bozzetto.exchange.left_out import LeftOut
+from bozzetto.exchange.svg.writer import is_plan
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.job import Job
@@ -177,7 +178,8 @@ def prepared_file(
         Nothing is written there.
     camera : Camera, optional
         The person's view, for flat formats. Where the shapes do not lie in it, the
-        three-quarter view that frames them takes its place.
+        three-quarter view that frames them takes its place. What lies flat is a plan: seen from
+        above, at true size.
     view : str, optional
         A standard view to take instead.
     whole : bool
@@ -197,6 +199,8 @@ def prepared_file(
         points = _points_of(objects.shapes)
         if view is not None:
             camera = framing(points, view, plans=True)
+        elif is_plan(points):
+            camera = None
         else:
             camera = page_view(points, camera, whole=whole)
     made = prepare_export(objects.shapes, path, camera=camera)

@@ -38,7 +38,9 @@ MOST_SEEN: Final = 32
 """Earlier states on which a gesture may have been made."""
 
 
-def run_steps(bench: Workbench, model: Model, drawing: Drawing, context: Context) -> Model:
+def run_steps(
+    bench: Workbench, model: Model, drawing: Drawing, context: Context, job: Job | None = None
+) -> Model:
     """Return the model after all steps of a drawing.
 
     Parameters
@@ -52,17 +54,23 @@ def run_steps(bench: Workbench, model: Model, drawing: Drawing, context: Context
     context : Context
         The world around; what the model itself shows is added before every gesture, in
         preview quality.
+    job : Job, optional
+        Is told of each step, and stops in the middle of one when nobody waits any more.
 
     Raises
     ------
     UserError
         Names the step, counted from 1.
     PluginFault
+    Cancelled
     """
+    job = job or Job()
+    count = len(drawing.steps)
     for number, step in enumerate(drawing.steps, 1):
+        job.checkpoint((number - 1) / count, f"Step {number} of {count}")
         before = model.state
         try:
-            model = _after(bench, model, step, drawing, context)
+            model = _after(bench, model, step, drawing, context, job)
         except UserError as problem:
             raise UserError(f"Step {number}: {problem.message}", places=problem.places) from problem
         except Unfinished as problem:
@@ -72,12 +80,14 @@ def run_steps(bench: Workbench, model: Model, drawing: Drawing, context: Context
     return model
 
 
-def _after(bench: Workbench, model: Model, step: Step, drawing: Drawing, context: Context) -> Model:
+def _after(
+    bench: Workbench, model: Model, step: Step, drawing: Drawing, context: Context, job: Job
+) -> Model:
     edits = bench.parts
     strokes = drawing.strokes
 
     def seen(camera: Camera) -> Context:
-        scene = context.scene + _scene(bench, model)
+        scene = context.scene + _scene(bench, model, job)
         curves = context.curves + bench.curves.of((model,))
         return replace(context, camera=camera, scene=scene, curves=curves)
 
@@ -135,10 +145,10 @@ def _finder(bench: Workbench, model: Model) -> Callable[[str], str]:
     return find
 
 
-def _scene(bench: Workbench, model: Model) -> Scene:
+def _scene(bench: Workbench, model: Model, job: Job) -> Scene:
     """Return the model's scene; without its shape where that has no solution yet."""
     try:
-        result = bench.solve(model, Job(quality="preview"))
+        result = bench.solve(model, Job(quality="preview", cancelled=job.cancelled))
         bench.curves.try_to_learn(model, result)  # the next step may snap to them
         return bench.model_scene(model, result)
     except UserError:

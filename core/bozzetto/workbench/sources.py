@@ -37,6 +37,7 @@ class ModelSources:
         drawing: Drawing,
         values: Mapping[str, object],
         context: Context | None = None,
+        job: Job | None = None,
     ) -> Model:
         """Make a model of a whole drawing, as if it had been drawn by hand.
 
@@ -53,7 +54,7 @@ class ModelSources:
             from bozzetto.workbench.play_steps import run_steps
 
             model = self._bench.create(modeler_id, context, name=drawing.name)
-            model = run_steps(self._bench, model, drawing, context)
+            model = run_steps(self._bench, model, drawing, context, job)
         else:
             registry = self._bench.registry
             state = registry.guarded(modeler_id).read_drawing(drawing, context)

@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, extent
 from bozzetto.plugin import override, remembered
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tangents
 from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.dimension_map import Reshaping

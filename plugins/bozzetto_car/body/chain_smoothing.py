@@ -17,8 +17,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches import locked
-from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import Chain
 from bozzetto_car.template.network import (
     HANDLE,

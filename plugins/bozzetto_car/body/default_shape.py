@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto_car.array_types import Array
+from bozzetto.arrays import Array
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import HANDLE, Network, with_tangents
 

@@ -26,8 +26,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto_car.array_types import Array
 from bozzetto_car.dimensions import WORDS, Dimensions, measure_dimensions
 from bozzetto_car.template.model import Template
 

@@ -12,10 +12,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import places_on_sheet
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.chain_smoothing import smooth_chains
 from bozzetto_car.body.edge_fit import UNSEEN, project_points, projection_slopes
 from bozzetto_car.template.network import HANDLE, Network, with_positions, with_tangents

@@ -18,10 +18,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches import bernstein
 from bozzetto.ink import arc_length, distinct, is_on_sheet, lift_curve
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array
 from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
 
 INNER: Final = np.array([1.0, 2.0]) / 3.0

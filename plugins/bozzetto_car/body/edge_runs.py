@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.ink import (
     FARTHEST,
@@ -21,7 +22,6 @@ from bozzetto.ink import (
     resample,
 )
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.body.edge_fit import edge_pictures
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.model import Template

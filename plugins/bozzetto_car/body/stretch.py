@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches import coons_nets, extent
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.dimension_map import Reshaping, fit_reshaping
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.template.network import Network

@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import bernstein
 from bozzetto.ink import FARTHEST, arc_length, distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.body.chain_smoothing import smooth_chains
 from bozzetto_car.body.drag import drag_place
 from bozzetto_car.body.edge_fit import (

@@ -13,9 +13,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
 from bozzetto.geometry.patches import Places, grid, points_at
-from bozzetto_car.array_types import Array
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network
 

@@ -7,11 +7,11 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
 from bozzetto.view import Camera
 from bozzetto.view.calibration import CROPPED, NEAREST, PARAMETERS, Framing, Poses, freedom
-from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.template.model import Template
 
 FEWEST_MARKS: Final = 4

@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array
 
 POWERS: Final = np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], float)
 """Coefficients of 1, t, t², t³ from Bézier points."""

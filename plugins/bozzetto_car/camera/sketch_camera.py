@@ -13,9 +13,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.scene import Image, Picture
 from bozzetto.view import FOV_LIMITS, Camera, triple
-from bozzetto_car.array_types import Array
 
 SHEET: Final = 6000.0
 """Width of a picture whose camera is not known yet, mm: the car in it has about its real size."""

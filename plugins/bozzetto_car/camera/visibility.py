@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import Template
 
 GRAZING: Final = 0.08

@@ -12,9 +12,9 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.plugin import remembered
 from bozzetto.view.calibration import Places
-from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import Reprojection
 from bozzetto_car.solver.bundle_adjustment import JointSolution
 from bozzetto_car.solver.pipeline import Solved

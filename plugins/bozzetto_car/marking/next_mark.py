@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
-from bozzetto_car.array_types import Array, Flags
+from bozzetto.arrays import Array, Flags
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.edit_marks import near_wheels
 from bozzetto_car.marking.mark_prediction import expected

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches import Patchwork, coons_nets, shaded
 from bozzetto.plugin import remembered
 from bozzetto.scene import Layer, Palette, Scene, Shaded, render
 from bozzetto.view import Camera, fit_points, triple
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.wheels import wheel_meshes
 from bozzetto_car.template.model import Template, ViewHint
 from bozzetto_car.template.network import Network

@@ -19,8 +19,8 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
+from bozzetto.arrays import Array
 from bozzetto.plugin import override
-from bozzetto_car.array_types import Array
 from bozzetto_car.panel.colors import palette_of, role, warning_of
 from bozzetto_car.panel.view_model import Chart, Guide, NodeRow, chart_of
 

@@ -8,9 +8,9 @@ from typing import Final, Literal
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.geometry.patches import bernstein
 from bozzetto.view import Camera, triple
-from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.next_mark import (

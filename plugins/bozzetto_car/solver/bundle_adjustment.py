@@ -17,9 +17,9 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.view.calibration import Poses
-from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Reprojection
 from bozzetto_car.dimensions import NONE_BEYOND, Dimensions, Locks, Overlap
 from bozzetto_car.solver.feasible_set import Feasible

@@ -13,8 +13,8 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
-from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.dimensions import Locks
 from bozzetto_car.solver.quadratic_program import Contradiction, constrained_minimum
 from bozzetto_car.template.shape_constraints import Soundness

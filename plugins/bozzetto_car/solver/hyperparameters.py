@@ -23,7 +23,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto_car.array_types import Array, Flags
+from bozzetto.arrays import Array, Flags
 from bozzetto_car.camera.marked_view import MarkedView, Reprojection
 from bozzetto_car.solver.prior import Cost, Prior
 from bozzetto_car.template.model import Template

@@ -12,9 +12,9 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.view.calibration import Resection, resect
-from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.solver.hyperparameters import evidence_of

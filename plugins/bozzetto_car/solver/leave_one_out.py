@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto_car.array_types import Array
+from bozzetto.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

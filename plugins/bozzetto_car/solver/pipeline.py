@@ -15,10 +15,10 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import coons_nets, extent
 from bozzetto.plugin import remembered
-from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.dimensions import Overlap

@@ -17,8 +17,8 @@ from typing import Final, Self
 
 import numpy as np
 
+from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
-from bozzetto_car.array_types import Array, Index
 from bozzetto_car.state import TRACE
 from bozzetto_car.template.model import Template
 

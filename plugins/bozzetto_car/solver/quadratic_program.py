@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto_car.array_types import Array, Index
+from bozzetto.arrays import Array, Index
 
 CONTRADICTORY: Final = 1e-9
 """Length of the dual residual, of 1, below which no vector keeps all inequalities: it is the

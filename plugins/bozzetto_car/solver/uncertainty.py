@@ -16,8 +16,8 @@ from typing import Final, Literal
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.view import Camera, triple
-from bozzetto_car.array_types import Array
 from bozzetto_car.camera.marked_view import MarkedView, Reprojection
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.solver.bundle_adjustment import JointSolution, without_cameras

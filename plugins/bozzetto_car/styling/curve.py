@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches import Places, points_at
 from bozzetto.ink import arc_length
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.project_on_body import project_line

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import DEGREE, Curve, Spline
 from bozzetto.geometry.patches import Places, points_at
 from bozzetto.ink import arc_length
-from bozzetto_car.array_types import Array
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths
 from bozzetto_car.styling.surface_path import SAME, is_closed, join_paths

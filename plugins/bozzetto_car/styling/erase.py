@@ -9,12 +9,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import Places
 from bozzetto.ink import Stroke, distances_to_polyline, resample
 from bozzetto.plugin import PartsState
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve import mirror_curve, stem_of, with_paths

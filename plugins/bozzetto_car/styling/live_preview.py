@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink import steps_along
 from bozzetto.scene import unbroken_runs
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array
 from bozzetto_car.styling.project_on_body import Seen, seen_on_body
 from bozzetto_car.styling.stroke_line import STEP
 

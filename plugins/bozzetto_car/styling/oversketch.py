@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import Places, foot_points, normals_at, points_at
 from bozzetto.ink import arc_length, distances_to_polyline, oversketch_curve, resample, smooth
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths, with_paths

@@ -8,10 +8,10 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches import normals_at, points_at, ray_hits
 from bozzetto.ink import FARTHEST, distances_to_polyline, resample
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import mirror_curve

@@ -12,12 +12,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import Places, foot_points, normals_at, points_at, ray_hits
 from bozzetto.ink import arc_length, distances_to_polyline
 from bozzetto.scene import depth_breaks, unbroken_runs
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array, Flags, Index
 from bozzetto_car.styling.surface_path import connect_places, join_paths
 from bozzetto_car.template.model import Template
 

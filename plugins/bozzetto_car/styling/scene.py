@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry.patches import points_at
 from bozzetto.plugin import remembered
 from bozzetto.scene import Item, Lines, Paint
-from bozzetto_car.array_types import Array, Index
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve_fit import courses_on

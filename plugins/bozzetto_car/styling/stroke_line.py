@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import (
     Stroke,
@@ -26,7 +27,6 @@ from bozzetto.ink import (
     resample,
     stroke_weights,
 )
-from bozzetto_car.array_types import Array
 
 STEP: Final = 6.0
 """Distance of the places of a line, px."""

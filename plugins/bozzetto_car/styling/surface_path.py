@@ -13,8 +13,8 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.geometry.patches import Places, bernstein, points_at, sides_of
-from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import Template
 
 SAME: Final = 1e-6

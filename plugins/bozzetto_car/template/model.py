@@ -19,8 +19,8 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import frozen
-from bozzetto_car.array_types import Array, Index
 
 MIRROR: Final = np.array([1.0, -1.0, 1.0])
 """The reflection in the plane of symmetry, as factors of the coordinates."""

@@ -19,9 +19,9 @@ from typing import Final, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
-from bozzetto_car.array_types import Array, Flags
 from bozzetto_car.template.model import MIRROR, Template
 
 HANDLE: Final = 1.0 / 3.0

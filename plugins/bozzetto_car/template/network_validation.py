@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto_car.array_types import Array
+from bozzetto.arrays import Array
 from bozzetto_car.template.model import MIRROR, Chain, Template
 
 RIM_EDGES: Final = 12

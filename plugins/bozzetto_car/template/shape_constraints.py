@@ -24,7 +24,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto_car.array_types import Array, Index
+from bozzetto.arrays import Array, Index
 from bozzetto_car.template.model import Template
 
 FOLD_MARGIN: Final = 10.0

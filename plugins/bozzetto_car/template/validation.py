@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto_car.array_types import Array
+from bozzetto.arrays import Array
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network_validation import chain_faults, edge_faults, patch_faults
 from bozzetto_car.template.shape_constraints import Soundness

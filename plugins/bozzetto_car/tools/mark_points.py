@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Ink, NextStep, Tap, Tool, override
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.marking.edit_marks import set_mark, sketch_in_work, without_marks
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of

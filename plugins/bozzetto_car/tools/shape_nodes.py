@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, Tool, override
 from bozzetto.scene import Scene
 from bozzetto.view import triple
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.body.drag import drag_handle, drag_node
 from bozzetto_car.body.edit_list import add_drag

@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches import SMOOTH, bernstein
 from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Hidden, Item, Label, Layer, Lines, Paint, Points
 from bozzetto.view import Camera, triple
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.solver.pipeline import Solved

@@ -12,12 +12,12 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import bernstein
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Points, Scene
 from bozzetto.view import triple
 from bozzetto.view.calibration import direct_linear_transform
-from bozzetto_car.array_types import Array
 from bozzetto_car.body.build import Body
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.camera.visibility import facing

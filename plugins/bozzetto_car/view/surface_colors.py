@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.patches import grid_curvatures, shaded_parameters
-from bozzetto_car.array_types import Array
 from bozzetto_car.solver.uncertainty import Source
 from bozzetto_car.template.model import Template
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bozzetto.arrays import Array, Faces
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.analysis.projected_outline import shadow_of
-from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.outline.outline import Outline
@@ -110,7 +110,7 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
     )
 
 
-def deviation_along(solid: SilhouetteSolid, ring: Floats) -> tuple[Floats, Floats]:
+def deviation_along(solid: SilhouetteSolid, ring: Array) -> tuple[Array, Array]:
     """Measure how far a solid's silhouette is from a drawn ring, along the ring.
 
     Returns
@@ -138,7 +138,7 @@ def _shadow(solid: SilhouetteSolid) -> BaseGeometry:
     return shadow_of(solid.vertices, solid.faces)
 
 
-def area_of(vertices: Floats, faces: Faces) -> float:
+def area_of(vertices: Array, faces: Faces) -> float:
     """Return the area of a mesh (v, 3), (f, 3)."""
     a, b, c = vertices[faces].transpose(1, 0, 2)
     return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto.arrays import Array, Faces
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ OVERLAP = 1e-6
 """Difference of areas, as a share, from which faces count as overlapping."""
 
 
-def shadow_of(vertices: Floats, faces: Faces) -> BaseGeometry:
+def shadow_of(vertices: Array, faces: Faces) -> BaseGeometry:
     """Project a closed mesh (v, 3), (f, 3) along z."""
     xy = np.asarray(vertices, np.float64)[:, :2]
     a, b, c = (xy[faces[:, corner]] for corner in range(3))
@@ -64,7 +64,7 @@ def _border(faces: Faces, count: int) -> list[list[int]]:
     return rings
 
 
-def _union(rings: list[Floats]) -> BaseGeometry:
+def _union(rings: list[Array]) -> BaseGeometry:
     """Return the region that lies within an odd number of rings."""
     import shapely
 

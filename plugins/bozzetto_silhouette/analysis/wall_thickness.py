@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.arrays import Array, Faces, Index
 from bozzetto.geometry import Mesh
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Rays
-from bozzetto_silhouette.arrays import Faces, Floats, Indices
 
 RAYS = 2000
 """Facets that are looked at, and places beside: meshes are finest where they are thin."""
@@ -64,7 +64,7 @@ class Walls:
     detail: float
 
 
-def walls_of(vertices: Floats, faces: Faces) -> Walls:
+def walls_of(vertices: Array, faces: Faces) -> Walls:
     """Measure a closed mesh (v, 3), (f, 3), oriented outwards."""
     low = vertices.min(axis=0)
     size = float((vertices.max(axis=0) - low).max())
@@ -106,7 +106,7 @@ def walls_of(vertices: Floats, faces: Faces) -> Walls:
     return Walls(size * float(thickness[thinnest]), (x, y, z), size * detail)
 
 
-def _first_wall(middle: Floats, thickness: Floats, area: Floats, order: Indices) -> int:
+def _first_wall(middle: Array, thickness: Array, area: Array, order: Index) -> int:
     """Return the thinnest sample that is not at a tip; the thickest where all are."""
     from scipy.spatial import cKDTree
 

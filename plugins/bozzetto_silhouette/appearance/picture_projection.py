@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.appearance.vertex_colors import Coat
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Picture
 
 Pixels = NDArray[np.float32]
@@ -51,7 +51,7 @@ class Level(NamedTuple):
     """
 
     pixels: Pixels
-    extent: Floats
+    extent: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class Projection:
     soft: Level
     inset: float
 
-    def coat(self, points: Floats, normals: Floats) -> Coat:
+    def coat(self, points: Array, normals: Array) -> Coat:
         """Return the colours of surface points (n, 3) with unit normals (n, 3)."""
         picture = self.picture
         edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
@@ -118,7 +118,7 @@ def texel_of(picture: Picture) -> float:
     return float(max(min(across / width, down / height), 1e-300))
 
 
-def axes_of(picture: Picture) -> Floats:
+def axes_of(picture: Picture) -> Array:
     """Return orthonormal rows (3, 3): the picture's right, its down, and towards its viewer."""
     edges = np.column_stack([picture.across, picture.down]).astype(np.float64)
     square = np.linalg.qr(edges, mode="complete")[0].T
@@ -151,7 +151,7 @@ def _softened(level: Level, sigma: float) -> Level:
     return Level(np.asarray(softened, np.float32), level.extent)
 
 
-def _sampled(level: Level, uv: Floats) -> Pixels:
+def _sampled(level: Level, uv: Array) -> Pixels:
     """Sample a picture (n, 4) at places (n, 2), 0 to 1 from edge to edge; clear outside."""
     width = level.pixels.shape[1]
     places = np.clip(uv, 0.0, 1.0) * level.extent + 0.5
@@ -167,6 +167,6 @@ def _sampled(level: Level, uv: Floats) -> Pixels:
     return values
 
 
-def _smooth_step(t: Floats) -> Floats:
+def _smooth_step(t: Array) -> Array:
     t = np.clip(t, 0.0, 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t), np.float64)

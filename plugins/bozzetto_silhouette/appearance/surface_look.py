@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Mesh, Texture
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.appearance.picture_projection import axes_of, projection_of, texel_of
@@ -19,13 +19,10 @@ from bozzetto_silhouette.appearance.vertex_colors import (
     creases_between,
     part_coat,
 )
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Picture, SilhouetteState
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
 from bozzetto_silhouette.solids.body import Body
-
-Index = NDArray[np.int64]
 
 _INTO = 0.3
 """Where the normal of a face at a crease is looked up: the way from the crease to its middle."""
@@ -107,7 +104,7 @@ def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
     under = _corner_coat(state, body)
     places = np.concatenate([body.vertices, body.normals], axis=1)
 
-    def paint(face: Index, weights: Floats, detail: float) -> Coat:
+    def paint(face: Index, weights: Array, detail: float) -> Coat:
         corners = body.faces[face]
         there = sum(weights[:, k, None] * places[corners[:, k]] for k in range(3))
         points, normals = np.hsplit(np.asarray(there), 2)
@@ -122,7 +119,7 @@ def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
     return baked(body.vertices, body.faces, axes_of(picture), 1.0 / texel_of(picture), paint)
 
 
-def _corner_coat(state: SilhouetteState, body: Body) -> Floats | None:
+def _corner_coat(state: SilhouetteState, body: Body) -> Array | None:
     """Return the colours and cover of the corners of the faces, (f, 3, 4), by the parts alone."""
     coat = part_coat(state, body)
     if coat is None:

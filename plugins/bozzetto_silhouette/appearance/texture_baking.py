@@ -7,13 +7,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.geometry import Texture
 from bozzetto_silhouette.appearance.uv_charts import Layout, laid_out
 from bozzetto_silhouette.appearance.vertex_colors import Coat
-from bozzetto_silhouette.arrays import Faces, Flags, Floats
 
-Index = NDArray[np.int64]
-Paint = Callable[[Index, Floats, float], Coat]
+Paint = Callable[[Index, Array, float], Coat]
 """Colours of points on a surface from their faces (n,), their barycentric weights (n, 3), and
 the distance between them, mm."""
 
@@ -21,7 +20,7 @@ AT_ONCE = 1 << 17
 """Texels coloured in one sweep: their arrays stay in the processor's cache."""
 
 
-def baked(vertices: Floats, faces: Faces, axes: Floats, density: float, paint: Paint) -> Texture:
+def baked(vertices: Array, faces: Faces, axes: Array, density: float, paint: Paint) -> Texture:
     """Lay a closed mesh out and colour every texel.
 
     Parameters
@@ -53,7 +52,7 @@ def baked(vertices: Floats, faces: Faces, axes: Floats, density: float, paint: P
     return Texture(pixels.reshape(height, width, 4), corners)
 
 
-def _texels(layout: Layout) -> tuple[Index, Index, Floats]:
+def _texels(layout: Layout) -> tuple[Index, Index, Array]:
     """Return the texels of the atlas, the face that each shows, and the place on it.
 
     A face too thin to cover the middle of a texel shows at those that its corners are in, if
@@ -77,7 +76,7 @@ def _texels(layout: Layout) -> tuple[Index, Index, Floats]:
     )
 
 
-def _barycentric(corners: Floats, points: Floats) -> Floats:
+def _barycentric(corners: Array, points: Array) -> Array:
     """Return the weights (n, 3) of the corners (n, 3, 2) at points (n, 2)."""
     (ax, ay), (bx, by) = (corners[:, k].T - corners[:, 0].T for k in (1, 2))
     px, py = points.T - corners[:, 0].T

@@ -10,13 +10,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Faces, Index
 from bozzetto.scene import DepthBuffer, blank_buffer, rasterize
-from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.numerics.grouping import connected_pieces
-
-Index = NDArray[np.int64]
 
 MOST = 2048
 """Longest side of an atlas, texels: what every graphics card takes."""
@@ -54,13 +51,13 @@ class Layout(NamedTuple):
         Which face owns each texel whose middle it covers.
     """
 
-    places: Floats
+    places: Array
     size: tuple[int, int]
     density: float
     texels: DepthBuffer
 
 
-def laid_out(vertices: Floats, faces: Faces, axes: Floats, density: float) -> Layout:
+def laid_out(vertices: Array, faces: Faces, axes: Array, density: float) -> Layout:
     """Lay a closed mesh out without overlaps.
 
     Parameters
@@ -102,7 +99,7 @@ def _neighbours(faces: Faces) -> Index:
     return beyond
 
 
-def _labels(corners: Floats, beside: Index) -> Index:
+def _labels(corners: Array, beside: Index) -> Index:
     """Return the direction that each face looks to: 2 axis + (1 where it looks against that)."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
@@ -125,7 +122,7 @@ def _components(beside: Index, kind: Index) -> Index:
     return number.astype(np.int64)
 
 
-def _flat(corners: Floats, label: Index) -> Floats:
+def _flat(corners: Array, label: Index) -> Array:
     """Project corners along the direction of their chart, (f, 3, 2)."""
     axis = label // 2
     right, down = np.where(axis == 0, 2, 0), np.where(axis == 1, 2, 1)
@@ -134,7 +131,7 @@ def _flat(corners: Floats, label: Index) -> Floats:
     return np.stack([corners[rows, sides, right[:, None]], corners[rows, sides, down[:, None]]], 2)
 
 
-def _packed(flat: Floats, chart: Index, density: float) -> Layout:
+def _packed(flat: Array, chart: Index, density: float) -> Layout:
     """Pack charts on shelves, the highest first, in the smallest atlas that holds them."""
     count = int(chart.max(initial=0)) + 1
     low = np.full((count, 2), np.inf)
@@ -153,7 +150,7 @@ def _packed(flat: Floats, chart: Index, density: float) -> Layout:
     return Layout(places, size, density, blank_buffer(*size))
 
 
-def _extents(spans: Floats, density: float) -> Index:
+def _extents(spans: Array, density: float) -> Index:
     return np.asarray(np.ceil(spans * density), np.int64) + 2 * PADDING + 1
 
 
@@ -188,7 +185,7 @@ def _sizes(most: int) -> list[tuple[int, int]]:
     return sizes
 
 
-def _hidden(layout: Layout, corners: Floats, label: Index) -> Index:
+def _hidden(layout: Layout, corners: Array, label: Index) -> Index:
     """Find faces that lie behind another one somewhere in the atlas, and fill `layout.texels`."""
     axis, against = label // 2, label % 2
     depth = corners[np.arange(len(label))[:, None], np.arange(3)[None], axis[:, None]]

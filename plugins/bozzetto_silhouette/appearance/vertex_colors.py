@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.arrays import Floats, Indices
+from bozzetto.arrays import Array, Index
 from bozzetto_silhouette.implicit.composite import Composite, box_distance
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.model.state import Color, Part, SilhouetteState
@@ -45,8 +45,8 @@ class Coat:
         0 to 1: how much of its colour a point has of its own; the rest is the object's.
     """
 
-    rgb: Floats
-    cover: Floats
+    rgb: Array
+    cover: Array
 
     def over(self, under: Coat) -> Coat:
         """Lay the coat on another one."""
@@ -55,7 +55,7 @@ class Coat:
             self.rgb + bare_share[:, None] * under.rgb, self.cover + bare_share * under.cover
         )
 
-    def mixed(self, other: Coat, share: Floats) -> Coat:
+    def mixed(self, other: Coat, share: Array) -> Coat:
         """Mix in another coat, with a share (n,) from 0 to 1."""
         kept = 1.0 - share
         return Coat(
@@ -63,7 +63,7 @@ class Coat:
             kept * self.cover + share * other.cover,
         )
 
-    def at(self, index: Indices) -> Coat:
+    def at(self, index: Index) -> Coat:
         """Return the coat of some of the points."""
         return Coat(self.rgb[index], self.cover[index])
 
@@ -90,8 +90,8 @@ class Creases:
         Of the corners.
     """
 
-    face: Indices
-    corner: Indices
+    face: Index
+    corner: Index
     coat: Coat
 
 
@@ -107,7 +107,7 @@ def color_of(part: Part) -> Color | None:
     return next((stroke.color for stroke in part.strokes if stroke.color is not None), None)
 
 
-def part_coat(state: SilhouetteState, body: Body, points: Floats | None = None) -> Coat | None:
+def part_coat(state: SilhouetteState, body: Body, points: Array | None = None) -> Coat | None:
     """Return the colours of a body's vertices, or of other points on it; None without colours.
 
     A part that carves or intersects gives its colour to the walls that it makes; without a
@@ -197,7 +197,7 @@ class _Painted:
         self._colors = iter(colors)
         self._tie = tie
 
-    def at(self, solid: Implicit, points: Floats, slack: float) -> tuple[Floats, Coat]:
+    def at(self, solid: Implicit, points: Array, slack: float) -> tuple[Array, Coat]:
         """Return values and colours at points (n, 3).
 
         Parameters
@@ -225,7 +225,7 @@ class _Painted:
         value[near] = solid.value(points[near])
         return value, coat
 
-    def _combined(self, solid: Composite, points: Floats, slack: float) -> tuple[Floats, Coat]:
+    def _combined(self, solid: Composite, points: Array, slack: float) -> tuple[Array, Coat]:
         first, under = self.at(solid.first, points, slack)
         second, coat = self.at(solid.second, points, slack)
         if solid.operation in ("add", "merge"):
@@ -236,7 +236,7 @@ class _Painted:
         whole = Coat(coat.rgb * wall[:, None], coat.cover * wall).over(under)
         return np.minimum(first, second), whole
 
-    def _share(self, first: Floats, second: Floats, solid: Composite) -> Floats:
+    def _share(self, first: Array, second: Array, solid: Composite) -> Array:
         """Return the share of the second of two solids, by how far it exceeds the first."""
         if solid.reach <= 0.0:
             return np.asarray(second - first >= -self._tie, np.float64)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.numerics.isotropic_remeshing import dot
 
@@ -24,7 +24,7 @@ def flipped(sample: Sample) -> Sample:
     return Sample(-sample.value, -sample.gradient, sample.curvature)
 
 
-def smooth_maximum(first: Sample, second: Sample, reach: Floats | float) -> Sample:
+def smooth_maximum(first: Sample, second: Sample, reach: Array | float) -> Sample:
     """Unite two samples by the angle between them: sides that meet smoothly do not bulge.
 
     The polynomial smooth maximum ``max + (k - |a - b|)^2 / 4k`` with the reach
@@ -51,7 +51,7 @@ def smooth_maximum(first: Sample, second: Sample, reach: Floats | float) -> Samp
     return _mixed(value, share, first, 1.0 - share, second)
 
 
-def summed(first: Sample, second: Sample, reach: Floats | float) -> Sample:
+def summed(first: Sample, second: Sample, reach: Array | float) -> Sample:
     """Unite two samples as one field: their potentials are added.
 
     Around a tube of radius r the scale-invariant kernel of support r + k makes the potential
@@ -74,7 +74,7 @@ def summed(first: Sample, second: Sample, reach: Floats | float) -> Sample:
     return _mixed(value, one, first, other, second)
 
 
-def _mixed(value: Floats, one: Floats, first: Sample, other: Floats, second: Sample) -> Sample:
+def _mixed(value: Array, one: Array, first: Sample, other: Array, second: Sample) -> Sample:
     """Return a sample with a given value and the weighted sum of two gradients."""
     gradient = one[:, None] * first.gradient + other[:, None] * second.gradient
     total = np.maximum(one + other, 1e-300)

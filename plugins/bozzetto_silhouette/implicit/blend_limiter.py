@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -34,16 +34,16 @@ class BlendLimiter:
         Of the blend that is left there.
     """
 
-    places: Floats
-    radii: Floats
-    shares: Floats
+    places: Array
+    radii: Array
+    shares: Array
 
     @classmethod
     def none(cls) -> BlendLimiter:
         """Return a limiter that leaves the whole blend everywhere."""
         return cls(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
 
-    def share(self, points: Floats) -> Floats:
+    def share(self, points: Array) -> Array:
         """Return the share of the blend (n,) at points (n, 3): the least of the places near by."""
         if not len(self.places):
             return np.ones(len(points))
@@ -56,10 +56,10 @@ class BlendLimiter:
         way = np.where(near, distance, np.inf) / self.radii[index]
         fade = np.clip((way - _CORE) / (1.0 - _CORE), 0.0, 1.0)
         fade = fade * fade * (3.0 - 2.0 * fade)
-        least: Floats = (self.shares[index] * (1.0 - fade) + fade).min(axis=1)
+        least: Array = (self.shares[index] * (1.0 - fade) + fade).min(axis=1)
         return least
 
-    def also(self, places: Floats, radii: Floats, shares: Floats) -> BlendLimiter:
+    def also(self, places: Array, radii: Array, shares: Array) -> BlendLimiter:
         """Add places; of those very close to each other one is kept."""
         cell = np.round(places / (_CORE * radii[:, None])).astype(np.int64)
         _, kept = np.unique(cell, axis=0, return_index=True)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Flags, Floats
+from bozzetto.arrays import Array, Flags
 from bozzetto_silhouette.implicit.blend import flipped, smooth_maximum, summed
 from bozzetto_silhouette.implicit.blend_limiter import BlendLimiter
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed, Sample
@@ -36,7 +36,7 @@ class Sides(NamedTuple):
 
     first: Sample
     second: Sample
-    reach: Floats
+    reach: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class Composite:
     limiter: BlendLimiter = field(default_factory=BlendLimiter.none)
 
     @cached_property
-    def bounds(self) -> Floats:
+    def bounds(self) -> Array:
         """A box around the solid; blends fill no more than a quarter of their reach."""
         (low, high), (other_low, other_high) = self.first.bounds, self.second.bounds
         if self.operation == "carve":
@@ -76,11 +76,11 @@ class Composite:
         swell = 0.25 * self.reach
         return np.stack([np.minimum(low, other_low) - swell, np.maximum(high, other_high) + swell])
 
-    def value(self, points: Floats) -> Floats:
+    def value(self, points: Array) -> Array:
         """Return the values at points (n, 3)."""
         return self.sample(points).value
 
-    def sample(self, points: Floats) -> Sample:
+    def sample(self, points: Array) -> Sample:
         """Return the values and gradients at points (n, 3)."""
         return self.blended(self.sides(points))
 
@@ -88,7 +88,7 @@ class Composite:
         """Return the same solid with a share of its blend."""
         return replace(self, blend=share * self.blend, reach=share * self.reach)
 
-    def sides(self, points: Floats) -> Sides:
+    def sides(self, points: Array) -> Sides:
         """Sample both solids; where one cannot matter, only its bound is given."""
         first, second = self._samples(points)
         reach = self._local_reach(first, second)
@@ -96,12 +96,12 @@ class Composite:
             reach = reach * self.limiter.share(points)
         return Sides(first, second, reach)
 
-    def within(self, box: Floats, margin: float) -> Composite:
+    def within(self, box: Array, margin: float) -> Composite:
         """Return the same solid with `localized` operands."""
         first, second = (localized(side, box, margin) for side in (self.first, self.second))
         return replace(self, first=first, second=second)
 
-    def felt(self, points: Floats) -> Flags:
+    def felt(self, points: Array) -> Flags:
         """Return where (n,) the blend may make a difference, by the boxes alone."""
         far = self.reach / _FALL
         return (box_distance(points, self.first.bounds) <= far) & (
@@ -119,14 +119,14 @@ class Composite:
             return summed(first, second, reach)
         return smooth_maximum(first, second, reach)
 
-    def sharp(self, sides: Sides) -> Floats:
+    def sharp(self, sides: Sides) -> Array:
         """Return the values (n,) without the blend."""
         one, other = sides.first.value, sides.second.value
         if self.operation == "carve":
             return np.minimum(one, -other)
         return np.minimum(one, other) if self.operation == "intersect" else np.maximum(one, other)
 
-    def _samples(self, points: Floats) -> tuple[Sample, Sample]:
+    def _samples(self, points: Array) -> tuple[Sample, Sample]:
         if self.operation == "intersect":
             return self.first.sample(points), self.second.sample(points)
         far = -_FALL * box_distance(points, self.second.bounds)
@@ -142,7 +142,7 @@ class Composite:
         late = leads & (far > first.value - self.reach)
         return first, _where(self.second, points, far, late, second)
 
-    def _local_reach(self, first: Sample, second: Sample) -> Floats:
+    def _local_reach(self, first: Sample, second: Sample) -> Array:
         """Return the reach of the blend (n,): that of the thinner solid there, below the largest.
 
         A smooth minimum, so that fillets narrow without a kink. It is what Gourmel et al. and
@@ -158,7 +158,7 @@ class Composite:
         )
 
 
-def localized(solid: Implicit, box: Floats, margin: float) -> Implicit:
+def localized(solid: Implicit, box: Array, margin: float) -> Implicit:
     """Drop the operands of a solid that are too far from a box (2, 3) to matter in it.
 
     In the box it is the same wherever the values that are blended lie between -margin and
@@ -190,28 +190,28 @@ def signature(solid: Implicit) -> object:
     return solid
 
 
-def _corners(box: Floats) -> Floats:
+def _corners(box: Array) -> Array:
     x, y, z = box.T
     return np.array([[i, j, k] for i in x for j in y for k in z])
 
 
-def _box_gap(box: Floats, other: Floats) -> float:
+def _box_gap(box: Array, other: Array) -> float:
     """Return the distance between two boxes (2, 3)."""
     beyond = np.maximum(np.maximum(box[0] - other[1], other[0] - box[1]), 0.0)
     return float(np.sqrt((beyond**2).sum()))
 
 
-def box_distance(points: Floats, bounds: Floats) -> Floats:
+def box_distance(points: Array, bounds: Array) -> Array:
     """Return the distance (n,) of points (n, 3) from a box (2, 3), 0 inside."""
     beyond = np.maximum(np.maximum(bounds[0] - points, points - bounds[1]), 0.0)
-    distance: Floats = np.sqrt(np.einsum("ij,ij->i", beyond, beyond))
+    distance: Array = np.sqrt(np.einsum("ij,ij->i", beyond, beyond))
     return distance
 
 
 def _where(
     solid: Implicit,
-    points: Floats,
-    bound: Floats,
+    points: Array,
+    bound: Array,
     wanted: Flags,
     known: Sample | None = None,
 ) -> Sample:

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.implicit.kernel_sums import THINNEST, Summation, Sums, summation_of
 from bozzetto_silhouette.implicit.weight_fit import fit_weights
 from bozzetto_silhouette.model.state import Kernel
@@ -62,12 +62,12 @@ class Correction:
         Local radius at the foot on the outline.
     """
 
-    lift: Floats
-    distance: Floats
-    radius: Floats
+    lift: Array
+    distance: Array
+    radius: Array
 
     @property
-    def floor(self) -> Floats:
+    def floor(self) -> Array:
         """Level of the guard at depth 0: has the sign of the distance."""
         t = np.clip(self.distance / self.radius, -1.0, 1.0)
         return FLOOR * t * (2.0 - np.abs(t))
@@ -96,21 +96,21 @@ class ConvolutionField:
     """
 
     skeleton: Skeleton
-    weights: Floats
+    weights: Array
     softness: float
     summation: Summation = field(repr=False)
     rim: Rim = field(repr=False)
-    excess: Floats = field(repr=False)
-    calm_excess: Floats = field(repr=False)
-    summits: Floats = field(repr=False)
+    excess: Array = field(repr=False)
+    calm_excess: Array = field(repr=False)
+    summits: Array = field(repr=False)
     _distance: RimDistance = field(repr=False)
 
-    def correction(self, xy: Floats) -> Correction:
+    def correction(self, xy: Array) -> Correction:
         """Return the correction at points (n, 2) of the frame of the sums."""
         closest = self._distance(xy)
         following = self.rim.after[closest.segment]
 
-        def between(values: Floats) -> Floats:
+        def between(values: Array) -> Array:
             return (1.0 - closest.along) * values[closest.segment] + closest.along * values[
                 following
             ]
@@ -129,26 +129,26 @@ class ConvolutionField:
             lift += bump @ self.summits[:, 3] / np.maximum(bump.sum(axis=1), 1.0)
         return Correction(lift, closest.distance, radius)
 
-    def raw_level(self, xy: Floats, height2: Floats, radius: Floats) -> Floats:
+    def raw_level(self, xy: Array, height2: Array, radius: Array) -> Array:
         """Return the uncorrected level U at points (n, 2) and squared heights, in local radii."""
         level, _ = self._summed(self.summation.over(xy), height2, radius, slope=False)
         return level
 
-    def _level(self, xy: Floats, height2: Floats) -> Floats:
+    def _level(self, xy: Array, height2: Array) -> Array:
         correction = self.correction(xy)
         level = self.raw_level(xy, height2, correction.radius)
         corrected, _ = _guarded(level, None, height2, correction)
         return corrected
 
     def _summed(
-        self, sums: Sums, height2: Floats, radius: Floats, *, slope: bool
-    ) -> tuple[Floats, Floats | None]:
+        self, sums: Sums, height2: Array, radius: Array, *, slope: bool
+    ) -> tuple[Array, Array | None]:
         """Return the uncorrected level U and its derivative by z^2."""
         total, descent = sums.total(self.weights, height2, slope=slope)
         level, rise = self.summation.level(np.maximum(total, _FAINT), radius)
         return level, None if descent is None else rise * descent
 
-    def heights(self, xy: Floats) -> Floats:
+    def heights(self, xy: Array) -> Array:
         """Return the half thickness of the solid at points (n, 2) of the plane; 0 outside."""
         sums = self.summation.over(xy)
         corrected = self.correction(xy)
@@ -175,8 +175,8 @@ class ConvolutionField:
 
 
 def _guarded(
-    level: Floats, fall: Floats | None, height2: Floats, correction: Correction
-) -> tuple[Floats, Floats | None]:
+    level: Array, fall: Array | None, height2: Array, correction: Correction
+) -> tuple[Array, Array | None]:
     """Correct the level and hold its sign to that of the drawn outline.
 
     Inside, the smooth maximum with a round tube along the outline (`FLOOR`); outside, the

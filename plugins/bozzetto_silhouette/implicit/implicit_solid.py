@@ -11,8 +11,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import Placement
-from bozzetto_silhouette.arrays import Floats
 
 
 class Sample(NamedTuple):
@@ -29,9 +29,9 @@ class Sample(NamedTuple):
         it is flat, or nothing is known.
     """
 
-    value: Floats
-    gradient: Floats
-    curvature: Floats | float = 0.0
+    value: Array
+    gradient: Array
+    curvature: Array | float = 0.0
 
 
 class Implicit(Protocol):
@@ -49,15 +49,15 @@ class Implicit(Protocol):
     """
 
     @property
-    def bounds(self) -> Floats:
+    def bounds(self) -> Array:
         """The box."""
         ...
 
-    def value(self, points: Floats) -> Floats:
+    def value(self, points: Array) -> Array:
         """Return the values at points (n, 3)."""
         ...
 
-    def sample(self, points: Floats) -> Sample:
+    def sample(self, points: Array) -> Sample:
         """Return the values and gradients at points (n, 3)."""
         ...
 
@@ -70,7 +70,7 @@ class Placed:
     placement: Placement
 
     @property
-    def bounds(self) -> Floats:
+    def bounds(self) -> Array:
         """The box around the moved box."""
         low, high = self.inner.bounds
         corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1])
@@ -78,11 +78,11 @@ class Placed:
         moved = self.placement.points(corners)
         return np.stack([moved.min(axis=0), moved.max(axis=0)])
 
-    def value(self, points: Floats) -> Floats:
+    def value(self, points: Array) -> Array:
         """Return the values at points (n, 3)."""
         return self.inner.value(self.placement.inverse().points(points)) * self.placement.scale
 
-    def sample(self, points: Floats) -> Sample:
+    def sample(self, points: Array) -> Sample:
         """Return the values and gradients at points (n, 3)."""
         value, gradient, curvature = self.inner.sample(self.placement.inverse().points(points))
         scale = self.placement.scale

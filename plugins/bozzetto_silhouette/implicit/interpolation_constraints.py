@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Placement
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.implicit.variational import (
     SPACING,
     VariationalSurface,
@@ -86,8 +86,8 @@ class Constraints:
         Of the shape: what spacings are a share of.
     """
 
-    points: Floats
-    values: Floats
+    points: Array
+    values: Array
     size: float
 
     def placed(self, placement: Placement) -> Constraints:
@@ -163,15 +163,15 @@ def fitted(frame: Frame, most: int = MOST_OUTLINE_POINTS) -> Fit:
     return Fit(surface, both)
 
 
-def _lengths(frame: Frame) -> Floats:
+def _lengths(frame: Frame) -> Array:
     """Return the length of outline that each sample stands for, (m,)."""
     rim = frame.rim
     half = 0.5 * np.hypot(*(rim.points[rim.after] - rim.points).T)
-    total: Floats = half + half[rim.before]
+    total: Array = half + half[rim.before]
     return total
 
 
-def _spread(frame: Frame, count: int) -> Indices:
+def _spread(frame: Frame, count: int) -> Index:
     """Choose about so many samples of the outline, closer together where limbs are thin."""
     rim = frame.rim
     density = _lengths(frame) / np.maximum(rim.radius, SPACING)
@@ -186,7 +186,7 @@ def _spread(frame: Frame, count: int) -> Indices:
     return np.concatenate(picked)
 
 
-def _worst(frame: Frame, miss: Floats, chosen: Indices, count: int) -> Indices:
+def _worst(frame: Frame, miss: Array, chosen: Index, count: int) -> Index:
     """Find the worst sample in each of the stretches with the most area missed."""
     rim = frame.rim
     taken = np.zeros(len(miss), bool)
@@ -202,8 +202,8 @@ def _worst(frame: Frame, miss: Floats, chosen: Indices, count: int) -> Indices:
 
 
 def _around(
-    frame: Frame, distance: RimDistance, chosen: Indices, heights: Floats
-) -> tuple[Floats, Floats]:
+    frame: Frame, distance: RimDistance, chosen: Index, heights: Array
+) -> tuple[Array, Array]:
     """Return boundary constraints at samples of the outline, and normal and height constraints."""
     rim = frame.rim
     edge = rim.points[rim.after] - rim.points
@@ -234,7 +234,7 @@ def _around(
     return points[keep], value[keep]
 
 
-def _heights(frame: Frame) -> Floats:
+def _heights(frame: Frame) -> Array:
     """Place a point above every node of the skeleton and above the middle of every edge, (k, 3)."""
     from scipy.spatial import cKDTree
 

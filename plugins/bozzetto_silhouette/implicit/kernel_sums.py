@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.implicit import scalis
 from bozzetto_silhouette.implicit.kernels import Compact, InversePower, Kernel
 from bozzetto_silhouette.model.state import Kernel as KernelName
@@ -30,13 +30,11 @@ _CHUNK = 65536
 class Sums(Protocol):
     """The kernels of a skeleton's segments at points of the plane, whatever their height."""
 
-    def shares(self, height2: Floats) -> Floats:
+    def shares(self, height2: Array) -> Array:
         """Return the field of each segment alone at the squared heights (n,); shape (n, s)."""
         ...
 
-    def total(
-        self, weights: Floats, height2: Floats, *, slope: bool
-    ) -> tuple[Floats, Floats | None]:
+    def total(self, weights: Array, height2: Array, *, slope: bool) -> tuple[Array, Array | None]:
         """Return the weighted field (n,), and if asked for its derivative by the squared height."""
         ...
 
@@ -44,11 +42,11 @@ class Sums(Protocol):
 class Summation(Protocol):
     """Kernels along the segments of a skeleton."""
 
-    def over(self, xy: Floats) -> Sums:
+    def over(self, xy: Array) -> Sums:
         """Prepare the sums for points (n, 2) of the plane."""
         ...
 
-    def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
+    def level(self, total: Array, radius: Array) -> tuple[Array, Array]:
         """Convert a field to a level in squared radii; return that and its derivative by the field.
 
         On a cylinder of the given radius it is ``1 - (distance / radius)^2``.
@@ -100,12 +98,12 @@ class ScaleInvariant:
         """Return the kernels along a skeleton, with a support of `softness` radii."""
         return cls(scalis.Segments.of(skeleton, softness, THINNEST))
 
-    def over(self, xy: Floats) -> Sums:
+    def over(self, xy: Array) -> Sums:
         """Sort points and segments into pairs within reach."""
         pairs = scalis.pairs_within_reach(xy, self.segments)
         return _ScaleInvariantSums(self.segments, pairs, len(xy))
 
-    def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
+    def level(self, total: Array, radius: Array) -> tuple[Array, Array]:
         """Return the level, which does not depend on the radius, and its derivative."""
         room = self.segments.sigma**2 - 1.0
         return room * (total ** (2.0 / 7.0) - 1.0), room * (2.0 / 7.0) * total ** (-5.0 / 7.0)
@@ -117,18 +115,16 @@ class _ScaleInvariantSums:
     pairs: scalis.Pairs
     count: int
 
-    def shares(self, height2: Floats) -> Floats:
+    def shares(self, height2: Array) -> Array:
         value, _ = scalis.segment_integrals(self.segments, self.pairs, height2)
         matrix = np.zeros((self.count, len(self.segments)))
         matrix[self.pairs.point, self.pairs.segment] = value
         return matrix / scalis.iso_value(self.segments.sigma)
 
-    def total(
-        self, weights: Floats, height2: Floats, *, slope: bool
-    ) -> tuple[Floats, Floats | None]:
+    def total(self, weights: Array, height2: Array, *, slope: bool) -> tuple[Array, Array | None]:
         value, change = scalis.segment_integrals(self.segments, self.pairs, height2, slope=slope)
         weight = weights[self.pairs.segment] / scalis.iso_value(self.segments.sigma)
-        total: Floats = np.bincount(self.pairs.point, value * weight, self.count).astype(float)
+        total: Array = np.bincount(self.pairs.point, value * weight, self.count).astype(float)
         if change is None:
             return total, None
         return total, np.bincount(self.pairs.point, change * weight, self.count).astype(float)
@@ -154,11 +150,11 @@ class LineSummation:
     """
 
     kernel: Kernel
-    start: Floats = field(repr=False)
-    direction: Floats = field(repr=False)
-    length: Floats = field(repr=False)
-    weight: Floats = field(repr=False)
-    slope: Floats = field(repr=False)
+    start: Array = field(repr=False)
+    direction: Array = field(repr=False)
+    length: Array = field(repr=False)
+    weight: Array = field(repr=False)
+    slope: Array = field(repr=False)
 
     @classmethod
     def of(cls, skeleton: Skeleton, kernel: Kernel) -> LineSummation:
@@ -169,11 +165,11 @@ class LineSummation:
         begin, end = (1.0 / kernel.cylinder(np.maximum(n[:, 2], THINNEST)) for n in (a, b))
         return cls(kernel, a[:, :2], span / length[:, None], length, begin, (end - begin) / length)
 
-    def over(self, xy: Floats) -> Sums:
+    def over(self, xy: Array) -> Sums:
         """Return the sums at points (n, 2): all segments reach everywhere."""
         return _LineSums(self, xy)
 
-    def level(self, total: Floats, radius: Floats) -> tuple[Floats, Floats]:
+    def level(self, total: Array, radius: Array) -> tuple[Array, Array]:
         """Return the level by the kernel's own root of the field, and its derivative."""
         level, rise = self.kernel.level(total)
         unit = self.kernel.square(radius) / np.square(radius)
@@ -183,16 +179,14 @@ class LineSummation:
 @dataclass(frozen=True, eq=False)
 class _LineSums:
     lines: LineSummation
-    xy: Floats
+    xy: Array
 
-    def shares(self, height2: Floats) -> Floats:
+    def shares(self, height2: Array) -> Array:
         return np.concatenate(
             [self._tables(part, height2, slope=False)[0] for part in self._parts()]
         )
 
-    def total(
-        self, weights: Floats, height2: Floats, *, slope: bool
-    ) -> tuple[Floats, Floats | None]:
+    def total(self, weights: Array, height2: Array, *, slope: bool) -> tuple[Array, Array | None]:
         sums = [
             [table @ weights for table in self._tables(part, height2, slope=slope)]
             for part in self._parts()
@@ -204,7 +198,7 @@ class _LineSums:
         rows = max(1, _CHUNK // max(len(self.lines.length), 1))
         return [slice(k, k + rows) for k in range(0, max(len(self.xy), 1), rows)]
 
-    def _tables(self, part: slice, height2: Floats, *, slope: bool) -> list[Floats]:
+    def _tables(self, part: slice, height2: Array, *, slope: bool) -> list[Array]:
         """Return the field of each segment, and if asked for its slope by the squared height."""
         lines, shape = self.lines, (len(self.xy[part]), len(self.lines.length))
         offset = self.xy[part][:, None, :] - lines.start

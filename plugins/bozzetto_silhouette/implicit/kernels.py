@@ -20,7 +20,7 @@ from typing import Protocol
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats, Indices
+from bozzetto.arrays import Array, Index
 
 NEARLY_COLLINEAR = 0.03
 """Squared distance from the line, as a share of that from the segment, below which the
@@ -36,19 +36,19 @@ POINT = 1e-12
 class Kernel(Protocol):
     """A falling function h of the distance, and what belongs to it."""
 
-    def moments(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
+    def moments(self, a: Array, b: Array, d2: Array) -> tuple[Array, Array]:
         """Return I0 and I1 over ``a <= s <= b`` at squared distances d2 from the line, (n,)."""
         ...
 
-    def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
+    def falls(self, a: Array, b: Array, d2: Array) -> tuple[Array, Array]:
         """Return the derivatives of I0 and I1 by d2, (n,) each; a and b are held."""
         ...
 
-    def cylinder(self, radius: Floats) -> Floats:
+    def cylinder(self, radius: Array) -> Array:
         """Return the field at a distance from an endless line of weight 1."""
         ...
 
-    def level(self, total: Floats) -> tuple[Floats, Floats]:
+    def level(self, total: Array) -> tuple[Array, Array]:
         """Convert the field F, in units of the iso-value, to a level that is linear in squares.
 
         Around an endless line of radius r, ``level(F) = (r^2 - distance^2) / square(r)``.
@@ -56,7 +56,7 @@ class Kernel(Protocol):
         """
         ...
 
-    def square(self, radius: Floats) -> Floats:
+    def square(self, radius: Array) -> Array:
         """Return the factor that turns the level at a radius into a squared length."""
         ...
 
@@ -76,11 +76,11 @@ class InversePower:
     power: int
     core2: float = POINT
 
-    def moments(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
+    def moments(self, a: Array, b: Array, d2: Array) -> tuple[Array, Array]:
         """Return I0 and I1."""
         return self._zeroth(a, b, d2 + self.core2), self._first(self.power, a, b, d2 + self.core2)
 
-    def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
+    def falls(self, a: Array, b: Array, d2: Array) -> tuple[Array, Array]:
         """Return the derivatives by d2: the same integrals with a power two higher."""
         p, c2 = self.power, d2 + self.core2
         ends = b * (c2 + b * b) ** (-0.5 * p) - a * (c2 + a * a) ** (-0.5 * p)
@@ -89,7 +89,7 @@ class InversePower:
         higher[where] = series
         return -0.5 * p * higher, -0.5 * p * self._first(p + 2, a, b, c2)
 
-    def _zeroth(self, a: Floats, b: Floats, c2: Floats) -> Floats:
+    def _zeroth(self, a: Array, b: Array, c2: Array) -> Array:
         if self.power == 3:
             result = (b / np.sqrt(c2 + b * b) - a / np.sqrt(c2 + a * a)) / c2
         else:
@@ -101,28 +101,28 @@ class InversePower:
         return result
 
     @staticmethod
-    def _first(power: int, a: Floats, b: Floats, c2: Floats) -> Floats:
+    def _first(power: int, a: Array, b: Array, c2: Array) -> Array:
         rest = 0.5 * power - 1.0
-        result: Floats = ((c2 + a * a) ** -rest - (c2 + b * b) ** -rest) / (2.0 * rest)
+        result: Array = ((c2 + a * a) ** -rest - (c2 + b * b) ** -rest) / (2.0 * rest)
         return result
 
-    def cylinder(self, radius: Floats) -> Floats:
+    def cylinder(self, radius: Array) -> Array:
         """Return 2 / c^2 for the cube and pi / (2 c^3) for the fourth power."""
         c2 = np.square(radius) + self.core2
         return 2.0 / c2 if self.power == 3 else 0.5 * np.pi * c2**-1.5
 
-    def level(self, total: Floats) -> tuple[Floats, Floats]:
+    def level(self, total: Array) -> tuple[Array, Array]:
         """Return 1 - F**(-2 / (power - 1)) and its derivative."""
         root = -2.0 / (self.power - 1.0)
         power = total**root
         return 1.0 - power, -root * power / total
 
-    def square(self, radius: Floats) -> Floats:
+    def square(self, radius: Array) -> Array:
         """Return the squared radius plus the squared core."""
         return np.square(radius) + self.core2
 
 
-def _collinear(power: int, a: Floats, b: Floats, c2: Floats) -> tuple[Floats, Indices]:
+def _collinear(power: int, a: Array, b: Array, c2: Array) -> tuple[Array, Index]:
     """Integrate ``(c2 + s^2)^(-power / 2)`` where the interval lies far off to one side."""
     nearest2 = np.square(np.minimum(np.abs(a), np.abs(b)))
     where = np.flatnonzero((a * b > 0.0) & (c2 < NEARLY_COLLINEAR * nearest2))
@@ -151,17 +151,17 @@ class Compact:
     power: int
     reach: float
 
-    def moments(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
+    def moments(self, a: Array, b: Array, d2: Array) -> tuple[Array, Array]:
         """Return I0 and I1."""
         return self._integrated(self.power, a, b, d2)
 
-    def falls(self, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
+    def falls(self, a: Array, b: Array, d2: Array) -> tuple[Array, Array]:
         """Return the derivatives by d2: the same integrals with a power one lower."""
         factor = -self.power / self.reach**2
         zeroth, first = self._integrated(self.power - 1, a, b, d2)
         return factor * zeroth, factor * first
 
-    def _integrated(self, power: int, a: Floats, b: Floats, d2: Floats) -> tuple[Floats, Floats]:
+    def _integrated(self, power: int, a: Array, b: Array, d2: Array) -> tuple[Array, Array]:
         # In units of the reach; of the line, the part within it.
         m = np.maximum(1.0 - d2 / self.reach**2, 0.0)
         end = np.sqrt(m)
@@ -173,18 +173,18 @@ class Compact:
         first = ((m - low**2) ** (power + 1) - (m - high**2) ** (power + 1)) / (2 * power + 2)
         return self.reach * zeroth, self.reach**2 * first
 
-    def cylinder(self, radius: Floats) -> Floats:
+    def cylinder(self, radius: Array) -> Array:
         """Return the integral over the chord of the ball of support."""
         m = np.maximum(1.0 - np.square(radius / self.reach), 0.0)
         whole = 16.0 / 15.0 if self.power == 2 else 32.0 / 35.0
         return self.reach * whole * m ** (self.power + 0.5)
 
-    def level(self, total: Floats) -> tuple[Floats, Floats]:
+    def level(self, total: Array) -> tuple[Array, Array]:
         """Return F**(2 / (2 power + 1)) - 1 and its derivative."""
         root = 1.0 / (self.power + 0.5)
         power = total**root
         return power - 1.0, root * power / total
 
-    def square(self, radius: Floats) -> Floats:
+    def square(self, radius: Array) -> Array:
         """Return the squared reach minus the squared radius."""
         return np.maximum(self.reach**2 - np.square(radius), 0.0)

@@ -18,7 +18,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.arrays import Floats, Indices
+from bozzetto.arrays import Array, Index
 from bozzetto_silhouette.outline.medial_axis import Skeleton
 
 Singles = NDArray[np.float32]
@@ -58,13 +58,13 @@ class Segments:
         Support of the kernel in radii.
     """
 
-    start: Floats
-    direction: Floats
-    length: Floats
-    radius: Floats
-    slope: Floats
-    centre: Floats
-    reach: Floats
+    start: Array
+    direction: Array
+    length: Array
+    radius: Array
+    slope: Array
+    centre: Array
+    reach: Array
     sigma: float
 
     @classmethod
@@ -109,13 +109,13 @@ class Pairs:
         distance from that line, both in the plane.
     """
 
-    point: Indices
-    segment: Indices
+    point: Index
+    segment: Index
     along: Singles
     off2: Singles
 
 
-def pairs_within_reach(xy: Floats, segments: Segments, *, tiles: int = 24) -> Pairs:
+def pairs_within_reach(xy: Array, segments: Segments, *, tiles: int = 24) -> Pairs:
     """Find all pairs by sorting the points (n, 2) into square tiles first."""
     if not len(xy):
         empty = np.zeros(0, dtype=np.intp)
@@ -169,7 +169,7 @@ def _gauss_legendre(nodes: int) -> tuple[Singles, Singles]:
 
 
 def segment_integrals(
-    segments: Segments, pairs: Pairs, height2: Floats | float = 0.0, *, slope: bool = False,
+    segments: Segments, pairs: Pairs, height2: Array | float = 0.0, *, slope: bool = False,
     nodes: int = GAUSS_NODES,
 ) -> tuple[Singles, Singles | None]:  # fmt: skip
     """Integrate the kernel for every pair; return that and its derivative by the squared height.

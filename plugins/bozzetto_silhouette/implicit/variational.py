@@ -20,8 +20,8 @@ from functools import cached_property
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
-from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 
 SPACING = 1e-3
@@ -47,7 +47,7 @@ CHUNK = 512
 stays in the cache, which makes it twice as fast."""
 
 
-def apart(points: Floats, spacing: float) -> Indices:
+def apart(points: Array, spacing: float) -> Index:
     """Choose points so that no two are closer than a spacing: the earlier one of two stays.
 
     Parameters
@@ -60,7 +60,7 @@ def apart(points: Floats, spacing: float) -> Indices:
     Returns
     -------
     (k,) int array
-        Indices, ascending.
+        Index, ascending.
     """
     from scipy.spatial import cKDTree
 
@@ -92,15 +92,15 @@ class VariationalSurface:
         Typical gradient of the function at the surface.
     """
 
-    bounds: Floats
-    middle: Floats
+    bounds: Array
+    middle: Array
     size: float
-    centres: Floats = field(repr=False)
-    columns: Floats = field(repr=False)
-    tail: Floats
+    centres: Array = field(repr=False)
+    columns: Array = field(repr=False)
+    tail: Array
     slope: float = 1.0
 
-    def level(self, points: Floats) -> Floats:
+    def level(self, points: Array) -> Array:
         """Evaluate the function itself at points (n, 3), in units of length."""
         value = np.empty(len(points))
         weight, ahead = np.ascontiguousarray(self.columns[:, 0]), self._ahead
@@ -114,7 +114,7 @@ class VariationalSurface:
             value[part] = distance @ weight + (self.tail[0] + p @ self.tail[1:])
         return value * self.size
 
-    def level_and_slope(self, points: Floats) -> tuple[Floats, Floats]:
+    def level_and_slope(self, points: Array) -> tuple[Array, Array]:
         """Evaluate the function itself and its gradient, (n,) and (n, 3), at points (n, 3)."""
         value, gradient = np.empty(len(points)), np.empty((len(points), 3))
         ahead = self._ahead
@@ -133,12 +133,12 @@ class VariationalSurface:
         return value * self.size, gradient
 
     @cached_property
-    def _ahead(self) -> Floats:
+    def _ahead(self) -> Array:
         """The factor (5, n) that turns ``(p, |p|^2, 1)`` into squared distances."""
         square = (self.centres**2).sum(axis=1)
         return np.stack([*(-2.0 * self.centres.T), np.ones(len(square)), square])
 
-    def value(self, points: Floats) -> Floats:
+    def value(self, points: Array) -> Array:
         """Return about the signed distance to the surface at points (n, 3), positive inside.
 
         The level over its typical slope: `sample`, which knows the slope at every point, comes
@@ -148,7 +148,7 @@ class VariationalSurface:
         beyond, gap = self._beyond(points)
         return np.where(gap > 0.0, np.minimum(value, beyond), value)
 
-    def sample(self, points: Floats) -> Sample:
+    def sample(self, points: Array) -> Sample:
         """Return about the signed distance, and its gradient, at points (n, 3)."""
         level, gradient = self.level_and_slope(points)
         steepness = np.sqrt((gradient**2).sum(axis=1))
@@ -161,18 +161,18 @@ class VariationalSurface:
         return Sample(np.where(over, beyond, value), gradient)
 
     @cached_property
-    def _box(self) -> Floats:
+    def _box(self) -> Array:
         margin = MARGIN * float(np.ptp(self.bounds, axis=0).max())
         return self.bounds + margin * np.array([[-1.0], [1.0]])
 
-    def _beyond(self, points: Floats) -> tuple[Floats, Floats]:
+    def _beyond(self, points: Array) -> tuple[Array, Array]:
         """Return the largest value allowed beyond the wide box, and the distance from it."""
         gap = np.sqrt(((points - np.clip(points, *self._box)) ** 2).sum(axis=1))
         return -MARGIN * float(np.ptp(self.bounds, axis=0).max()) - gap, gap
 
 
 def interpolated(
-    points: Floats, values: Floats, bounds: Floats, *, mirrored: bool = False
+    points: Array, values: Array, bounds: Array, *, mirrored: bool = False
 ) -> VariationalSurface:
     """Find the smoothest function with given values at given points.
 
@@ -220,17 +220,17 @@ def interpolated(
     return VariationalSurface(bounds, middle, size, centres, columns, tail, slope)
 
 
-def _directions(p: Floats, *, planar: bool) -> Floats:
+def _directions(p: Array, *, planar: bool) -> Array:
     """Return unit vectors along which the points spread, (k, 3): one linear term each."""
     spread = p - p.mean(axis=0)
     if planar:
         spread[:, 2] = 0.0
     _, extent, axes = np.linalg.svd(spread, full_matrices=False)
-    found: Floats = axes[extent > COPLANAR * np.sqrt(len(p))]
+    found: Array = axes[extent > COPLANAR * np.sqrt(len(p))]
     return found
 
 
-def _solved(p: Floats, wanted: Floats, paired: Flags, directions: Floats) -> tuple[Floats, Floats]:
+def _solved(p: Array, wanted: Array, paired: Flags, directions: Array) -> tuple[Array, Array]:
     """Solve for weights (n,) and tail (4,): Turk and O'Brien, equation 8, with the tail's rows."""
     from scipy.spatial.distance import cdist
 

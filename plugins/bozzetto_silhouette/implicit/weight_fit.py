@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.implicit.kernel_sums import Summation
 from bozzetto_silhouette.outline.medial_axis import Skeleton
 
@@ -27,7 +27,7 @@ HOLD = 4e-2
 """Pull of the weights towards 1, relative to the iso-value."""
 
 
-def fit_weights(skeleton: Skeleton, summation: Summation, samples: Floats) -> Floats:
+def fit_weights(skeleton: Skeleton, summation: Summation, samples: Array) -> Array:
     """Solve for one weight per segment.
 
     Parameters
@@ -64,7 +64,7 @@ def fit_weights(skeleton: Skeleton, summation: Summation, samples: Floats) -> Fl
     return LOWEST + non_negative_least_squares(normal, right - LOWEST * normal.sum(axis=1))
 
 
-def _unevenness(skeleton: Skeleton) -> Floats:
+def _unevenness(skeleton: Skeleton) -> Array:
     """Return the quadratic form (s, s) of squared differences of neighbouring weights in a limb."""
     ends = skeleton.edges.ravel()
     order = np.argsort(ends, kind="stable")
@@ -76,7 +76,7 @@ def _unevenness(skeleton: Skeleton) -> Floats:
     return form
 
 
-def non_negative_least_squares(normal: Floats, right: Floats) -> Floats:
+def non_negative_least_squares(normal: Array, right: Array) -> Array:
     """Minimise ``x' normal x / 2 - right' x`` over x >= 0.
 
     Block principal pivoting (Portugal, Judice and Vicente, 1994), which exchanges many
@@ -114,6 +114,6 @@ def non_negative_least_squares(normal: Floats, right: Floats) -> Floats:
     from scipy.optimize import nnls
 
     upper = cholesky(normal)
-    result: Floats
+    result: Array
     result, _ = nnls(upper, solve_triangular(upper, right, trans="T"), maxiter=50 * len(right))
     return result

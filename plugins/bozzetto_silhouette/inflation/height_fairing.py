@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised
 from bozzetto_silhouette.outline.signed_distance import RimDistance
@@ -34,7 +34,7 @@ LEAST = 0.3
 """No squared height falls below this share of what it was."""
 
 
-def _local_radii(plan: Plan, square: Floats, distance: Floats) -> Floats:
+def _local_radii(plan: Plan, square: Array, distance: Array) -> Array:
     """Return for every triangle the radius of the circle that its section fits, (t,).
 
     At depth d below the rim a circle of radius r stands ``u = d (2 r - d)`` high.
@@ -43,11 +43,11 @@ def _local_radii(plan: Plan, square: Floats, distance: Floats) -> Floats:
     inner = 0.5 * (square[rim:] / distance + distance)
     radius = np.concatenate([np.zeros(rim), inner])[plan.triangles]
     # Rim samples have no section of their own: the other corners speak for them.
-    known: Floats = radius.sum(axis=1) / np.maximum((plan.triangles >= rim).sum(axis=1), 1)
+    known: Array = radius.sum(axis=1) / np.maximum((plan.triangles >= rim).sum(axis=1), 1)
     return known
 
 
-def faired(plan: Plan, square: Floats) -> Floats:
+def faired(plan: Plan, square: Array) -> Array:
     """Remove the ripples from squared heights.
 
     Parameters

@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.sewing import plan_gradients
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
@@ -53,15 +53,15 @@ class _Side:
     """Squared heights, and the local radius at the nodes of their lattice."""
 
     squares: Lattice
-    radii: Floats
+    radii: Array
 
-    def curvature(self, xy: Floats) -> Floats:
+    def curvature(self, xy: Array) -> Array:
         """Return one over the local radius at points (n, 2)."""
         from scipy.ndimage import map_coordinates
 
         at = ((xy - self.squares.low) / self.squares.step).T
         radius = map_coordinates(self.radii, at, order=1, mode="nearest")
-        curvature: Floats = 1.0 / np.maximum(radius, _FAINT * self.radii.max())
+        curvature: Array = 1.0 / np.maximum(radius, _FAINT * self.radii.max())
         return curvature
 
 
@@ -72,16 +72,16 @@ class Relief:
     solid: SilhouetteSolid
 
     @cached_property
-    def bounds(self) -> Floats:
+    def bounds(self) -> Array:
         """The box around the mesh."""
         vertices = self.solid.vertices
         return np.stack([vertices.min(axis=0), vertices.max(axis=0)])
 
-    def value(self, points: Floats) -> Floats:
+    def value(self, points: Array) -> Array:
         """Return the values at points (n, 3)."""
         return self.sample(points).value
 
-    def sample(self, points: Floats) -> Sample:
+    def sample(self, points: Array) -> Sample:
         """Return the values and gradients at points (n, 3)."""
         front, back = self._sides
         low, high = front.squares.bounds
@@ -107,7 +107,7 @@ class Relief:
             value[far] = total
         return Sample(value, gradient, curvature)
 
-    def _fitted(self, side: _Side, xy: Floats, z: Floats) -> tuple[Floats, Floats, Floats]:
+    def _fitted(self, side: _Side, xy: Array, z: Array) -> tuple[Array, Array, Array]:
         """Return the distance by the fitted ball, its gradient's direction, and the curvature."""
         u, slope = side.squares.sample(xy)
         half = np.column_stack([0.5 * slope, -z])
@@ -137,7 +137,7 @@ class Relief:
         nx, ny = (int(n) + 2 * BORDER + 1 for n in np.ceil(extent / step))
         distance = RimDistance(points[:rim], solid.plan.after)
 
-        def side(squares: Floats) -> _Side:
+        def side(squares: Array) -> _Side:
             gradients = plan_gradients(solid.plan, squares)
             values = on_nodes(points, solid.plan.triangles, squares, gradients, low, step, (nx, ny))
             outside = np.isnan(values)
@@ -162,10 +162,10 @@ class Relief:
         same = np.array_equal(solid.front, solid.back)
         return front, front if same else side(solid.back)
 
-    def _rim_radius(self, gradients: Floats) -> Floats:
+    def _rim_radius(self, gradients: Array) -> Array:
         """Return the radius of the section at every sample of the rim, averaged along it."""
         after = self.solid.plan.after
-        radius: Floats = 0.5 * np.hypot(gradients[:, 0], gradients[:, 1])
+        radius: Array = 0.5 * np.hypot(gradients[:, 0], gradients[:, 1])
         for _ in range(_ROUNDS):
             middle = 0.5 * (radius + radius[after])
             radius[after] = 0.5 * (middle + middle[after])

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.implicit.convolution_field import convolution_field, with_correction
 from bozzetto_silhouette.inflation.height_fairing import faired
 from bozzetto_silhouette.model.state import Kernel
@@ -23,7 +23,7 @@ class HeightModel(Protocol):
     no slope, its square has.
     """
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Array:
         """Return the squared half thickness at a plan's points, in the frame of the sums.
 
         Parameters
@@ -58,7 +58,7 @@ class ConvolutionHeights:
     softness: float = 1.4
     kernel: Kernel = "scalis"
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Array:
         """Return the squared half thickness at a plan's points."""
         raw = convolution_field(frame, softness=self.softness, kernel=self.kernel)
         field = with_correction(raw, rim)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Faces
 from bozzetto.geometry import Mesh
 from bozzetto.ink import self_crossings, signed_area
 from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.membrane import Membrane
 from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
 from bozzetto_silhouette.model.sketch_plane import Sheet
@@ -50,12 +50,12 @@ class Inflation:
     normals : (v, 3) float array
     """
 
-    vertices: Floats
+    vertices: Array
     faces: Faces
-    normals: Floats
+    normals: Array
 
 
-def _pieces(points: Floats) -> list[tuple[Floats, ...]]:
+def _pieces(points: Array) -> list[tuple[Array, ...]]:
     """Return the rings of each piece that a closed, perhaps crossing, line encloses."""
     import shapely
 
@@ -136,7 +136,7 @@ def inflated_scene(points: ArrayLike, sheet: Sheet) -> Scene:
     return Scene((Layer("preview", (Shaded(mesh, pickable=False),)),))
 
 
-def _inflated(rings: tuple[Floats, ...], step: float) -> tuple[Floats, Faces, Floats]:
+def _inflated(rings: tuple[Array, ...], step: float) -> tuple[Array, Faces, Array]:
     length = sum(float(np.hypot(*(np.roll(r, -1, axis=0) - r).T).sum()) for r in rings)
     step = max(step, length / MOST_STEPS)
     rim = sample_rim(rings, step, 0.5 * step, thinness=0.8)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto.arrays import Array, Faces
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.outline.outline import Outline
 
@@ -72,7 +72,7 @@ class Soundness(Topology):
         )
 
 
-def as_manifold(vertices: Floats, faces: Faces) -> Manifold:
+def as_manifold(vertices: Array, faces: Faces) -> Manifold:
     """Convert a mesh to a manifold3d solid, in double precision.
 
     It gets copies: manifold3d takes no read-only arrays, not even those that it gave.
@@ -85,7 +85,7 @@ def as_manifold(vertices: Floats, faces: Faces) -> Manifold:
     return manifold3d.Manifold(mesh)
 
 
-def soundness_of(vertices: Floats, faces: Faces, outline: Outline) -> Soundness:
+def soundness_of(vertices: Array, faces: Faces, outline: Outline) -> Soundness:
     """Check a mesh (v, 3), (f, 3) against the outline it was made from."""
     return Soundness(
         **vars(topology_of(vertices, faces)),
@@ -94,7 +94,7 @@ def soundness_of(vertices: Floats, faces: Faces, outline: Outline) -> Soundness:
     )
 
 
-def topology_of(vertices: Floats, faces: Faces) -> Topology:
+def topology_of(vertices: Array, faces: Faces) -> Topology:
     """Find the topology of a mesh (v, 3), (f, 3).
 
     Notes
@@ -119,7 +119,7 @@ def topology_of(vertices: Floats, faces: Faces) -> Topology:
     )
 
 
-def _status(vertices: Floats, faces: Faces) -> str:
+def _status(vertices: Array, faces: Faces) -> str:
     if not np.isfinite(vertices).all():
         return "NonFiniteVertex"
     first = faces.astype(np.int64).ravel()
@@ -130,12 +130,12 @@ def _status(vertices: Floats, faces: Faces) -> str:
     return "NoError" if closed else "NotManifold"
 
 
-def volume_of(vertices: Floats, faces: Faces) -> float:
+def volume_of(vertices: Array, faces: Faces) -> float:
     """Return the volume of a mesh by the divergence theorem."""
     return float(_wedges(vertices, faces).sum())
 
 
-def _wedges(vertices: Floats, faces: Faces) -> Floats:
+def _wedges(vertices: Array, faces: Faces) -> Array:
     """Return each face's share of the volume, about a vertex to keep digits far away."""
     a, b, c = (vertices - vertices[:1])[faces].transpose(1, 0, 2)
     return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0, np.float64)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto.arrays import Array, Faces
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.domain_mesh import Plan
@@ -29,7 +29,7 @@ class Membrane:
     """A plan whose membrane can be blown up again and again."""
 
     plan: Plan
-    mass: Floats
+    mass: Array
     factors: Any
 
     @classmethod
@@ -38,13 +38,13 @@ class Membrane:
         elements, rim = Elements.of(plan), len(plan.after)
         return cls(plan, elements.mass[rim:], factorised(elements.stiffness()[rim:, rim:]))
 
-    def blown(self, pressure: Floats | float) -> Floats:
+    def blown(self, pressure: Array | float) -> Array:
         """Solve for the shape u (n,), 0 on the rim, under a pressure at the inner points."""
         u = np.zeros(len(self.plan.points))
         u[len(self.plan.after) :] = self.factors.solve(self.mass * pressure)
         return np.maximum(u, 0.0)
 
-    def round(self, depth: Floats, radius: Floats) -> Floats:
+    def round(self, depth: Array, radius: Array) -> Array:
         """Return squared heights that are round on tubes and on balls.
 
         Parameters
@@ -69,7 +69,7 @@ class Membrane:
 class MembraneHeights:
     """The membrane under one pressure, each body as high as its largest inscribed ball."""
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Array:
         """Return the squared half thickness at a plan's points."""
         from scipy.spatial import cKDTree
 
@@ -79,7 +79,7 @@ class MembraneHeights:
         np.maximum.at(highest, body, square)
         _, near = cKDTree(plan.points).query(frame.axis[:, :2])
         np.maximum.at(widest, body[near], frame.axis[:, 2])
-        scaled: Floats = square * (widest**2 / np.maximum(highest, 1e-300))[body]
+        scaled: Array = square * (widest**2 / np.maximum(highest, 1e-300))[body]
         return scaled
 
 

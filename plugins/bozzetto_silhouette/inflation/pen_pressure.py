@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.model.state import Oversketch, Part
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised
@@ -36,8 +36,8 @@ class PenPressure:
         0 to 1: how much of it tells.
     """
 
-    places: Floats
-    pressure: Floats
+    places: Array
+    pressure: Array
     strength: float
 
     @classmethod
@@ -58,9 +58,7 @@ class PenPressure:
             pressure.append(np.interp(at, arc, known))
         return cls(np.concatenate(places), np.concatenate(pressure), part.pressure)
 
-    def factors(
-        self, frame: Frame, plan: Plan, front: Floats, back: Floats
-    ) -> tuple[Floats, Floats]:
+    def factors(self, frame: Frame, plan: Plan, front: Array, back: Array) -> tuple[Array, Array]:
         """Return factors, above 1 where the pen was pressed harder than usual."""
         from scipy.spatial import cKDTree
 
@@ -82,7 +80,7 @@ class PenPressure:
         return same, same
 
 
-def continued_harmonically(plan: Plan, on_rim: Floats) -> Floats:
+def continued_harmonically(plan: Plan, on_rim: Array) -> Array:
     """Solve for the harmonic function (n,) on a plan with given values (m,) on its rim."""
     count = len(plan.after)
     values = np.zeros(len(plan.points))

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.view import Camera
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Part
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.from_ink import outline_of
@@ -62,14 +62,12 @@ class Profile:
         one side was drawn.
     """
 
-    axis: Floats
-    places: Floats
-    front: Floats
-    back: Floats
+    axis: Array
+    places: Array
+    front: Array
+    back: Array
 
-    def factors(
-        self, frame: Frame, plan: Plan, front: Floats, back: Floats
-    ) -> tuple[Floats, Floats]:
+    def factors(self, frame: Frame, plan: Plan, front: Array, back: Array) -> tuple[Array, Array]:
         """Return the wanted height over the present one, at every point's place on the axis."""
         along = (plan.points * frame.scale + frame.origin) @ self.axis
         up = self._factor(plan, along, np.sqrt(front) * frame.scale, self.front)
@@ -77,7 +75,7 @@ class Profile:
             return up, up
         return up, self._factor(plan, along, np.sqrt(back) * frame.scale, self.back)
 
-    def _factor(self, plan: Plan, along: Floats, height: Floats, wanted: Floats) -> Floats:
+    def _factor(self, plan: Plan, along: Array, height: Array, wanted: Array) -> Array:
         from scipy.ndimage import gaussian_filter1d
 
         t = plan.triangles
@@ -100,11 +98,11 @@ class Profile:
         beyond = np.maximum(np.maximum(ends[0] - along, along - ends[1]), 0.0)
         share = np.clip(beyond / (FADE * (self.places[-1] - self.places[0])), 0.0, 1.0)
         fade = 1.0 - share * share * (3.0 - 2.0 * share)
-        factor: Floats = np.exp(fade * np.interp(along, self.places, power))
+        factor: Array = np.exp(fade * np.interp(along, self.places, power))
         return factor
 
 
-def highest_crossings(x0: Floats, y0: Floats, x1: Floats, y1: Floats, columns: Floats) -> Floats:
+def highest_crossings(x0: Array, y0: Array, x1: Array, y1: Array, columns: Array) -> Array:
     """Return the highest crossing of segments with each of evenly spaced columns; -inf for none.
 
     Parameters
@@ -209,7 +207,7 @@ def profile_of(part: Part) -> Profile:
     return Profile(axis, places, front, back)
 
 
-def _line_of_sight(part: Part, camera: Camera, middle: Floats) -> Floats:
+def _line_of_sight(part: Part, camera: Camera, middle: Array) -> Array:
     """Return the unit vector away from the eye at a world point, in the object frame."""
     ahead = camera.axes[2]
     if camera.kind == "perspective":
@@ -219,7 +217,7 @@ def _line_of_sight(part: Part, camera: Camera, middle: Floats) -> Floats:
     return np.array([ahead @ sheet.right, ahead @ sheet.up, ahead @ sheet.normal])
 
 
-def _without_gaps(side: Floats) -> Floats:
+def _without_gaps(side: Array) -> Array:
     """Fill in missing values between drawn ones, from their neighbours."""
     known = np.flatnonzero(np.isfinite(side))
     if not len(known):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto.arrays import Array, Faces
 from bozzetto_silhouette.outline.domain_mesh import Plan
 
 _ROUNDS = 3
 """Rounds in which gradients are made exact for quadratic functions."""
 
 
-def sewn_shell(plan: Plan, front: Floats, back: Floats) -> tuple[Floats, Faces]:
+def sewn_shell(plan: Plan, front: Array, back: Array) -> tuple[Array, Faces]:
     """Sew the front and the back of a height field along the rim of its plan.
 
     Parameters
@@ -40,7 +40,7 @@ def sewn_shell(plan: Plan, front: Floats, back: Floats) -> tuple[Floats, Faces]:
     return vertices, np.concatenate([upper, lower]).astype(np.int32)
 
 
-def shell_normals(plan: Plan, front: Floats, back: Floats) -> Floats:
+def shell_normals(plan: Plan, front: Array, back: Array) -> Array:
     """Return unit normals of the surfaces z^2 = u over a plan, for the vertices of its shell.
 
     They come from the slope of u, which is nearly quadratic where z itself, upright at the
@@ -64,13 +64,13 @@ def shell_normals(plan: Plan, front: Floats, back: Floats) -> Floats:
     return np.concatenate([upper, lower[rim:] * (1.0, 1.0, -1.0)])
 
 
-def _normals(plan: Plan, square: Floats) -> Floats:
+def _normals(plan: Plan, square: Array) -> Array:
     normal = np.column_stack([-plan_gradients(plan, square), 2.0 * np.sqrt(square)])
     normal /= np.maximum(np.sqrt((normal**2).sum(axis=1)), 1e-300)[:, None]
     return normal
 
 
-def plan_gradients(plan: Plan, values: Floats) -> Floats:
+def plan_gradients(plan: Plan, values: Array) -> Array:
     """Return gradients at the points of a plan (n, 2), exact for quadratic functions.
 
     Along an edge e a quadratic function grows by the mean of its end gradients times e.
@@ -87,7 +87,7 @@ def plan_gradients(plan: Plan, values: Floats) -> Floats:
     weight = edge / np.maximum((edge**2).sum(axis=1), 1e-300)[:, None]
     rise = values[b] - values[a]
 
-    def gathered(amounts: Floats) -> Floats:
+    def gathered(amounts: Array) -> Array:
         return np.bincount(a, amounts, count).astype(np.float64)
 
     xx, xy, yy = (gathered(weight[:, i] * edge[:, j]) for i, j in ((0, 0), (0, 1), (1, 1)))
@@ -102,7 +102,7 @@ def plan_gradients(plan: Plan, values: Floats) -> Floats:
     return gradient
 
 
-def vertex_normals(vertices: Floats, faces: Faces) -> Floats:
+def vertex_normals(vertices: Array, faces: Faces) -> Array:
     """Return unit normals (v, 3), each face weighted by its angle at the vertex."""
     corner = vertices[faces]
     edge = np.roll(corner, -1, axis=1) - corner
@@ -115,5 +115,5 @@ def vertex_normals(vertices: Floats, faces: Faces) -> Floats:
     total = np.stack([
         np.bincount(index, (angle * normal[:, k : k + 1]).ravel(), len(vertices)) for k in range(3)
     ], axis=1)  # fmt: skip
-    unit: Floats = total / np.maximum(np.sqrt((total**2).sum(axis=1)), 1e-300)[:, None]
+    unit: Array = total / np.maximum(np.sqrt((total**2).sum(axis=1)), 1e-300)[:, None]
     return unit

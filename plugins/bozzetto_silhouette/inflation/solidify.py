@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bozzetto.arrays import Array, Faces
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
 from bozzetto_silhouette.inflation.manifold_check import Soundness, soundness_of
 from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
@@ -71,14 +71,14 @@ class SilhouetteSolid:
         What the check of the mesh found; never hidden.
     """
 
-    vertices: Floats
+    vertices: Array
     faces: Faces
-    normals: Floats
+    normals: Array
     outline: Outline
     skeleton: Skeleton
     plan: Plan
-    front: Floats
-    back: Floats
+    front: Array
+    back: Array
     step: float
     soundness: Soundness
 
@@ -95,7 +95,7 @@ def _laid_out(frame: Frame, step: float, every_vertex: bool) -> Layout | None:
 
 
 @remembered(limit=64, key=lambda model, frame, rim, plan: (plan, model))
-def _squares(model: HeightModel, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+def _squares(model: HeightModel, frame: Frame, rim: Rim, plan: Plan) -> Array:
     return model.squares(frame, rim, plan)
 
 

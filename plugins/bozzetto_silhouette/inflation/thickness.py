@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.normalized import Frame
 
@@ -18,9 +18,7 @@ class Thickness(Protocol):
     The outline stays whatever the factors are: they multiply heights that are 0 there.
     """
 
-    def factors(
-        self, frame: Frame, plan: Plan, front: Floats, back: Floats
-    ) -> tuple[Floats, Floats]:
+    def factors(self, frame: Frame, plan: Plan, front: Array, back: Array) -> tuple[Array, Array]:
         """Return factors on the heights towards the person and away, at a plan's points, (n,) each.
 
         Positive and finite. The same array twice where front and back are alike.
@@ -43,9 +41,7 @@ class Uniform:
 
     inflation: float = 1.0
 
-    def factors(
-        self, frame: Frame, plan: Plan, front: Floats, back: Floats
-    ) -> tuple[Floats, Floats]:
+    def factors(self, frame: Frame, plan: Plan, front: Array, back: Array) -> tuple[Array, Array]:
         """Return the factor at every point, the same for front and back."""
         same = np.full(len(plan.points), self.inflation)
         return same, same
@@ -57,9 +53,7 @@ class InTurn:
 
     steps: tuple[Thickness, ...]
 
-    def factors(
-        self, frame: Frame, plan: Plan, front: Floats, back: Floats
-    ) -> tuple[Floats, Floats]:
+    def factors(self, frame: Frame, plan: Plan, front: Array, back: Array) -> tuple[Array, Array]:
         """Return the products of the factors of all steps."""
         up = down = np.ones(len(plan.points))
         for step in self.steps:

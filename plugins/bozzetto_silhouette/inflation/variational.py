@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.implicit.interpolation_constraints import fitted
 from bozzetto_silhouette.implicit.variational import VariationalSurface
 from bozzetto_silhouette.inflation.height_fairing import faired
@@ -37,7 +37,7 @@ every step, so what is left is a hundred times less."""
 class VariationalHeights:
     """The variational surface through the outline, corrected at the rim."""
 
-    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Floats:
+    def squares(self, frame: Frame, rim: Rim, plan: Plan) -> Array:
         """Return the squared half thickness at a plan's points."""
         surface = fitted(frame).surface
         first = len(plan.after)
@@ -45,7 +45,7 @@ class VariationalHeights:
         closest = RimDistance(rim.points, rim.after)(xy)
         after = rim.after[closest.segment]
 
-        def between(values: Floats) -> Floats:
+        def between(values: Array) -> Array:
             return (1.0 - closest.along) * values[closest.segment] + closest.along * values[after]
 
         flat = np.column_stack([rim.points, np.zeros(len(rim.points))])
@@ -62,8 +62,8 @@ class VariationalHeights:
 
 
 def _zeros(
-    surface: VariationalSurface, xy: Floats, lift: Floats, low: Floats, high: Floats, start: Floats
-) -> Floats:
+    surface: VariationalSurface, xy: Array, lift: Array, low: Array, high: Array, start: Array
+) -> Array:
     """Solve for the squared heights u (n,) at which the lifted function vanishes.
 
     In u the function is nearly linear. Newton's method in it, halving the interval that is

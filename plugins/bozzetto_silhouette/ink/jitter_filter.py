@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats, Indices
+from bozzetto.arrays import Array, Index
 
 SPACING = 3e-3
 """Resampling before the filter, as a share of the size."""
@@ -27,7 +27,7 @@ _CORNER_TURN = np.deg2rad(55.0)
 """A sample where the smoothed direction turns by more, over the window, is a corner."""
 
 
-def _resampled(ring: Floats, spacing: float) -> Floats:
+def _resampled(ring: Array, spacing: float) -> Array:
     closed = np.vstack([ring, ring[:1]])
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
     count = max(round(arc[-1] / spacing), 12)
@@ -35,7 +35,7 @@ def _resampled(ring: Floats, spacing: float) -> Floats:
     return np.stack([np.interp(at, arc, closed[:, k]) for k in (0, 1)], axis=1)
 
 
-def noise_of(ring: Floats) -> float:
+def noise_of(ring: Array) -> float:
     """Estimate the high-frequency deviation of a ring's samples, robust to corners.
 
     Parameters
@@ -64,7 +64,7 @@ def noise_of(ring: Floats) -> float:
     return float(np.median(np.abs(differ[usable]))) / 1.5
 
 
-def filtered(ring: Floats, noise: float | None = None) -> Floats:
+def filtered(ring: Array, noise: float | None = None) -> Array:
     """Filter a closed ring.
 
     Parameters
@@ -92,7 +92,7 @@ def filtered(ring: Floats, noise: float | None = None) -> Floats:
     return ring
 
 
-def _filtered_once(ring: Floats, noise: float) -> Floats:
+def _filtered_once(ring: Array, noise: float) -> Array:
     """Run one pass of the filter for jitter of a given size."""
     # Where samples lie closer than the jitter is wide, the line runs to and fro: averaging
     # the samples themselves first gives a line whose length means something.
@@ -119,7 +119,7 @@ def _filtered_once(ring: Floats, noise: float) -> Floats:
     return result
 
 
-def _quadratic(points: Floats, half: int) -> Floats:
+def _quadratic(points: Array, half: int) -> Array:
     """Smooth a closed ring by Savitzky and Golay, quadratic, window 2 half + 1."""
     k = np.arange(-half, half + 1)
     design = np.stack([np.ones_like(k), k, k**2], axis=1).astype(np.float64)
@@ -128,7 +128,7 @@ def _quadratic(points: Floats, half: int) -> Floats:
     return np.stack([np.convolve(padded[:, c], kernel, mode="valid") for c in (0, 1)], axis=1)
 
 
-def _corners(ring: Floats, half: int) -> Indices:
+def _corners(ring: Array, half: int) -> Index:
     """Find local maxima of the turn over the window, above the corner angle."""
     ahead = np.roll(ring, -half, axis=0) - ring
     behind = ring - np.roll(ring, half, axis=0)

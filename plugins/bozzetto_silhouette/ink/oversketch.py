@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import arc_length, close_stroke, crossings, is_closed_gesture, signed_area
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.jitter_filter import filtered
 from bozzetto_silhouette.ink.ring_smoothing import softened
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes, thinned, without_hooks
@@ -86,7 +86,7 @@ class _Joint:
     cost: float
 
 
-def ring_drawn_over(rings: Sequence[Floats | None], line: Floats, size: float) -> int:
+def ring_drawn_over(rings: Sequence[Array | None], line: Array, size: float) -> int:
     """Return the number of the ring that a stroke is meant for.
 
     Parameters
@@ -118,7 +118,7 @@ def ring_drawn_over(rings: Sequence[Floats | None], line: Floats, size: float) -
     return found
 
 
-def drawn_over(ring: Floats, line: Floats, size: float) -> Floats:
+def drawn_over(ring: Array, line: Array, size: float) -> Array:
     """Replace a stretch of a ring by a stroke, or all of it by a closed stroke.
 
     Parameters
@@ -156,7 +156,7 @@ def drawn_over(ring: Floats, line: Floats, size: float) -> Floats:
     return np.asarray(simple * size + middle, np.float64)
 
 
-def _redrawn(rings: Sequence[Floats | None], line: Floats) -> int | None:
+def _redrawn(rings: Sequence[Array | None], line: Array) -> int | None:
     """Return the number of the ring that a closed stroke replaces; None for an open stroke."""
     import shapely
 
@@ -175,7 +175,7 @@ def _redrawn(rings: Sequence[Floats | None], line: Floats) -> int | None:
     return found
 
 
-def _clean(line: Floats, middle: Floats, size: float) -> Floats:
+def _clean(line: Array, middle: Array, size: float) -> Array:
     """Remove clumps, hooks and jitter from a stroke."""
     stroke = without_hooks(thinned((line - middle) / size))
     if len(stroke) < 2:
@@ -187,16 +187,16 @@ def _clean(line: Floats, middle: Floats, size: float) -> Floats:
     return np.vstack([calm[: len(calm) // 2 + 1], stroke[-1:]])
 
 
-def _around(ring: Floats) -> tuple[Floats, Floats]:
+def _around(ring: Array) -> tuple[Array, Array]:
     closed = np.vstack([ring, ring[:1]])
     return closed, arc_length(closed)
 
 
-def _at(line: Floats, arc: Floats, where: Floats) -> Floats:
+def _at(line: Array, arc: Array, where: Array) -> Array:
     return np.column_stack([np.interp(where, arc, line[:, axis]) for axis in (0, 1)])
 
 
-def _best_way(ring: Floats, stroke: Floats) -> _Way | None:
+def _best_way(ring: Array, stroke: Array) -> _Way | None:
     """Return the cheapest way: least cut off, least moved, nearest to what it replaces."""
     if len(stroke) < 2:
         return None
@@ -214,7 +214,7 @@ def _best_way(ring: Floats, stroke: Floats) -> _Way | None:
     return min(ways, key=lambda way: way.cost, default=None)
 
 
-def _joints(closed: Floats, arc: Floats, stroke: Floats) -> list[_Joint]:
+def _joints(closed: Array, arc: Array, stroke: Array) -> list[_Joint]:
     """Find where the beginning of a stroke may meet a ring: at the nearest places, at crossings."""
     begin, step = closed[:-1], np.diff(closed, axis=0)
     squared = np.maximum((step**2).sum(axis=1), 1e-300)
@@ -237,7 +237,7 @@ def _joints(closed: Floats, arc: Floats, stroke: Floats) -> list[_Joint]:
 
 
 def _ways(
-    closed: Floats, arc: Floats, stroke: Floats, run: Floats, head: _Joint, tail: _Joint
+    closed: Array, arc: Array, stroke: Array, run: Array, head: _Joint, tail: _Joint
 ) -> Iterator[_Way]:
     """Yield both stretches of the ring between two joints, each with the cost of replacing it."""
     length = float(arc[-1])
@@ -251,7 +251,7 @@ def _ways(
         yield _Way(float(cost), head.at, tail.at, start, end, backwards)
 
 
-def _spliced(ring: Floats, stroke: Floats, way: _Way) -> Floats:
+def _spliced(ring: Array, stroke: Array, way: _Way) -> Array:
     """Put the stroke into the ring, its ends on the ring, the joints smooth."""
     closed, arc = _around(ring)
     run = arc_length(stroke)
@@ -275,19 +275,19 @@ def _spliced(ring: Floats, stroke: Floats, way: _Way) -> Floats:
     return _smooth_joints(whole, np.array([0.0, at]))
 
 
-def _brought(piece: Floats, to: Floats) -> Floats:
+def _brought(piece: Array, to: Array) -> Array:
     """Move the first point of a line to a place; the rest follows less and less."""
     shift = to - piece[0]
     run = arc_length(piece)
     times, least = FADE
     reach = min(max(times * float(np.hypot(*shift)), least), 0.5 * float(run[-1]))
     t = np.clip(1.0 - run / max(reach, 1e-300), 0.0, 1.0)
-    moved: Floats = piece + (t * t * (3.0 - 2.0 * t))[:, None] * shift
+    moved: Array = piece + (t * t * (3.0 - 2.0 * t))[:, None] * shift
     moved[0] = to
     return moved
 
 
-def _smooth_joints(ring: Floats, joints: Floats) -> Floats:
+def _smooth_joints(ring: Array, joints: Array) -> Array:
     """Smooth a ring at those joints that turn little; corners stay."""
     closed, arc = _around(ring)
     length = float(arc[-1])

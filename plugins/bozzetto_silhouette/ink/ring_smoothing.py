@@ -12,9 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.ink import arc_length, resample
-from bozzetto_silhouette.arrays import Flags, Floats, Indices
 
 SPACING = 2e-3
 """Spacing of the samples that a ring is filtered on, as a share of the size."""
@@ -41,7 +41,7 @@ BROAD = 90
 """Percentile of the distances between rub and ring that says how broadly the hand rubbed."""
 
 
-def rubbed_ring(rings: Sequence[Floats | None], line: Floats, size: float) -> int:
+def rubbed_ring(rings: Sequence[Array | None], line: Array, size: float) -> int:
     """Return the number of the ring that a stroke was rubbed along.
 
     Parameters
@@ -70,7 +70,7 @@ def rubbed_ring(rings: Sequence[Floats | None], line: Floats, size: float) -> in
     return int(np.argmin(far))
 
 
-def rubbed(ring: Floats, line: Floats, size: float) -> Floats:
+def rubbed(ring: Array, line: Array, size: float) -> Array:
     """Smooth a ring where a stroke was rubbed along it.
 
     Parameters
@@ -105,7 +105,7 @@ def rubbed(ring: Floats, line: Floats, size: float) -> Floats:
     return softened(ring, covered, sigma)
 
 
-def softened(ring: Floats, covered: Flags, sigma: float) -> Floats:
+def softened(ring: Array, covered: Flags, sigma: float) -> Array:
     """Filter a ring where it is covered, and blend at the edges of that.
 
     Parameters
@@ -139,12 +139,12 @@ def softened(ring: Floats, covered: Flags, sigma: float) -> Floats:
     return points[np.argsort(where, kind="stable")]
 
 
-def _fine(ring: Floats, size: float) -> Floats:
+def _fine(ring: Array, size: float) -> Array:
     count = int(np.clip(np.ceil(_length(ring) / (SPACING * size)), 16, MOST_SAMPLES))
     return resample(ring, count=count, closed=True)
 
 
-def _length(ring: Floats) -> float:
+def _length(ring: Array) -> float:
     return float(arc_length(np.vstack([ring, ring[:1]]))[-1])
 
 
@@ -156,18 +156,18 @@ def _grown(mask: Flags, steps: float) -> Flags:
     return _gap(mask) <= reach
 
 
-def _gap(mask: Flags) -> Indices:
+def _gap(mask: Flags) -> Index:
     """Count the steps from each place of a ring to the nearest one where the mask holds."""
     count = len(mask)
     marked = np.flatnonzero(mask)
     around = np.concatenate([marked - count, marked, marked + count])
     here = np.arange(count)
     place = np.searchsorted(around, here)
-    gap: Indices = np.minimum(around[place] - here, here - around[place - 1])
+    gap: Index = np.minimum(around[place] - here, here - around[place - 1])
     return gap
 
 
-def _faded(covered: Flags, steps: float) -> Floats:
+def _faded(covered: Flags, steps: float) -> Array:
     """Return 1 where covered, falling smoothly to 0 over some steps beside it."""
     if covered.all() or not covered.any():
         return covered.astype(np.float64)

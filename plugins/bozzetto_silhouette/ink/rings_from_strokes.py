@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.jitter_filter import filtered
 from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
 
@@ -53,7 +53,7 @@ _REDRAW = "The outline crosses itself at the marked place. Draw it again, or lif
 
 def rings_from_strokes(
     strokes: Sequence[ArrayLike], *, tolerance: float | None = None
-) -> list[Floats]:
+) -> list[Array]:
     """Turn strokes into closed simple rings that do not cross each other.
 
     Parameters
@@ -97,7 +97,7 @@ def rings_from_strokes(
     rings = [_closed(chain) for chain in _chains([without_hooks(s) for s in lines])]
     rings = [r if len(r) <= MOST_SAMPLES else thinned(r) for r in rings if len(r) >= 3]
     noise = None if tolerance is None else tolerance / size
-    clean: list[Floats] = []
+    clean: list[Array] = []
     for ring in rings:
         simple, crossings = untangled(filtered(ring, noise))
         if len(crossings):
@@ -126,16 +126,16 @@ def specks(strokes: Sequence[ArrayLike]) -> int:
     return sum(float(np.ptp(s, axis=0).max()) <= SMALLEST * size for s in given)
 
 
-def _places(points: Floats, size: float, middle: Floats) -> list[tuple[float, float]]:
+def _places(points: Array, size: float, middle: Array) -> list[tuple[float, float]]:
     return [(float(x), float(y)) for x, y in points * size + middle]
 
 
-def _arc(line: Floats) -> Floats:
+def _arc(line: Array) -> Array:
     """Return the arc length at the vertices of an open line (n, 2)."""
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
 
-def thinned(line: Floats) -> Floats:
+def thinned(line: Array) -> Array:
     """Drop samples that repeat or clump, and of a very long line all but `MOST_SAMPLES`."""
     clump = CLUMP
     line = _without_clumps(line, clump)
@@ -145,7 +145,7 @@ def thinned(line: Floats) -> Floats:
     return line
 
 
-def _without_clumps(line: Floats, clump: float) -> Floats:
+def _without_clumps(line: Array, clump: float) -> Array:
     """Drop samples closer than `clump` to the one kept before them."""
     keep, (x, y), square = [0], line[0].tolist(), clump * clump
     for number, (px, py) in enumerate(line.tolist()):
@@ -155,13 +155,13 @@ def _without_clumps(line: Floats, clump: float) -> Floats:
     return line[keep]
 
 
-def without_hooks(line: Floats) -> Floats:
+def without_hooks(line: Array) -> Array:
     """Cut hooks off both ends."""
     line = _hook_cut(line)
     return _hook_cut(line[::-1])[::-1]
 
 
-def _hook_cut(line: Floats) -> Floats:
+def _hook_cut(line: Array) -> Array:
     """Cut the start off up to the last sharp turn within `HOOK`.
 
     Only ink that is dense there can show a hook; the corners of a polygon given by its
@@ -192,7 +192,7 @@ def _hook_cut(line: Floats) -> Floats:
     return line[np.searchsorted(arc, cut) :]
 
 
-def _chains(lines: list[Floats]) -> list[list[Floats]]:
+def _chains(lines: list[Array]) -> list[list[Array]]:
     """Group strokes into closed chains, each stroke turned so that ends meet starts.
 
     Ends are matched greedily, the nearest pair first; the two ends of one stroke are a
@@ -233,7 +233,7 @@ def _chains(lines: list[Floats]) -> list[list[Floats]]:
     return chains
 
 
-def _cost_of_closing(line: Floats) -> float:
+def _cost_of_closing(line: Array) -> float:
     """Return the cost of joining the two ends of one stroke, comparable to gaps between strokes."""
     arcs = _arc(line)
     gap = float(np.hypot(*(line[0] - line[-1])))
@@ -245,12 +245,12 @@ def _cost_of_closing(line: Floats) -> float:
     return gap * (1.0 if share < OWN_GAP else 3.0)
 
 
-def _closed(chain: list[Floats]) -> Floats:
+def _closed(chain: list[Array]) -> Array:
     """Join the strokes of a chain, end to start, and the last to the first."""
     if len(chain) == 1 and np.array_equal(chain[0][0], chain[0][-1]):
         return chain[0][:-1]
     lines = list(chain)
-    bridges: list[Floats] = []
+    bridges: list[Array] = []
     for i in range(len(lines)):
         j = (i + 1) % len(lines)
         if i == j:
@@ -264,7 +264,7 @@ def _closed(chain: list[Floats]) -> Floats:
     return ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)]
 
 
-def _self_joint(line: Floats) -> tuple[Floats, Floats]:
+def _self_joint(line: Array) -> tuple[Array, Array]:
     """Close one stroke onto itself: its halves are joined like two strokes."""
     arc = _arc(line)
     gap = float(np.hypot(*(line[0] - line[-1])))
@@ -279,7 +279,7 @@ def _self_joint(line: Floats) -> tuple[Floats, Floats]:
     return np.concatenate([head[:-1], tail]), bridge
 
 
-def _joint(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
+def _joint(a: Array, b: Array) -> tuple[Array, Array, Array]:
     """Trim the end of `a` and the start of `b` where they overlap; bridge what is left."""
     import shapely
 
@@ -320,15 +320,15 @@ def _joint(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
     return a, b, _bridge(a, b)
 
 
-def _upto(line: Floats, arc: Floats, cut: float, end: Floats) -> Floats:
+def _upto(line: Array, arc: Array, cut: float, end: Array) -> Array:
     return np.vstack([line[: max(int(np.searchsorted(arc, cut)), 1)], end])
 
 
-def _from(line: Floats, arc: Floats, cut: float, start: Floats) -> Floats:
+def _from(line: Array, arc: Array, cut: float, start: Array) -> Array:
     return np.vstack([start, line[int(np.searchsorted(arc, cut, side="right")) :]])
 
 
-def _bridge(a: Floats, b: Floats) -> Floats:
+def _bridge(a: Array, b: Array) -> Array:
     """Return points that lead from the end of `a` to the start of `b`, both excluded.
 
     A cubic that leaves and arrives in the direction of the ink, as long as that is roughly
@@ -352,7 +352,7 @@ def _bridge(a: Floats, b: Floats) -> Floats:
     leave *= gap / np.hypot(*leave)
     arrive *= gap / np.hypot(*arrive)
     t = np.linspace(0.0, 1.0, max(int(np.ceil(gap / 0.006)), 3) + 1)[1:-1, None]
-    bridge: Floats = (
+    bridge: Array = (
         (1 + 2 * t) * (1 - t) ** 2 * a[-1]
         + t * (1 - t) ** 2 * leave
         + t**2 * (3 - 2 * t) * b[0]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from bozzetto.arrays import Array, Index
 from bozzetto.ink import self_crossings, signed_area
-from bozzetto_silhouette.arrays import Floats, Indices
 
 SMALL_LOOP = 6e-3
 """A loop whose area is below this share of the whole, and that is short, is cut off."""
@@ -28,7 +28,7 @@ SHOWN = 8
 """Most crossings that are pointed out."""
 
 
-def _crossings(ring: Floats) -> tuple[Indices, Indices, Floats]:
+def _crossings(ring: Array) -> tuple[Index, Index, Array]:
     """Find pairs of edges of a closed ring that cross, first < second, and the places (k, 2).
 
     Edge i runs from vertex i to the next.
@@ -39,7 +39,7 @@ def _crossings(ring: Floats) -> tuple[Indices, Indices, Floats]:
     return first.astype(np.intp), second.astype(np.intp), found.places
 
 
-def rings_that_cross(rings: list[Floats]) -> Floats:
+def rings_that_cross(rings: list[Array]) -> Array:
     """Return the places where different rings cross, (k, 2)."""
     import shapely
 
@@ -52,15 +52,15 @@ def rings_that_cross(rings: list[Floats]) -> Floats:
     return np.concatenate(found)
 
 
-def _length(line: Floats) -> float:
+def _length(line: Array) -> float:
     return float(np.hypot(*np.diff(line, axis=0).T).sum())
 
 
-def _area(ring: Floats) -> float:
+def _area(ring: Array) -> float:
     return abs(signed_area(ring))
 
 
-def untangled(ring: Floats) -> tuple[Floats | None, Floats]:
+def untangled(ring: Array) -> tuple[Array | None, Array]:
     """Cut off small loops and push apart walls that only touch; report real crossings.
 
     Parameters
@@ -120,11 +120,11 @@ def untangled(ring: Floats) -> tuple[Floats | None, Floats]:
     return _repaired(ring)
 
 
-def _some(places: Floats) -> Floats:
+def _some(places: Array) -> Array:
     return places[:: -(-len(places) // SHOWN) or 1]
 
 
-def _repaired(ring: Floats) -> tuple[Floats | None, Floats]:
+def _repaired(ring: Array) -> tuple[Array | None, Array]:
     """Catch what is left: edges that fold back on their neighbours, or touch."""
     import shapely
 
@@ -144,7 +144,7 @@ def _repaired(ring: Floats) -> tuple[Floats | None, Floats]:
     return coordinates, np.zeros((0, 2))
 
 
-def _pushed_apart(ring: Floats, first: Indices, second: Indices) -> Floats | None:
+def _pushed_apart(ring: Array, first: Index, second: Index) -> Array | None:
     """Separate two walls that overlap thinly between two crossings, or None.
 
     Crossings come in pairs: one wall wanders over the other and back. Between them, both
@@ -172,7 +172,7 @@ def _pushed_apart(ring: Floats, first: Indices, second: Indices) -> Floats | Non
     return result if done else None
 
 
-def _lay_apart(result: Floats, ring: Floats, one: Indices, two: Indices) -> None:
+def _lay_apart(result: Array, ring: Array, one: Index, two: Index) -> None:
     """Move two stretches onto either side of their middle line, in place."""
     import shapely
 

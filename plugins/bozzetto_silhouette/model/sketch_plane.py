@@ -9,15 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context
 from bozzetto.view import Camera
 
 Point = tuple[float, float, float]
-Array = NDArray[np.float64]
 
 FRONT_TOLERANCE = 1e-6
 """How far (sine of the angle) a view may turn from the front and still count as the front."""

@@ -13,12 +13,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view import Camera
 from bozzetto_silhouette.model.sketch_plane import Sheet
-
-Array = NDArray[np.float64]
 
 NEAREST = 0.02
 """Share of the way from the eye to the sheet that is left free in front of the eye: a cone

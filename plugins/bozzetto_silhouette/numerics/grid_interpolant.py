@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats, Indices
+from bozzetto.arrays import Array, Index
 
 BORDER = 6
 """Nodes along the edge of a lattice where the spline is bent: it goes on there as in a mirror,
@@ -28,30 +28,30 @@ class Lattice:
     coefficients : (nx, ny) float array
     """
 
-    low: Floats
+    low: Array
     step: float
-    coefficients: Floats
+    coefficients: Array
 
     @classmethod
-    def through(cls, low: Floats, step: float, values: Floats) -> Lattice:
+    def through(cls, low: Array, step: float, values: Array) -> Lattice:
         """Fit the spline through values (nx, ny) at the nodes."""
         from scipy.ndimage import spline_filter
 
         return cls(low, step, spline_filter(values, order=3, mode="mirror"))
 
     @property
-    def bounds(self) -> Floats:
+    def bounds(self) -> Array:
         """The box (2, 2) within which what lies beyond the lattice is not felt."""
         last = np.array(self.coefficients.shape) - 1.0
         return self.low + self.step * np.stack([np.full(2, BORDER), last - BORDER])
 
-    def sample(self, xy: Floats) -> tuple[Floats, Floats]:
+    def sample(self, xy: Array) -> tuple[Array, Array]:
         """Return values (n,) and gradients (n, 2) at points (n, 2) within the lattice."""
         parts = [self._sample(xy[i : i + _CHUNK]) for i in range(0, max(1, len(xy)), _CHUNK)]
         value, x, y = np.concatenate(parts, axis=1)
         return value, np.stack([x, y], axis=1)
 
-    def _sample(self, xy: Floats) -> Floats:
+    def _sample(self, xy: Array) -> Array:
         shape = np.array(self.coefficients.shape)
         at = (xy - self.low) / self.step
         cell = np.clip(np.floor(at).astype(np.intp), 0, shape - 2)
@@ -68,12 +68,12 @@ class Lattice:
         ])  # fmt: skip
 
 
-def _mirrored(index: Indices, count: int) -> Indices:
+def _mirrored(index: Index, count: int) -> Index:
     index = np.abs(index)
     return np.where(index >= count, 2 * (count - 1) - index, index)
 
 
-def _weights(t: Floats) -> tuple[Floats, Floats]:
+def _weights(t: Array) -> tuple[Array, Array]:
     """Return the four uniform cubic B-splines over a cell and their slopes, (4, n) each."""
     s = 1.0 - t
     weights = np.stack([s**3, 4.0 - 6.0 * t**2 + 3.0 * t**3, 4.0 - 6.0 * s**2 + 3.0 * s**3, t**3])
@@ -82,14 +82,14 @@ def _weights(t: Floats) -> tuple[Floats, Floats]:
 
 
 def on_nodes(
-    points: Floats,
-    triangles: Indices,
-    values: Floats,
-    gradients: Floats,
-    low: Floats,
+    points: Array,
+    triangles: Index,
+    values: Array,
+    gradients: Array,
+    low: Array,
     step: float,
     shape: tuple[int, int],
-) -> Floats:
+) -> Array:
     """Interpolate at the nodes of a lattice that lie in triangles; NaN at the others.
 
     With barycentric coordinates b the value is the sum of b_i (v_i + g_i (p - p_i) / 2), which
@@ -100,7 +100,7 @@ def on_nodes(
     points, values, gradients : (n, 2), (n,), (n, 2) float array
         Places of the corners, and the function there.
     triangles : (t, 3) int array
-        Indices of their corners.
+        Index of their corners.
     low, step, shape
         Node (i, j) lies at ``low + step * (i, j)``.
 
@@ -133,5 +133,5 @@ def on_nodes(
     return result
 
 
-def _cross(a: Floats, b: Floats) -> Floats:
+def _cross(a: Array, b: Array) -> Array:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

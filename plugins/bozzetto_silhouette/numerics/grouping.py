@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Faces, Indices
+from bozzetto.arrays import Faces, Index
 
 
-def connected_pieces(one: Indices | Faces, other: Indices | Faces, count: int) -> tuple[int, Faces]:
+def connected_pieces(one: Index | Faces, other: Index | Faces, count: int) -> tuple[int, Faces]:
     """Find the connected pieces of an undirected graph, and number them.
 
     Parameters

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 
 
-def side_lengths(corners: Floats) -> Floats:
+def side_lengths(corners: Array) -> Array:
     """Return the lengths (t, 3) of the sides opposite to each corner of triangles (t, 3, 2)."""
     opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
     return np.asarray(np.hypot(opposite[..., 0], opposite[..., 1]), np.float64)
 
 
-def circumcircles(corners: Floats) -> tuple[Floats, Floats]:
+def circumcircles(corners: Array) -> tuple[Array, Array]:
     """Return the centres (t, 2) and radii (t,) of the circles through the corners (t, 3, 2).
 
     A triangle without area has an infinite radius, around its first corner.
@@ -28,7 +28,7 @@ def circumcircles(corners: Floats) -> tuple[Floats, Floats]:
     return a + offset, np.where(flat, np.inf, np.hypot(*offset.T))
 
 
-def incircles(corners: Floats) -> tuple[Floats, Floats]:
+def incircles(corners: Array) -> tuple[Array, Array]:
     """Return the centres (t, 2) and radii (t,) of the circles that touch the three sides."""
     side = side_lengths(corners)
     perimeter = np.maximum(side.sum(axis=1), 1e-300)
@@ -37,7 +37,7 @@ def incircles(corners: Floats) -> tuple[Floats, Floats]:
     return centre, np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / perimeter
 
 
-def covered_share(gap: Floats, radius: Floats, other: Floats) -> Floats:
+def covered_share(gap: Array, radius: Array, other: Array) -> Array:
     """Return the share of discs that discs of another radius cover, `gap` apart; all (n,)."""
     small, large = np.minimum(radius, other), np.maximum(radius, other)
     gap = np.clip(gap, large - small, large + small)

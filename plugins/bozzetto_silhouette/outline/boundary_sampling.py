@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import ring_links
-from bozzetto_silhouette.arrays import Flags, Floats, Indices
 
-_Ring = tuple[Floats, Floats, Indices, float]
+_Ring = tuple[Array, Array, Index, float]
 """Points on a ring, their arc length, their vertex number or -1, and the ring's length."""
 
 CORNER_TURN = np.deg2rad(18.0)
@@ -51,16 +51,16 @@ class Rim:
         Radius of the largest ball inside that touches the outline here.
     """
 
-    points: Floats
-    after: Indices
-    before: Indices
-    inward: Floats
-    turn: Floats
-    step: Floats
-    radius: Floats
+    points: Array
+    after: Index
+    before: Index
+    inward: Array
+    turn: Array
+    step: Array
+    radius: Array
 
     @property
-    def rings(self) -> tuple[Floats, ...]:
+    def rings(self) -> tuple[Array, ...]:
         """The samples ring by ring."""
         ends = np.flatnonzero(self.after <= np.arange(len(self.points))) + 1
         return tuple(np.split(self.points, ends[:-1]))
@@ -73,7 +73,7 @@ class Rim:
         closed = [np.vstack([ring, ring[:1]]) for ring in self.rings]
         return bool(shapely.is_simple(shapely.MultiLineString(closed)))
 
-    def averaged(self, values: Floats) -> Floats:
+    def averaged(self, values: Array) -> Array:
         """Average values at the samples along the outline, over `CALM` radii."""
         result = np.empty_like(values)
         ends = np.flatnonzero(self.after <= np.arange(len(values)))
@@ -89,7 +89,7 @@ class Rim:
         return result
 
 
-def corner_mask(ring: Floats) -> Flags:
+def corner_mask(ring: Array) -> Flags:
     """Mark vertices of a closed ring (n, 2) that turn by more than `CORNER_TURN`."""
     edge = np.roll(ring, -1, axis=0) - ring
     back = np.roll(edge, 1, axis=0)
@@ -97,7 +97,7 @@ def corner_mask(ring: Floats) -> Flags:
     return np.asarray(np.abs(turn) > CORNER_TURN)
 
 
-def _frames(points: Floats, after: Indices, before: Indices) -> tuple[Floats, Floats]:
+def _frames(points: Array, after: Index, before: Index) -> tuple[Array, Array]:
     """Return inward unit normals and exterior angles at the vertices of rings."""
     edge = points[after] - points
     edge /= np.maximum(np.hypot(edge[:, 0], edge[:, 1]), 1e-300)[:, None]
@@ -110,9 +110,7 @@ def _frames(points: Floats, after: Indices, before: Indices) -> tuple[Floats, Fl
     return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1), turn
 
 
-def tangent_radii(
-    points: Floats, inward: Floats, limit: float, asked: Indices | None = None
-) -> Floats:
+def tangent_radii(points: Array, inward: Array, limit: float, asked: Index | None = None) -> Array:
     """Return the radius of the largest ball on one side of the outline that touches each point.
 
     The shrinking ball of Ma, Bae and Choi, "3D medial axis point approximation using
@@ -157,7 +155,7 @@ def tangent_radii(
     return radius[asked]
 
 
-def _graded(values: Floats, arc: Floats, length: float, slope: float) -> Floats:
+def _graded(values: Array, arc: Array, length: float, slope: float) -> Array:
     """Lower `values` on a closed ring until they grow by at most `slope` per length."""
     a = np.concatenate([arc - length, arc, arc + length])
     v = np.tile(values, 3)
@@ -167,7 +165,7 @@ def _graded(values: Floats, arc: Floats, length: float, slope: float) -> Floats:
     return np.minimum(ahead, back)[n : 2 * n]
 
 
-def smoothed(values: Floats, arc: Floats, length: float, width: Floats) -> Floats:
+def smoothed(values: Array, arc: Array, length: float, width: Array) -> Array:
     """Average of `values` on a closed ring over arcs of half width `width`, three times.
 
     Parameters
@@ -188,7 +186,7 @@ def smoothed(values: Floats, arc: Floats, length: float, width: Floats) -> Float
     return values[:n]
 
 
-def _arc_sample(ring: Floats, step: float) -> _Ring:
+def _arc_sample(ring: Array, step: float) -> _Ring:
     """Return the vertices of the ring and points in between, no farther apart than `step`.
 
     Returns points, arc length, the original vertex index or -1, and the ring's length.
@@ -205,7 +203,7 @@ def _arc_sample(ring: Floats, step: float) -> _Ring:
     return points, arc, np.where(part == 0, index, -1), float(length.sum())
 
 
-def _spread(arc: Floats, spacing: float, corners: Indices) -> Indices:
+def _spread(arc: Array, spacing: float, corners: Index) -> Index:
     """Choose samples of a ring, about `spacing` apart where it has more, and all corners."""
     place = np.floor(arc / spacing)
     first = np.flatnonzero(np.diff(place, prepend=-1.0))
@@ -213,8 +211,8 @@ def _spread(arc: Floats, spacing: float, corners: Indices) -> Indices:
 
 
 def _radii(
-    points: Floats, inward: Floats, limit: float, dense: list[_Ring], asked: list[Indices]
-) -> Floats:
+    points: Array, inward: Array, limit: float, dense: list[_Ring], asked: list[Index]
+) -> Array:
     """Return `tangent_radii` at the samples asked for, and interpolate by the arc in between."""
     firsts = np.cumsum([0] + [len(ring[0]) for ring in dense[:-1]])
     places = np.concatenate([at + first for at, first in zip(asked, firsts, strict=True)])
@@ -227,7 +225,7 @@ def _radii(
 
 
 def sample_rim(
-    rings: tuple[Floats, ...],
+    rings: tuple[Array, ...],
     step: float,
     finest: float,
     *,

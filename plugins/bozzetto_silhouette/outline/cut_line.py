@@ -6,9 +6,9 @@ from itertools import product
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import smooth
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut
 from bozzetto_silhouette.model.view_rays import view_rays_through
 from bozzetto_silhouette.outline.from_ink import points_on_sheet
@@ -33,7 +33,7 @@ ARC_STEP = np.deg2rad(6.0)
 """Largest step along the arc that closes a side, beyond the object."""
 
 
-def cut_side(cut: Cut, corners: Floats | None) -> Outline:
+def cut_side(cut: Cut, corners: Array | None) -> Outline:
     """Return the side that falls away: the line, carried on beyond the object and closed around it.
 
     Both sides share the line to the last digit, so that what they take away adds up.
@@ -77,7 +77,7 @@ def cut_side(cut: Cut, corners: Floats | None) -> Outline:
     return outline_from_rings([ring * radius + middle])
 
 
-def _calm(line: Floats) -> Floats:
+def _calm(line: Array) -> Array:
     """Remove the jitter from the line, and the vertices that it does not need."""
     from shapely import LineString, get_coordinates
 
@@ -89,7 +89,7 @@ def _calm(line: Floats) -> Floats:
     return np.asarray(get_coordinates(LineString(calm).simplify(FLAT * size)), np.float64)
 
 
-def _carried_on(line: Floats) -> Floats:
+def _carried_on(line: Array) -> Array:
     """Carry both ends of the line on to the unit circle.
 
     They go on in the direction of the ink; where the line would cross itself, straight
@@ -105,7 +105,7 @@ def _carried_on(line: Floats) -> Floats:
     raise UserError("This line crosses itself. Draw the cut again, in one sweep across the shape.")
 
 
-def _directions(line: Floats) -> tuple[Floats, Floats]:
+def _directions(line: Array) -> tuple[Array, Array]:
     """Return directions in which the end of a line may go on: as the ink goes, or outwards."""
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     start = np.array([np.interp((1.0 - END) * arc[-1], arc, axis) for axis in line.T])
@@ -113,7 +113,7 @@ def _directions(line: Floats) -> tuple[Floats, Floats]:
     return (along if along.any() else out), (out if out.any() else along)
 
 
-def _exit(start: Floats, direction: Floats) -> Floats:
+def _exit(start: Array, direction: Array) -> Array:
     """Return where a ray from inside the unit circle leaves it."""
     size = float(np.hypot(*direction))
     toward = direction / size if size > 0.0 else np.array([1.0, 0.0])
@@ -121,7 +121,7 @@ def _exit(start: Floats, direction: Floats) -> Floats:
     return np.asarray(start + (np.sqrt(half**2 + 1.0 - start @ start) - half) * toward)
 
 
-def _arc(begin: float, end: float) -> Floats:
+def _arc(begin: float, end: float) -> Array:
     """Return inner points of the unit circle's arc, counter-clockwise between two angles."""
     turn = (end - begin) % (2.0 * np.pi)
     count = max(2, int(np.ceil(turn / ARC_STEP)) + 1)

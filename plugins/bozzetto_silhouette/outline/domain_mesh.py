@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Flags, Floats, Indices
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto_silhouette.numerics.isotropic_remeshing import halved
 from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.signed_distance import RimDistance, scanline_inside
@@ -53,13 +53,13 @@ class Plan:
         How many edges joined two rim samples across the inside and were halved.
     """
 
-    points: Floats
-    triangles: Indices
-    after: Indices
+    points: Array
+    triangles: Index
+    after: Index
     chords_split: int = 0
 
 
-def _rows(rim: Rim, distance: RimDistance) -> tuple[Floats, Floats]:
+def _rows(rim: Rim, distance: RimDistance) -> tuple[Array, Array]:
     """Return the points of the rim's rows, and for each rim sample the depth of its last row."""
     angle = np.clip(rim.step / rim.radius, _FIRST_ANGLE, _COARSEST_ANGLE)
     count = np.maximum(1, np.floor(_LAST_ANGLE / angle)).astype(np.intp)
@@ -91,7 +91,7 @@ def _rows(rim: Rim, distance: RimDistance) -> tuple[Floats, Floats]:
     return xy, last
 
 
-def _apart(xy: Floats, spacing: Floats, fixed: Floats, fixed_spacing: Floats) -> Flags:
+def _apart(xy: Array, spacing: Array, fixed: Array, fixed_spacing: Array) -> Flags:
     """Mark the points that keep at least their spacing from fixed ones."""
     from scipy.spatial import cKDTree
 
@@ -101,7 +101,7 @@ def _apart(xy: Floats, spacing: Floats, fixed: Floats, fixed_spacing: Floats) ->
     return gap > np.minimum(spacing, fixed_spacing[near])
 
 
-def _lattice(rim: Rim, distance: RimDistance, last: Floats, step: float) -> Floats:
+def _lattice(rim: Rim, distance: RimDistance, last: Array, step: float) -> Array:
     """Return the nodes of a triangular lattice that begins where the rows end."""
     low, high = rim.points.min(axis=0), rim.points.max(axis=0)
     pitch = np.array([step, step * np.sqrt(3.0)])
@@ -120,7 +120,7 @@ def _lattice(rim: Rim, distance: RimDistance, last: Floats, step: float) -> Floa
     return xy[closest.distance > room]
 
 
-def _ridge(ridge: Floats, rim: Rim, distance: RimDistance, taken: Floats, step: float) -> Floats:
+def _ridge(ridge: Array, rim: Rim, distance: RimDistance, taken: Array, step: float) -> Array:
     """Return points along the medial axis where limbs are too thin for the lattice."""
     from scipy.spatial import cKDTree
 
@@ -137,7 +137,7 @@ def _ridge(ridge: Floats, rim: Rim, distance: RimDistance, taken: Floats, step: 
     return xy[_thinned(xy, 0.8 * spacing)]
 
 
-def _thinned(xy: Floats, spacing: Floats) -> Flags:
+def _thinned(xy: Array, spacing: Array) -> Flags:
     """Greedily keep points that are at least their spacing from all kept before."""
     from scipy.spatial import cKDTree
 
@@ -155,11 +155,11 @@ def _thinned(xy: Floats, spacing: Floats) -> Flags:
     return keep
 
 
-def _edge_keys(a: Indices, b: Indices, n: int) -> Indices:
+def _edge_keys(a: Index, b: Index, n: int) -> Index:
     return np.minimum(a, b) * n + np.maximum(a, b)
 
 
-def _tile(points: Floats, after: Indices, distance: RimDistance) -> tuple[Indices, Indices]:
+def _tile(points: Array, after: Index, distance: RimDistance) -> tuple[Index, Index]:
     """Return Delaunay triangles inside, and the rim samples whose outgoing edge is missing."""
     from scipy.spatial import Delaunay
 
@@ -185,7 +185,7 @@ def _tile(points: Floats, after: Indices, distance: RimDistance) -> tuple[Indice
 
 
 def _rim_triangles_inside(
-    points: Floats, triangles: Indices, after: Indices, distance: RimDistance
+    points: Array, triangles: Index, after: Index, distance: RimDistance
 ) -> Flags:
     """Mark which triangles, whose corners all lie on the rim, are inside."""
     inside = distance(points[triangles].mean(axis=1)).distance > 0
@@ -197,9 +197,7 @@ def _rim_triangles_inside(
     return inside
 
 
-def _split_chords(
-    points: Floats, triangles: Indices, after: Indices
-) -> tuple[Floats, Indices, int]:
+def _split_chords(points: Array, triangles: Index, after: Index) -> tuple[Array, Index, int]:
     """Halve edges that join two rim samples across the inside.
 
     Both would lie in the drawing plane and so would the edge; front and back would touch
@@ -219,7 +217,7 @@ def _split_chords(
     return np.vstack([points, middle]), halved(triangles, label), len(unique)
 
 
-def plan_of(rim: Rim, ridge: Floats, step: float) -> Plan:
+def plan_of(rim: Rim, ridge: Array, step: float) -> Plan:
     """Triangulate the inside of a sampled outline.
 
     Parameters
@@ -252,8 +250,8 @@ def plan_of(rim: Rim, ridge: Floats, step: float) -> Plan:
 
 
 def _mended(
-    points: Floats, after: Indices, inner: Floats, missing: Indices
-) -> tuple[Floats, Indices, Floats]:
+    points: Array, after: Index, inner: Array, missing: Index
+) -> tuple[Array, Index, Array]:
     """Halve the missing rim edges and clear the circles over them of inner points."""
     from scipy.spatial import cKDTree
 

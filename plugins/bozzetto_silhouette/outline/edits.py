@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.oversketch import drawn_over
 from bozzetto_silhouette.ink.ring_smoothing import rubbed
 from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
 from bozzetto_silhouette.model.state import Edit, Oversketch, Removal
 
-Rings = tuple[Floats | None, ...]
+Rings = tuple[Array | None, ...]
 
 
 def size_of(rings: Rings) -> float:
@@ -24,7 +24,7 @@ def size_of(rings: Rings) -> float:
     return float(np.ptp(np.concatenate(there), axis=0).max()) if there else 0.0
 
 
-def edited(rings: Rings, edit: Edit, line: Floats) -> Rings:
+def edited(rings: Rings, edit: Edit, line: Array) -> Rings:
     """Apply one more edit to the rings.
 
     Parameters
@@ -62,11 +62,11 @@ def edited(rings: Rings, edit: Edit, line: Floats) -> Rings:
     return result
 
 
-def _with(rings: Rings, number: int, ring: Floats | None) -> Rings:
+def _with(rings: Rings, number: int, ring: Array | None) -> Rings:
     return (*rings[:number], ring, *rings[number + 1 :])
 
 
-def _simple(ring: Floats, size: float) -> Floats:
+def _simple(ring: Array, size: float) -> Array:
     """Remove the small loops that smoothing may have made in thin limbs."""
     middle = ring[0]
     simple, places = untangled((ring - middle) / size)
@@ -79,7 +79,7 @@ def _simple(ring: Floats, size: float) -> Floats:
     return np.asarray(simple * size + middle, np.float64)
 
 
-def _without_lost(rings: Rings, old: Floats, new: Floats) -> Rings:
+def _without_lost(rings: Rings, old: Array, new: Array) -> Rings:
     """Remove the rings that lay inside a ring before it changed, and lie outside it now.
 
     A hole in a piece that was cut off goes with that piece; it is no body of its own.
@@ -88,7 +88,7 @@ def _without_lost(rings: Rings, old: Floats, new: Floats) -> Rings:
 
     before, after = Polygon(old).buffer(0), Polygon(new).buffer(0)
 
-    def lost(ring: Floats) -> bool:
+    def lost(ring: Array) -> bool:
         region = Polygon(ring).buffer(0)
         return bool(before.contains(region) and after.disjoint(region))
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats
+from bozzetto.arrays import Array
 from bozzetto_silhouette.outline.domain_mesh import Plan
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ class Elements:
     """
 
     plan: Plan
-    local: Floats = field(repr=False)
-    mass: Floats = field(repr=False)
+    local: Array = field(repr=False)
+    mass: Array = field(repr=False)
 
     @classmethod
     def of(cls, plan: Plan) -> Elements:
@@ -47,10 +47,10 @@ class Elements:
         twice = np.maximum(e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0], SLIVER)
         local = opposite @ opposite.transpose(0, 2, 1) / (2.0 * twice)[:, None, None]
         corners, shares = plan.triangles.ravel(), np.repeat(twice / 6.0, 3)
-        mass: Floats = np.bincount(corners, shares, len(plan.points)).astype(np.float64)
+        mass: Array = np.bincount(corners, shares, len(plan.points)).astype(np.float64)
         return cls(plan, local, mass)
 
-    def stiffness(self, weight: Floats | None = None) -> csc_array[Any]:
+    def stiffness(self, weight: Array | None = None) -> csc_array[Any]:
         """Assemble the matrix (n, n), each triangle multiplied by its weight (t,)."""
         from scipy.sparse import coo_array
 

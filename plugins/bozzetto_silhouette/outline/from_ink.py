@@ -6,10 +6,10 @@ from collections.abc import Hashable, Sequence
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Oversketch, Part, Removal, Smoothing
@@ -17,7 +17,7 @@ from bozzetto_silhouette.outline.edits import Rings, edited
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 
 
-def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Floats]:
+def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
     """Project every stroke's samples onto the sheet, shape (n, 2) each, mm.
 
     Raises
@@ -85,7 +85,7 @@ def _after(ink_and_edits: Hashable, part: Part, before: Rings, count: int) -> Ri
         raise UserError(problem.message, places=[(x, y) for x, y in pixels]) from None
 
 
-def surrounds(outline: Outline, points: Floats) -> bool:
+def surrounds(outline: Outline, points: Array) -> bool:
     """Whether all points lie inside the outline (in a hole is outside)."""
     from shapely import contains_xy, prepare
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import Triangulation, ring_links, triangulate
-from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.triangle_circles import circumcircles, incircles, side_lengths
 from bozzetto_silhouette.outline.outline import Outline
@@ -52,28 +52,28 @@ class Skeleton:
         Pairs of nodes.
     """
 
-    nodes: Floats
-    edges: Indices
+    nodes: Array
+    edges: Index
 
     @property
-    def degrees(self) -> Indices:
+    def degrees(self) -> Index:
         """Number of edges at each node, (n,)."""
         return np.bincount(self.edges.ravel(), minlength=len(self.nodes))
 
-    def transformed(self, scale: float, shift: Floats) -> Skeleton:
+    def transformed(self, scale: float, shift: Array) -> Skeleton:
         """Return the skeleton of the outline scaled, then shifted."""
         nodes = self.nodes * scale
         nodes[:, :2] += shift
         return Skeleton(nodes, self.edges)
 
-    def heights(self, xy: Floats) -> Floats:
+    def heights(self, xy: Array) -> Array:
         """Return the height of the union of the balls above points (k, 2); 0 outside of all."""
         gap2 = ((xy[:, None, :] - self.nodes[None, :, :2]) ** 2).sum(axis=2)
-        best: Floats = np.sqrt(np.maximum(self.nodes[:, 2] ** 2 - gap2, 0.0).max(axis=1))
+        best: Array = np.sqrt(np.maximum(self.nodes[:, 2] ** 2 - gap2, 0.0).max(axis=1))
         return best
 
 
-def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Floats, Floats]:
+def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Array, Array]:
     """Return one ball for every triangle: centre (t, 2) and radius (t,).
 
     The circumcentre is a point of the medial axis as long as its circle is inscribed. On
@@ -103,7 +103,7 @@ def _centres(mesh: Triangulation, distance: RimDistance) -> tuple[Floats, Floats
     return centre, radius
 
 
-def _merged(nodes: Floats, edges: Indices, closer: float) -> tuple[Floats, Indices]:
+def _merged(nodes: Array, edges: Index, closer: float) -> tuple[Array, Index]:
     """Contract edges shorter than `closer`; the larger ball of each cluster stays."""
     a, b = edges.T
     short = np.hypot(*(nodes[a] - nodes[b])[:, :2].T) < closer
@@ -116,7 +116,7 @@ def _merged(nodes: Floats, edges: Indices, closer: float) -> tuple[Floats, Indic
     return nodes[keeper], links.astype(np.intp)
 
 
-def _hidden(nodes: Floats) -> Flags:
+def _hidden(nodes: Array) -> Flags:
     """Mark balls that stick out of a larger one, itself not hidden, by less than `STUB`."""
     x, y, radius = nodes.T
     hidden = np.zeros(len(nodes), dtype=bool)
@@ -129,7 +129,7 @@ def _hidden(nodes: Floats) -> Flags:
     return hidden
 
 
-def _pruned(nodes: Floats, edges: Indices) -> Skeleton:
+def _pruned(nodes: Array, edges: Index) -> Skeleton:
     """Remove leaves and twigs that add nothing to the union of the balls."""
     hidden = _hidden(nodes).tolist()
     neighbours: list[set[int]] = [set() for _ in nodes]
@@ -208,7 +208,7 @@ def chains(skeleton: Skeleton) -> list[list[int]]:
     return chains
 
 
-def _douglas_peucker(chain: Floats, tolerance: float) -> list[int]:
+def _douglas_peucker(chain: Array, tolerance: float) -> list[int]:
     """Return the indices of the vertices kept of an open polyline (n, d)."""
     keep, stack = {0, len(chain) - 1}, [(0, len(chain) - 1)]
     while stack:
@@ -229,7 +229,7 @@ def _douglas_peucker(chain: Floats, tolerance: float) -> list[int]:
     return sorted(keep)
 
 
-def _tip(row: Floats, end: int, inwards: int) -> int:
+def _tip(row: Array, end: int, inwards: int) -> int:
     """Return the node of a chain (n, 3) about `TIP` radii from its free end."""
     away = np.hypot(*(row[:, :2] - row[end, :2]).T)[::inwards]
     far = int(np.argmax(away >= TIP * row[end, 2]))
@@ -246,7 +246,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
     tolerance : float
         Allowed deviation in position and radius, in the unit of the skeleton.
     """
-    nodes: list[Floats] = []
+    nodes: list[Array] = []
     edges: list[tuple[int, int]] = []
     number: dict[int, int] = {}
 
@@ -288,7 +288,7 @@ def simplified(axis: Skeleton, tolerance: float) -> Skeleton:
     return with_lone_balls(np.array(nodes), np.array(unique, dtype=np.intp).reshape(-1, 2))
 
 
-def with_lone_balls(nodes: Floats, edges: Indices) -> Skeleton:
+def with_lone_balls(nodes: Array, edges: Index) -> Skeleton:
     """Return a skeleton with a short segment for every ball without one, as in a disc."""
     lone = np.setdiff1d(np.arange(len(nodes)), edges)
     shift = np.column_stack([0.1 * nodes[lone, 2], np.zeros((len(lone), 2))])

@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.outline.boundary_sampling import Rim, corner_mask, sample_rim
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chordal_axis, simplified
 from bozzetto_silhouette.outline.outline import Outline
@@ -64,10 +64,10 @@ class Frame:
 
     outline: Outline
     scale: float
-    origin: Floats
+    origin: Array
     inner: Outline
     rim: Rim
-    axis: Floats
+    axis: Array
     skeleton: Skeleton
 
 

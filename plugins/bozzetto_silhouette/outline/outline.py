@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink import signed_area
-from bozzetto_silhouette.arrays import Floats
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -34,7 +34,7 @@ class Outline:
         For a hole, the index of the outer ring around it; for an outer ring, -1.
     """
 
-    rings: tuple[Floats, ...]
+    rings: tuple[Array, ...]
     parents: tuple[int, ...]
 
     @property
@@ -57,7 +57,7 @@ class Outline:
         return len(self.rings) - self.components
 
     @cached_property
-    def bounds(self) -> tuple[Floats, Floats]:
+    def bounds(self) -> tuple[Array, Array]:
         """Lower and upper corner of the box around all rings, each (2,)."""
         points = np.concatenate(self.rings)
         return points.min(axis=0), points.max(axis=0)
@@ -93,7 +93,7 @@ class Outline:
         )
 
 
-def _frozen(points: Any) -> Floats:
+def _frozen(points: Any) -> Array:
     array = np.array(points, dtype=np.float64, order="C")
     array.setflags(write=False)
     return array
@@ -103,7 +103,7 @@ COINCIDENT = 1e-6
 """Vertices closer than this share of the size are one: nothing can be meshed in between."""
 
 
-def _without_repeats(ring: Floats, closer: float) -> Floats:
+def _without_repeats(ring: Array, closer: float) -> Array:
     """Drop vertices that repeat the one before; the closing repetition as well."""
     while len(ring) > 2:
         gap = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T)
@@ -146,7 +146,7 @@ def outline_from_rings(rings: Sequence[ArrayLike]) -> Outline:
             j for j, other in enumerate(solids)
             if j != i and other.area > solid.area and other.contains(probe)
         ])  # fmt: skip
-    result: list[Floats] = []
+    result: list[Array] = []
     parents: list[int] = []
     for i in sorted(range(len(clean)), key=lambda k: -abs(solids[k].area)):
         if len(inside[i]) % 2:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Flags, Floats, Indices
+from bozzetto.arrays import Array, Flags, Index
 
 _CANDIDATES = 4
 """Rim vertices looked at around a query; their segments hold the foot point as long as
@@ -28,9 +28,9 @@ class ClosestPoints:
         Position of the foot on that segment, 0 to 1.
     """
 
-    distance: Floats
-    segment: Indices
-    along: Floats
+    distance: Array
+    segment: Index
+    along: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +45,12 @@ class RimDistance:
         Successor of every vertex.
     """
 
-    points: Floats
-    after: Indices
+    points: Array
+    after: Index
     _tree: Any = field(init=False, repr=False)
-    _before: Indices = field(init=False, repr=False)
-    _edge: Floats = field(init=False, repr=False)
-    _length2: Floats = field(init=False, repr=False)
+    _before: Index = field(init=False, repr=False)
+    _edge: Array = field(init=False, repr=False)
+    _length2: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         from scipy.spatial import cKDTree
@@ -63,7 +63,7 @@ class RimDistance:
         object.__setattr__(self, "_edge", edge)
         object.__setattr__(self, "_length2", np.maximum((edge**2).sum(axis=1), 1e-300))
 
-    def __call__(self, xy: Floats, *, reach: float = np.inf) -> ClosestPoints:
+    def __call__(self, xy: Array, *, reach: float = np.inf) -> ClosestPoints:
         """Find the closest points to points (n, 2); beyond `reach` the sign cannot be trusted.
 
         Points without any rim vertex within `reach` get a distance of ``inf``.
@@ -99,7 +99,7 @@ class RimDistance:
 
 
 def scanline_inside(
-    points: Floats, after: Indices, low: Floats, step: Floats, shape: tuple[int, int]
+    points: Array, after: Index, low: Array, step: Array, shape: tuple[int, int]
 ) -> Flags:
     """Test by even-odd which nodes of a lattice lie inside, counting crossings along its rows.
 

@@ -15,8 +15,8 @@ import heapq
 
 import numpy as np
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Triangulation, ring_links, triangulate
-from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.numerics.triangle_circles import circumcircles, covered_share, incircles
 from bozzetto_silhouette.outline.medial_axis import Skeleton, with_lone_balls
 from bozzetto_silhouette.outline.outline import Outline
@@ -47,7 +47,7 @@ def paper_skeleton(outline: Outline) -> Skeleton:
     return with_lone_balls(np.concatenate(nodes), np.concatenate(links))
 
 
-def _balls(mesh: Triangulation, distance: RimDistance) -> Floats:
+def _balls(mesh: Triangulation, distance: RimDistance) -> Array:
     """Return one ball for every triangle: x, y and radius, (t, 3)."""
     corners = mesh.points[mesh.triangles]
     around, wide = circumcircles(corners)
@@ -61,7 +61,7 @@ def _balls(mesh: Triangulation, distance: RimDistance) -> Floats:
     return np.column_stack([centre, np.where(outer, wide, narrow)])
 
 
-def _without_redundant(nodes: Floats, edges: Indices) -> tuple[Floats, Indices]:
+def _without_redundant(nodes: Array, edges: Index) -> tuple[Array, Index]:
     """Contract covered nodes into the neighbour that covers them most, smallest first.
 
     The neighbour has to cover what was contracted into them before, too: else one node would
@@ -100,11 +100,11 @@ def _without_redundant(nodes: Floats, edges: Indices) -> tuple[Floats, Indices]:
     return nodes[alive], number[np.array(pairs, dtype=np.intp).reshape(-1, 2)].astype(np.intp)
 
 
-def _least_covered(discs: Floats, others: Floats) -> Floats:
+def _least_covered(discs: Array, others: Array) -> Array:
     """Return for each of the other balls (k, 3) the least share of any disc (n, 3) it covers."""
     one, two = discs[:, None, :], others[None, :, :]
     gap = np.hypot(one[..., 0] - two[..., 0], one[..., 1] - two[..., 1])
     shape = gap.shape
     radius, other = np.broadcast_to(one[..., 2], shape), np.broadcast_to(two[..., 2], shape)
-    least: Floats = covered_share(gap, radius, other).min(axis=0)
+    least: Array = covered_share(gap, radius, other).min(axis=0)
     return least

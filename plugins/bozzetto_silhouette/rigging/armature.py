@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Placement, Rig
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.arrays import Floats, Indices
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.medial_axis import Skeleton
@@ -49,19 +49,19 @@ class Limbs:
     part: str
     placement: Placement
     flatness: float
-    nodes: Floats
-    parents: Indices
-    cuts: Indices
-    paths: tuple[Floats, ...]
+    nodes: Array
+    parents: Index
+    cuts: Index
+    paths: tuple[Array, ...]
     first: int
 
     @property
-    def places(self) -> Floats:
+    def places(self) -> Array:
         """Joints in the model's frame, (n, 3), mm."""
         return _lifted(self.placement, self.nodes)
 
     @property
-    def radii(self) -> Floats:
+    def radii(self) -> Array:
         """Of the balls around them, (n,), mm."""
         return np.asarray(self.nodes[:, 2] * self.placement.scale)
 
@@ -88,7 +88,7 @@ class Armature:
     """
 
     rig: Rig
-    radii: Floats
+    radii: Array
     limbs: tuple[Limbs, ...]
     rigid: frozenset[str]
 
@@ -107,11 +107,11 @@ class _Piece:
     skeleton: Skeleton
 
     @property
-    def places(self) -> Floats:
+    def places(self) -> Array:
         return _lifted(self.placement, self.joints.nodes)
 
     @property
-    def radii(self) -> Floats:
+    def radii(self) -> Array:
         return np.asarray(self.joints.nodes[:, 2] * self.placement.scale)
 
     @property
@@ -203,7 +203,7 @@ def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
             yield node
 
 
-def _lifted(placement: Placement, nodes: Floats) -> Floats:
+def _lifted(placement: Placement, nodes: Array) -> Array:
     return placement.points(np.column_stack([nodes[:, :2], np.zeros(len(nodes))]))
 
 

@@ -19,10 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.rigging.armature import Limbs
 
-Array = NDArray[np.floating]
+Numbers = NDArray[np.floating]
 Singles = NDArray[np.float32]
 
 LEAK = 0.35
@@ -33,7 +32,7 @@ THINNEST = 1e-3
 """Radii and lengths below this share of the largest radius count as that: points have none."""
 
 
-def eased(x: Array) -> Singles:
+def eased(x: Numbers) -> Singles:
     """Ease from 0 to 1 with no slope at either end; constant beyond them."""
     x = np.clip(x, 0.0, 1.0)
     return np.asarray(x * x * (3.0 - 2.0 * x), np.float32)
@@ -56,12 +55,12 @@ class Gaps(NamedTuple):
         own, row = self.gap.argmin(axis=0), np.arange(self.gap.shape[1])
         return Gaps(self.gap[own, row], self.radius[own, row])
 
-    def widths(self, nearest: Gaps) -> Array:
+    def widths(self, nearest: Gaps) -> Numbers:
         """Return how much farther than the nearest each bone may be.
 
         Far outside of all balls, as in a spike that the skeleton left out, gaps differ more.
         """
-        wide: Array = np.minimum(self.radius, nearest.radius) + np.maximum(nearest.gap, 0.0)
+        wide: Numbers = np.minimum(self.radius, nearest.radius) + np.maximum(nearest.gap, 0.0)
         return LEAK * wide
 
 
@@ -80,7 +79,7 @@ class _Axis(NamedTuple):
     lengths: Singles
 
     @classmethod
-    def of(cls, path: Floats, least: float) -> _Axis:
+    def of(cls, path: Numbers, least: float) -> _Axis:
         """Make a bone from x, y and radius along it, (n, 3), at least `least` long and thick."""
         steps = np.hypot(*np.diff(path[:, :2], axis=0).T)
         kept = path[np.concatenate([[True], steps[:-1] > least, [True]])]
@@ -136,7 +135,7 @@ class Bones:
         self._lengths = np.maximum(np.hypot(across[:, 0], across[:, 1]), np.float32(least))
         self._degrees = np.bincount(self._links.ravel(), minlength=count)
 
-    def shares(self, points: Floats) -> tuple[Singles, Gaps]:
+    def shares(self, points: Numbers) -> tuple[Singles, Gaps]:
         """Return how much each joint moves points.
 
         Parameters

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Faces, Floats
+from bozzetto.arrays import Array, Faces
 
 ROUNDS = 30
 """Passes over a limb, back and forth."""
@@ -32,7 +32,7 @@ def limb_of(parents: Faces, number: int) -> list[int]:
     return row
 
 
-def reached(row: Floats, target: Floats, sideways: Floats) -> Floats:
+def reached(row: Array, target: Array, sideways: Array) -> Array:
     """Place a row of joints whose first stays and whose last is at the target, or towards it."""
     lengths = np.linalg.norm(np.diff(row, axis=0), axis=1)
     first = row[0].copy()
@@ -54,14 +54,14 @@ def reached(row: Floats, target: Floats, sideways: Floats) -> Floats:
     return places
 
 
-def _at_length(start: Floats, towards: Floats, length: float) -> Floats:
+def _at_length(start: Array, towards: Array, length: float) -> Array:
     """Return the place at a distance from one place towards another."""
     away = towards - start
     size = float(np.linalg.norm(away))
     return np.asarray(start + away * (length / size)) if size > 0.0 else start
 
 
-def least_turn(old: Floats, new: Floats, spare: Floats) -> Floats:
+def least_turn(old: Array, new: Array, spare: Array) -> Array:
     """Return the rotation by the least angle from one direction to another, (3, 3).
 
     Half a turn is about `spare`; directions without length turn nothing.
@@ -76,7 +76,7 @@ def least_turn(old: Floats, new: Floats, spare: Floats) -> Floats:
     return _matrix(axis / sine * np.arctan2(sine, cosine))
 
 
-def _matrix(vector: Floats) -> Floats:
+def _matrix(vector: Array) -> Array:
     from scipy.spatial.transform import Rotation
 
     return np.asarray(Rotation.from_rotvec(vector).as_matrix())

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats, Indices
+from bozzetto.arrays import Array, Index
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chains
 
 STANDOFF = 0.5
@@ -66,10 +66,10 @@ class Joints:
         x, y and radius of the axis along each link, from its first joint to its second.
     """
 
-    nodes: Floats
-    links: Indices
-    thickness: Floats
-    paths: tuple[Floats, ...]
+    nodes: Array
+    links: Index
+    thickness: Array
+    paths: tuple[Array, ...]
 
 
 @dataclass(eq=False)
@@ -82,7 +82,7 @@ class _Limb:
         x, y and radius along it, from `start` to `end`.
     """
 
-    path: Floats
+    path: Array
     start: int
     end: int
 
@@ -196,7 +196,7 @@ def _joined(limbs: list[_Limb]) -> list[_Limb]:
         limbs = [_led(limb, gone, kept, place) for limb in limbs if limb is not near]
 
 
-def _led(limb: _Limb, gone: int, kept: int, place: Floats) -> _Limb:
+def _led(limb: _Limb, gone: int, kept: int, place: Array) -> _Limb:
     """Lead a limb on from a junction that goes to the one that stays."""
     path, start, end = limb.path, limb.start, limb.end
     if start == gone:
@@ -222,7 +222,7 @@ def _parted(limbs: list[_Limb]) -> list[_Limb]:
     ]
 
 
-def most_central(radii: Floats, away: Floats) -> int:
+def most_central(radii: Array, away: Array) -> int:
     """Choose, among places nearly as thick as the thickest, the one nearest to the middle."""
     return int(np.where(radii >= ALIKE * radii.max(), away, np.inf).argmin())
 
@@ -236,10 +236,10 @@ def _graph(limbs: list[_Limb], size: float) -> Joints:
     """Make joints at ends, junctions and in between, of a part with its longest side."""
     degrees = _degrees(limbs)
     number: dict[int, int] = {}
-    nodes: list[Floats] = []
-    links: dict[tuple[int, int], tuple[float, Floats]] = {}
+    nodes: list[Array] = []
+    links: dict[tuple[int, int], tuple[float, Array]] = {}
 
-    def node_of(end: int, place: Floats) -> int:
+    def node_of(end: int, place: Array) -> int:
         if end not in number:
             number[end] = len(nodes)
             nodes.append(place)
@@ -274,7 +274,7 @@ def _graph(limbs: list[_Limb], size: float) -> Joints:
 
 def _between(
     limb: _Limb, degrees: dict[int, int], size: float, least: int
-) -> tuple[list[Floats], list[tuple[float, Floats]]]:
+) -> tuple[list[Array], list[tuple[float, Array]]]:
     """Return the joints within a limb, and the smallest radius and the axis of each stretch.
 
     A limb with one free end gets its first joint where it leaves the ball of its junction.
@@ -307,7 +307,7 @@ def _between(
     return list(ends[1:-1]), stretches
 
 
-def _with_bends(cuts: list[float], at: Floats, places: Floats, slack: float) -> list[float]:
+def _with_bends(cuts: list[float], at: Array, places: Array, slack: float) -> list[float]:
     """Add stops along a limb where its axis lies too far beside a bone.
 
     Parameters

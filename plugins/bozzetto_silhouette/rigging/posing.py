@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement, Rig, Skin
 from bozzetto.plugin import Drag, remembered
 from bozzetto.scene import Handle, Layer, Lines, Points, Scene, Shaded
 from bozzetto_silhouette.appearance.surface_look import Painted
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.sketch_plane import Point
 from bozzetto_silhouette.model.state import SilhouetteState, Turn
@@ -195,7 +195,7 @@ def posed_scene(state: SilhouetteState, drag: Drag) -> Scene:
     return Scene(tuple(layers))
 
 
-def _turn_of(armature: Armature, joint: int, matrix: Floats) -> Turn:
+def _turn_of(armature: Armature, joint: int, matrix: Array) -> Turn:
     """Return the turn of a joint by a rotation in the model's frame."""
     from scipy.spatial.transform import Rotation
 
@@ -207,7 +207,7 @@ def _turn_of(armature: Armature, joint: int, matrix: Floats) -> Turn:
     return Turn(_triple(place), (w, x, y, z), limbs.part)
 
 
-def _carried_axis(placement: Placement, axis: Floats) -> Floats:
+def _carried_axis(placement: Placement, axis: Array) -> Array:
     """Carry the axis of a rotation into another frame: a mirror also reverses its sense."""
     return np.asarray((-1.0 if placement.mirrors else 1.0) * placement.directions(axis)[0])
 
@@ -254,6 +254,6 @@ def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
     return replace(armature.rig, turns=quaternions)
 
 
-def _triple(values: Floats) -> Point:
+def _triple(values: Array) -> Point:
     x, y, z = (float(v) for v in values)
     return x, y, z

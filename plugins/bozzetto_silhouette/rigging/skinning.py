@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.arrays import Floats, Indices
+from bozzetto.arrays import Array, Index
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.rigging.armature import Armature
 from bozzetto_silhouette.rigging.bone_weights import Bones, Gaps, eased
@@ -41,11 +41,11 @@ class Table(NamedTuple):
         Sum 1.
     """
 
-    joints: Indices
+    joints: Index
     shares: Singles
 
 
-Follower = Callable[[Floats], Table]
+Follower = Callable[[Array], Table]
 """Gives the joints that points (n, 3) of one part, in the model's frame, follow."""
 
 
@@ -104,7 +104,7 @@ def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int
     return lambda points: Table(joint, np.ones((len(points), 1), np.float32))
 
 
-def _mixed(bones: Sequence[Bones], points: Floats) -> Table:
+def _mixed(bones: Sequence[Bones], points: Array) -> Table:
     """Mix the shares of the joints of several pieces, of those that are near."""
     found = [one.shares(points) for one in bones]
     joints = [one.limbs.first + np.arange(len(one.limbs.nodes)) for one in bones]
@@ -159,7 +159,7 @@ def _sew(
         return
     pairs, which = np.unique(across[seam], axis=0, return_inverse=True)
     middles = body.vertices[edges[seam]].mean(axis=1)
-    said: list[tuple[Indices, Floats, Table]] = []
+    said: list[tuple[Index, Array, Table]] = []
     for number, pair in enumerate(pairs.tolist()):
         here = middles[which.ravel() == number]
         width = SEAM * min(_thickness(armature, body.sources[owner]) for owner in pair)
@@ -180,7 +180,7 @@ def _sew(
     joints[rows], weights[rows] = _strongest(Table(np.arange(count), shares))
 
 
-def _near(points: Floats, others: Floats, width: float) -> tuple[Indices, Floats]:
+def _near(points: Array, others: Array, width: float) -> tuple[Index, Array]:
     """Find the points that have another one within a width, and its distance."""
     from scipy.spatial import cKDTree
 

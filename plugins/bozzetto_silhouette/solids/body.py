@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bozzetto.arrays import Array, Faces, Index
 from bozzetto.geometry import Placement
 from bozzetto.plugin import override
-from bozzetto_silhouette.arrays import Faces, Floats, Indices
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 
@@ -56,15 +56,15 @@ class Body:
         For a part by itself: its solid, in the part's object frame.
     """
 
-    vertices: Floats
+    vertices: Array
     faces: Faces
-    normals: Floats
+    normals: Array
     origins: Faces
     sources: tuple[str, ...]
     implicit: Implicit
     radius: float
     step: float
-    creases: Indices = field(default_factory=lambda: np.zeros(0, np.intp))
+    creases: Index = field(default_factory=lambda: np.zeros(0, np.intp))
     constraints: Constraints | None = None
     known: Manifold | None = None
     solid: SilhouetteSolid | None = None
@@ -75,7 +75,7 @@ class Body:
         return as_manifold(self.vertices, self.faces) if self.known is None else self.known
 
     @cached_property
-    def bounds(self) -> Floats:
+    def bounds(self) -> Array:
         """Corners of the box around the mesh, (2, 3)."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 

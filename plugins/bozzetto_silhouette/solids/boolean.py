@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.errors import UserError
-from bozzetto_silhouette.arrays import Faces, Flags, Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.sewing import vertex_normals
@@ -158,7 +158,7 @@ def _blended(sharp: Body, fillet: Fillet, known: Manifold) -> Body:
     )
 
 
-def _found(vertices: Floats, before: Floats) -> Indices:
+def _found(vertices: Array, before: Array) -> Index:
     """Find the index of each vertex among those before, -1 for new ones."""
     keys = before @ _KEY
     order = np.argsort(keys, kind="stable")
@@ -178,14 +178,14 @@ def _spread(origins: Faces, new: Flags, faces: Faces) -> Faces:
         origins[a[open_ends]] = origins[b[open_ends]]
 
 
-def _crease_normals(vertices: Floats, faces: Faces, on_crease: Indices) -> Floats:
+def _crease_normals(vertices: Array, faces: Faces, on_crease: Index) -> Array:
     """Return the mean normals of the faces around some vertices."""
     chosen = np.zeros(len(vertices), dtype=bool)
     chosen[on_crease] = True
     return vertex_normals(vertices, faces[chosen[faces].any(axis=1)])[on_crease]
 
 
-def _normals_of(solid: Composite, points: Floats) -> Floats:
+def _normals_of(solid: Composite, points: Array) -> Array:
     """Return unit normals, outwards, by differences of the value at a tetrahedron's corners."""
     width = _DIFFERENCE * solid.sides(points).reach[:, None, None]
     corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)

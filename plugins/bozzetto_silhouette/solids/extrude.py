@@ -12,9 +12,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from bozzetto.arrays import Array, Faces
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
 from bozzetto_silhouette.inflation.sewing import vertex_normals
@@ -75,17 +75,17 @@ class Sweep:
     high: float
 
     @property
-    def bounds(self) -> Floats:
+    def bounds(self) -> Array:
         """The box around both caps."""
         caps = [self.view_rays.above(self.rim.points, z) for z in (self.low, self.high)]
         corners = np.concatenate(caps)
         return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
-    def value(self, points: Floats) -> Floats:
+    def value(self, points: Array) -> Array:
         """Return the values at points (n, 3)."""
         return self.sample(points).value
 
-    def sample(self, points: Floats) -> Sample:
+    def sample(self, points: Array) -> Sample:
         """Return the values and gradients at points (n, 3)."""
         wall, slope, _ = self._wall(points)
         z = points[:, 2]
@@ -103,7 +103,7 @@ class Sweep:
         ) / value[edge, None]
         return Sample(value, gradient)
 
-    def _wall(self, points: Floats) -> Sample:
+    def _wall(self, points: Array) -> Sample:
         """Return the distance from the walls, which go on upright beyond the caps."""
         held = points.copy()
         held[:, 2] = np.clip(points[:, 2], self.low, self.high)
@@ -134,13 +134,13 @@ def acts_on(part: Part) -> bool:
     return part.surface == "straight" and part.operation in ("carve", "intersect")
 
 
-def _depends_on(part: Part, around: Floats | None, resolution: int) -> Hashable:
+def _depends_on(part: Part, around: Array | None, resolution: int) -> Hashable:
     box = None if around is None else tuple(float(v) for v in around.ravel())
     return part.recipe, part.id, part.pose, box, resolution
 
 
 @remembered(limit=128, key=_depends_on)
-def straight_body(part: Part, around: Floats | None, resolution: int) -> Body:
+def straight_body(part: Part, around: Array | None, resolution: int) -> Body:
     """Return the body of a part that goes straight through, in the frame of the part's group.
 
     Parameters
@@ -197,7 +197,7 @@ def straight_body(part: Part, around: Floats | None, resolution: int) -> Body:
     return body.placed(part.placement)
 
 
-def corners_of(box: Floats) -> Floats:
+def corners_of(box: Array) -> Array:
     """Return the eight corners (8, 3) of a box (2, 3)."""
     grid = np.meshgrid(*box.T, indexing="ij")
     return np.stack([axis.ravel() for axis in grid], axis=1)
@@ -227,7 +227,7 @@ def _plan(outline: Outline, step: float) -> Plan:
 
 def _prism(
     plan: Plan, view_rays: ViewRays, low: float, high: float, pitch: float
-) -> tuple[Floats, Faces]:
+) -> tuple[Array, Faces]:
     """Make two caps and the walls between them, oriented outwards.
 
     Rows of the walls lie from the bottom to the top; the caps' rims are the first and the

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.arrays import Flags, Floats, Indices
 from bozzetto_silhouette.implicit.composite import Composite, Sides, signature
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.numerics.grouping import connected_pieces
@@ -116,16 +116,16 @@ class Fillet(NamedTuple):
         whole of it found no place.
     """
 
-    vertices: Floats
-    faces: Indices
-    parents: Indices
+    vertices: Array
+    faces: Index
+    parents: Index
     moved: Flags
     solid: Composite
 
 
 def filleted(
-    vertices: Floats,
-    faces: Indices,
+    vertices: Array,
+    faces: Index,
     solid: Composite,
     step: float,
     checkpoint: Checkpoint = ignore,
@@ -158,7 +158,7 @@ def filleted(
     return _set_in(vertices, faces[of_face < 0], parts, solid)
 
 
-def _in_order(vertices: Floats, faces: Indices) -> tuple[Indices, Indices]:
+def _in_order(vertices: Array, faces: Index) -> tuple[Index, Index]:
     """Return some faces by themselves, in an order that depends on their places alone.
 
     Returns
@@ -179,13 +179,13 @@ def _in_order(vertices: Floats, faces: Indices) -> tuple[Indices, Indices]:
 
 
 def _set_in(
-    vertices: Floats, rest: Indices, parts: list[tuple[Indices, Fillet]], solid: Composite
+    vertices: Array, rest: Index, parts: list[tuple[Index, Fillet]], solid: Composite
 ) -> Fillet:
     """Put fillets, each of some vertices (by number) of a mesh, into the rest of that mesh."""
     count = len(vertices)
-    rows: list[Indices] = [rest]
-    points: list[Floats] = [vertices]
-    parents: list[Indices] = [np.arange(count)]
+    rows: list[Index] = [rest]
+    points: list[Array] = [vertices]
+    parents: list[Index] = [np.arange(count)]
     limiter = solid.limiter
     for numbers, part in parts:
         number = numbers[part.parents]
@@ -196,7 +196,7 @@ def _set_in(
         parents.append(numbers[part.parents[part.moved]])
         limiter = limiter.joined(part.solid.limiter)
     every, parent = np.concatenate(rows), np.concatenate(parents)
-    place: Floats = np.concatenate(points)
+    place: Array = np.concatenate(points)
     used = np.zeros(count, dtype=bool)
     used[every] = True
     rank = np.cumsum(used) - 1
@@ -207,7 +207,7 @@ def _set_in(
 
 
 def _depends_on(
-    vertices: Floats, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
+    vertices: Array, faces: Index, solid: Composite, step: float, checkpoint: Checkpoint
 ) -> Hashable:
     """Return what a fillet depends on: its crease, and what is blended there.
 
@@ -218,7 +218,7 @@ def _depends_on(
 
 @remembered(limit=512, key=_depends_on)
 def _made(
-    vertices: Floats, faces: Indices, solid: Composite, step: float, checkpoint: Checkpoint
+    vertices: Array, faces: Index, solid: Composite, step: float, checkpoint: Checkpoint
 ) -> Fillet:
     """Make the fillet of a mesh that is only the surroundings of one crease."""
     may = _creases(solid, vertices, faces) >= 0
@@ -234,7 +234,7 @@ def _made(
     return Fillet(vertices, faces, np.arange(len(vertices)), unmoved, solid)
 
 
-def _in_place(solid: Composite, vertices: Floats) -> Composite:
+def _in_place(solid: Composite, vertices: Array) -> Composite:
     """Reduce the solid to what matters where it is blended: that is faster to evaluate."""
     felt = vertices[solid.felt(vertices)]
     if not len(felt):
@@ -243,7 +243,7 @@ def _in_place(solid: Composite, vertices: Floats) -> Composite:
     return solid.within(box, _BEYOND * solid.reach)
 
 
-def _creases(solid: Composite, vertices: Floats, faces: Indices) -> Indices:
+def _creases(solid: Composite, vertices: Array, faces: Index) -> Index:
     """Return for every vertex that the blend may move the number of its crease, else -1."""
     felt = np.flatnonzero(solid.felt(vertices))
     may = np.zeros(len(vertices), dtype=bool)
@@ -256,7 +256,7 @@ def _creases(solid: Composite, vertices: Floats, faces: Indices) -> Indices:
     return np.where(may, number, -1)
 
 
-def _patch(vertices: Floats, faces: Indices) -> Patch:
+def _patch(vertices: Array, faces: Index) -> Patch:
     """Return a mesh as a patch with no vertex free yet."""
     count = len(vertices)
     return Patch(
@@ -345,7 +345,7 @@ def _bad(solid: Composite, patch: Patch) -> Flags:
     return bad
 
 
-def _held_back(solid: Composite, places: Floats, step: float, retreat: float) -> Composite:
+def _held_back(solid: Composite, places: Array, step: float, retreat: float) -> Composite:
     """Return the solid with only a share of its blend around places (n, 3)."""
     left = solid.limiter.share(places)
     whole = solid.sides(places).reach / np.maximum(left, 1e-300)

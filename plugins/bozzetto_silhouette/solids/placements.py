@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Stroke
@@ -18,7 +19,6 @@ from bozzetto.plugin import Part as AnyPart
 from bozzetto.plugin import remembered
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, Rays
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.part_solid import body_of
@@ -80,7 +80,7 @@ def stroke_in(state: SilhouetteState, part: Part, stroke: Stroke) -> Stroke:
     return stroke if moved.is_identity else stroke.moved(moved.inverse())
 
 
-def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Floats:
+def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Array:
     """Project a stroke drawn over a part as it stands now onto the part's sheet; (n, 2), mm.
 
     NaN where the line of sight misses the sheet.
@@ -89,7 +89,7 @@ def on_sheet(state: SilhouetteState, part: Part, stroke: Stroke) -> Floats:
     return part.sheet.from_pixels(there.points, there.camera)
 
 
-def drawn_rings(state: SilhouetteState, part: Part) -> list[Floats]:
+def drawn_rings(state: SilhouetteState, part: Part) -> list[Array]:
     """Return the rings of a part's outline where they stand now; (n, 3) each, mm, model's frame.
 
     Raises
@@ -104,7 +104,7 @@ def drawn_rings(state: SilhouetteState, part: Part) -> list[Floats]:
     ]
 
 
-def drawn_profile(state: SilhouetteState, part: Part) -> list[Floats]:
+def drawn_profile(state: SilhouetteState, part: Part) -> list[Array]:
     """Return a profile's strokes where its part stands now; (n, 3) each, mm, model's frame.
 
     They lie in the plane upright on the sheet, through the middle of the part, that the hand
@@ -132,9 +132,7 @@ def _at_home(part: Part) -> Mesh:
     return Mesh(body.vertices.astype(np.float32), body.faces)
 
 
-def distances_under(
-    state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera
-) -> Floats:
+def distances_under(state: SilhouetteState, part: Part, pixels: ArrayLike, camera: Camera) -> Array:
     """Measure how far before the eye a part's surface lies under canvas positions.
 
     Parameters

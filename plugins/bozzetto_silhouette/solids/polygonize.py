@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.arrays import Faces, Flags, Floats
+from bozzetto.arrays import Array, Faces, Flags
 from bozzetto_silhouette.implicit.implicit_solid import Implicit
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
@@ -61,13 +61,13 @@ class Surface(NamedTuple):
         Unit, outwards.
     """
 
-    vertices: Floats
+    vertices: Array
     faces: Faces
-    normals: Floats
+    normals: Array
 
 
 def extract(
-    implicit: Implicit, bounds: Floats, step: float, checkpoint: Checkpoint = ignore
+    implicit: Implicit, bounds: Array, step: float, checkpoint: Checkpoint = ignore
 ) -> Surface:
     """Extract the zero surface of an implicit solid inside a box, closed at the box's border.
 
@@ -105,7 +105,7 @@ def extract(
 
 
 def _narrow_band(
-    implicit: Implicit, origin: Floats, step: float, blocks: Nodes, checkpoint: Checkpoint
+    implicit: Implicit, origin: Array, step: float, blocks: Nodes, checkpoint: Checkpoint
 ) -> NDArray[np.float32]:
     """Return values in cells at the nodes: exact near the surface, negative at the border."""
     shape = BLOCK * blocks + 1
@@ -149,7 +149,7 @@ def _narrow_band(
     return grid
 
 
-def _evaluated(implicit: Implicit, points: Floats, checkpoint: Checkpoint) -> Floats:
+def _evaluated(implicit: Implicit, points: Array, checkpoint: Checkpoint) -> Array:
     values = np.empty(len(points))
     for first in range(0, len(points), CHUNK):
         checkpoint(0.5, "surface")
@@ -160,12 +160,12 @@ def _evaluated(implicit: Implicit, points: Floats, checkpoint: Checkpoint) -> Fl
 
 def _polished(
     implicit: Implicit,
-    vertices: Floats,
+    vertices: Array,
     faces: Faces,
     step: float,
     border: Flags,
     checkpoint: Checkpoint,
-) -> tuple[Floats, Floats]:
+) -> tuple[Array, Array]:
     """Move vertices onto the zero surface, except those on the border; return normals, too."""
     gradient = np.zeros_like(vertices)
     for turn in range(NEWTON_ROUNDS + 1):

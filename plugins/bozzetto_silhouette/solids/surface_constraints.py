@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto_silhouette.arrays import Floats, Indices
+from bozzetto.arrays import Array, Index
 from bozzetto_silhouette.implicit.implicit_solid import Implicit
 from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
 from bozzetto_silhouette.implicit.variational import SPACING, apart
@@ -72,7 +72,7 @@ def constraints_on(solid: SilhouetteSolid, implicit: Implicit) -> Constraints:
     return Constraints(points[keep], values[keep], size)
 
 
-def _farthest(points: Floats, scale: Floats, rim: int) -> Indices:
+def _farthest(points: Array, scale: Array, rim: int) -> Index:
     """Choose vertices far apart in their own radii: of the first `rim`, then of all."""
     gap = np.full(len(points), np.inf)
     chosen: list[int] = []

@@ -17,8 +17,8 @@ from typing import Literal
 
 import numpy as np
 
+from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.errors import UserError
-from bozzetto_silhouette.arrays import Faces, Flags, Floats, Indices
 from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
 from bozzetto_silhouette.implicit.variational import (
     SPACING,
@@ -143,11 +143,11 @@ def _joined(
     operation: str,
     one: Constraints,
     other: Constraints,
-    depth: Floats,
-    other_depth: Floats,
+    depth: Array,
+    other_depth: Array,
     mine: Flags,
     theirs: Flags,
-) -> tuple[Floats, Floats, Indices]:
+) -> tuple[Array, Array, Index]:
     """Return the constraints that stay: points, values, and whose (0 or 1) they were."""
     if operation == "merge":
         values = np.maximum(one.values, depth), np.maximum(other.values, other_depth)
@@ -162,7 +162,7 @@ def _joined(
     return points[keep], value[keep], part[keep]
 
 
-def _bounds(bodies: tuple[Body, ...]) -> Floats:
+def _bounds(bodies: tuple[Body, ...]) -> Array:
     """Return the box of some bodies with room for the surface to bulge, (2, 3)."""
     corners = np.concatenate([body.bounds for body in bodies])
     box = np.stack([corners.min(axis=0), corners.max(axis=0)])
@@ -174,8 +174,8 @@ def _kept(
     operation: str,
     one: Constraints,
     other: Constraints,
-    depth: Floats,
-    other_depth: Floats,
+    depth: Array,
+    other_depth: Array,
     band: float,
 ) -> tuple[Flags, Flags]:
     """Mark the constraints that stay; the band is narrowed where it would hide a body."""
@@ -202,7 +202,7 @@ def _kept(
 
 
 def _surface(
-    points: Floats, value: Floats, bounds: Floats, step: float, checkpoint: Checkpoint
+    points: Array, value: Array, bounds: Array, step: float, checkpoint: Checkpoint
 ) -> tuple[VariationalSurface, Surface]:
     """Return the function through the constraints and its surface, without blobs far from them."""
     for turn in range(BLOB_ROUNDS):
@@ -224,7 +224,7 @@ def _surface(
     return held, mesh
 
 
-def _without_blobs(mesh: Surface, on: Floats, reach: float) -> tuple[Surface, Floats]:
+def _without_blobs(mesh: Surface, on: Array, reach: float) -> tuple[Surface, Array]:
     """Drop components without constraints; return the mesh, their middles and signs (k, 4)."""
     from scipy.spatial import cKDTree
 
@@ -247,7 +247,7 @@ def _without_blobs(mesh: Surface, on: Floats, reach: float) -> tuple[Surface, Fl
     return Surface(vertices[stays], kept, normals[stays]), blobs
 
 
-def _origins(first: Body, second: Body, points: Floats, part: Indices, vertices: Floats) -> Faces:
+def _origins(first: Body, second: Body, points: Array, part: Index, vertices: Array) -> Faces:
     """Return for every vertex the source of the nearest vertex of its own body."""
     from scipy.spatial import cKDTree
 

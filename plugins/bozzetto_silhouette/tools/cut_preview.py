@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from bozzetto.arrays import Array, Faces
 from bozzetto.geometry import Mesh
 from bozzetto.ink import resample
 from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto_silhouette.arrays import Faces, Floats
 from bozzetto_silhouette.model.state import Cut
 from bozzetto_silhouette.model.view_rays import view_rays_through
 from bozzetto_silhouette.outline.cut_line import cut_side
@@ -62,7 +62,7 @@ def cut_preview(cut: Cut, touch: Touch) -> Scene:
     return line + Scene((Layer("preview", (Shaded(mesh, "accent", TINT, pickable=False),)),))
 
 
-def _falling(cut: Cut, touch: Touch, local: Floats, side: Outline) -> Faces:
+def _falling(cut: Cut, touch: Touch, local: Array, side: Outline) -> Faces:
     """Return the faces of a shape on the side of a cut that has less volume, (k, 3).
 
     Tetrahedra from a place on the cut add up to the volume of a side, as far as the cut is

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Cut, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import rings_of
 from bozzetto_silhouette.solids.placements import (
@@ -79,14 +79,14 @@ def _along_profile(state: SilhouetteState, part: Part, path: Stroke) -> bool:
     return _runs_along(path, lines)
 
 
-def _line_of(state: SilhouetteState, cut: Part) -> list[Floats]:
+def _line_of(state: SilhouetteState, cut: Part) -> list[Array]:
     """Return the strokes of a cut where it stands now; (n, 3) each."""
     place = placement_of(state, cut)
     flat = [cut.sheet.from_pixels(stroke.points, stroke.camera) for stroke in cut.strokes]
     return [place.points(np.column_stack([line, np.zeros(len(line))])) for line in flat]
 
 
-def _runs_along(path: Stroke, lines: list[Floats]) -> bool:
+def _runs_along(path: Stroke, lines: list[Array]) -> bool:
     """Whether most of a path lies by one of some lines (n, 3), as they are seen."""
     import shapely
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes, close_stroke, is_closed_gesture, resample
 from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Scene
 from bozzetto.view import Camera, Rays
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
@@ -74,9 +74,9 @@ class _Base:
         What it lies on.
     """
 
-    points: Floats
-    middle: Floats
-    outwards: Floats
+    points: Array
+    middle: Array
+    outwards: Array
     room: float
     parts: tuple[Part, ...]
 
@@ -153,12 +153,12 @@ def _base(state: SilhouetteState, stroke: Stroke) -> _Base:
     return _Base(points, middle, outwards, room, tuple(parts_at(state, touch, points)))
 
 
-def _loop(stroke: Stroke) -> Floats:
+def _loop(stroke: Stroke) -> Array:
     """Return a ring as it was drawn, closed, in pixels."""
     return resample(close_stroke(stroke.points), count=RING_SAMPLES, closed=True)
 
 
-def _room(touch: Touch, points: Floats, middle: Floats, outwards: Floats) -> float:
+def _room(touch: Touch, points: Array, middle: Array, outwards: Array) -> float:
     """Measure how far the shape goes on inwards from the middle of the ring."""
     depth = (points - middle) @ outwards
     start = middle + (depth.min() - 1e-3 * np.ptp(points, axis=0).max()) * outwards
@@ -223,7 +223,7 @@ def _grown(state: SilhouetteState, base: _Base, stroke: Stroke) -> Part:
     )
 
 
-def _check_ends(line: Floats, ring: Floats, width: float) -> None:
+def _check_ends(line: Array, ring: Array, width: float) -> None:
     from shapely import MultiPoint, Point
 
     hull = MultiPoint(ring).convex_hull
@@ -239,9 +239,7 @@ def _check_ends(line: Floats, ring: Floats, width: float) -> None:
         )
 
 
-def _root_stroke(
-    line: Floats, middle: Floats, root: Floats, sheet: Sheet, camera: Camera
-) -> Stroke:
+def _root_stroke(line: Array, middle: Array, root: Array, sheet: Sheet, camera: Camera) -> Stroke:
     """Return half an ellipse from the end of a line to its start, as far as `root` beyond."""
     angle = np.linspace(0.0, np.pi, ROOT_STEPS + 1)
     places = middle + np.outer(np.cos(angle), line[-1] - middle) + np.outer(np.sin(angle), root)
@@ -249,6 +247,6 @@ def _root_stroke(
     return Stroke(pixels[:, 0], pixels[:, 1], camera, tool="imported")
 
 
-def _point(values: Floats) -> tuple[float, float, float]:
+def _point(values: Array) -> tuple[float, float, float]:
     x, y, z = (float(v) for v in values)
     return x, y, z

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Layer, Lines, Scene
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.ink.oversketch import ring_drawn_over
 from bozzetto_silhouette.ink.ring_smoothing import rubbed_ring
 from bozzetto_silhouette.model.state import Edit, Oversketch, Part, SilhouetteState, Smoothing
@@ -26,7 +26,7 @@ from bozzetto_silhouette.solids.placements import (
 )
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 
-ChooseRing = Callable[[Rings, Floats, float], int]
+ChooseRing = Callable[[Rings, Array, float], int]
 MakeEdit = Callable[[Stroke, int], Edit]
 
 

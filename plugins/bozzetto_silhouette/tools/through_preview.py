@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view import Camera, Rays
-from bozzetto_silhouette.arrays import Flags, Floats
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.view.picking import Touch
 
@@ -32,8 +32,8 @@ class Trace(NamedTuple):
     """
 
     touch: Touch
-    near: Floats
-    far: Floats
+    near: Array
+    far: Array
 
     @property
     def hit(self) -> Flags:
@@ -55,7 +55,7 @@ class Trace(NamedTuple):
         return Scene((Layer("preview", tuple(item for item in items if len(item.points))),))
 
 
-def trace_of(touch: Touch, pixels: Floats, camera: Camera) -> Trace:
+def trace_of(touch: Touch, pixels: Array, camera: Camera) -> Trace:
     """Follow lines of sight through canvas positions (n, 2) into a shape and out of it."""
     rays = camera.rays(pixels)
     near = touch.hits(rays)
@@ -67,7 +67,7 @@ def trace_of(touch: Touch, pixels: Floats, camera: Camera) -> Trace:
     return Trace(touch, near.points, touch.hits(Rays(beyond, -rays.directions)).points)
 
 
-def parts_at(state: SilhouetteState, touch: Touch, points: Floats) -> list[Part]:
+def parts_at(state: SilhouetteState, touch: Touch, points: Array) -> list[Part]:
     """Return the parts that made a shape's surface at points (n, 3) on it."""
     from scipy.spatial import cKDTree
 
@@ -79,14 +79,14 @@ def parts_at(state: SilhouetteState, touch: Touch, points: Floats) -> list[Part]
     return [part for part in state.parts if part.id in sources]
 
 
-def _runs(line: Floats, hit: Flags) -> list[Floats]:
+def _runs(line: Array, hit: Flags) -> list[Array]:
     """Return the stretches of a line that lie on the shape."""
     places = np.flatnonzero(hit)
     pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     return [line[piece] for piece in pieces if len(piece) > 1]
 
 
-def _lines(runs: Sequence[Floats] | Floats, width: float) -> Lines:
+def _lines(runs: Sequence[Array] | Array, width: float) -> Lines:
     """Join polylines (n, 3) into one item."""
     starts = np.cumsum([0, *(len(run) for run in runs[:-1])])
     points = np.concatenate([*runs, np.zeros((0, 3))]).astype(np.float32)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.view import Camera
-from bozzetto_silhouette.arrays import Floats
 
 SIZES = (1e-3, 1e3)
 """Bounds of how much smaller or larger than drawn a thing may become."""
@@ -28,7 +28,7 @@ AIM = 4.0
 
 
 def moved(
-    middle: Floats, camera: Camera, start: Floats, end: Floats, *, along_axis: bool = False
+    middle: Array, camera: Camera, start: Array, end: Array, *, along_axis: bool = False
 ) -> Placement:
     """Return a shift parallel to the screen, or along one axis of the world.
 
@@ -61,7 +61,7 @@ def moved(
 
 
 def turned(
-    middle: Floats, camera: Camera, start: Floats, end: Floats, *, stepped: bool = False
+    middle: Array, camera: Camera, start: Array, end: Array, *, stepped: bool = False
 ) -> Placement:
     """Return a turn about the line of sight; `stepped` rounds it to 15 degrees."""
     first, last = _from_middle(middle, camera, start, end)
@@ -71,14 +71,14 @@ def turned(
     return _about(middle, _rotation(-camera.axes[2], angle), 1.0)
 
 
-def resized(middle: Floats, camera: Camera, start: Floats, end: Floats) -> Placement:
+def resized(middle: Array, camera: Camera, start: Array, end: Array) -> Placement:
     """Return a change of size about the middle."""
     first, last = _from_middle(middle, camera, start, end)
     share = np.hypot(*last) / np.hypot(*first)
     return _about(middle, np.eye(3), float(np.clip(share, *SIZES)))
 
 
-def mirrored(point: Floats, normal: Floats) -> Placement:
+def mirrored(point: Array, normal: Array) -> Placement:
     """Return the reflection in a plane through a point."""
     unit = np.asarray(normal, np.float64) / np.linalg.norm(normal)
     return _about(np.asarray(point, np.float64), np.eye(3) - 2.0 * np.outer(unit, unit), 1.0)
@@ -91,9 +91,7 @@ def settled(placement: Placement) -> Placement:
     return Placement(rotation, float(np.clip(placement.scale, *SIZES)), placement.offset)
 
 
-def _from_middle(
-    middle: Floats, camera: Camera, start: Floats, end: Floats
-) -> tuple[Floats, Floats]:
+def _from_middle(middle: Array, camera: Camera, start: Array, end: Array) -> tuple[Array, Array]:
     """Return both positions relative to the middle as it is seen, px; never zero."""
     seen, _ = camera.project(middle)
     first, last = start - seen[0], end - seen[0]
@@ -104,18 +102,18 @@ def _from_middle(
     return first, last
 
 
-def _nearest_axis(shift: Floats, camera: Camera) -> Floats:
+def _nearest_axis(shift: Array, camera: Camera) -> Array:
     """Return the world's axis that is seen to run most like a shift on the screen."""
     right, up, _ = camera.axes
     pictures = np.column_stack([np.eye(3) @ right, np.eye(3) @ up])
     length = np.hypot(pictures[:, 0], pictures[:, 1])
     likeness = np.abs(pictures @ (shift @ right, shift @ up)) / np.maximum(length, END_ON)
     likeness[length < END_ON] = -1.0
-    axis: Floats = np.eye(3)[int(likeness.argmax())]
+    axis: Array = np.eye(3)[int(likeness.argmax())]
     return axis
 
 
-def _along(middle: Floats, axis: Floats, camera: Camera, pixel: Floats) -> float:
+def _along(middle: Array, axis: Array, camera: Camera, pixel: Array) -> float:
     """Return how far along an axis through the middle its point nearest to a line of sight lies."""
     rays = camera.rays([pixel])
     between, direction = rays.origins[0] - middle, rays.directions[0]
@@ -126,20 +124,20 @@ def _along(middle: Floats, axis: Floats, camera: Camera, pixel: Floats) -> float
     return float((axis @ between - slope * (direction @ between)) / rest)
 
 
-def _rotation(axis: Floats, angle: float) -> Floats:
+def _rotation(axis: Array, angle: float) -> Array:
     """Return the matrix of a turn about a unit vector, counter-clockwise seen against it."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    matrix: Floats = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    matrix: Array = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
     return matrix
 
 
-def _shift(by: Floats) -> Placement:
+def _shift(by: Array) -> Placement:
     x, y, z = (float(v) for v in by)
     return Placement(offset=(x, y, z))
 
 
-def _about(middle: Floats, matrix: Floats, scale: float) -> Placement:
+def _about(middle: Array, matrix: Array, scale: float) -> Placement:
     """Return a rotation and scaling that leaves the middle where it is."""
     x, y, z = (float(v) for v in middle - scale * (matrix @ middle))
     return Placement(tuple(float(v) for v in matrix.ravel()), scale, (x, y, z))

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.scene import Handle, Layer, Lines
-from bozzetto_silhouette.arrays import Floats
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.solids.placements import carried, is_shown, placement_of
 
@@ -37,12 +37,12 @@ class Grip:
         Of the ring.
     """
 
-    middle: Floats
-    right: Floats
-    up: Floats
+    middle: Array
+    right: Array
+    up: Array
     radius: float
 
-    def on_ring(self, angles: Floats) -> Floats:
+    def on_ring(self, angles: Array) -> Array:
         """Return places on the ring, (n, 3)."""
         circle = np.outer(np.cos(angles), self.right) + np.outer(np.sin(angles), self.up)
         return np.asarray(self.middle + self.radius * circle, np.float64)
@@ -99,12 +99,12 @@ def handles_layer(state: SilhouetteState) -> Layer | None:
     )
 
 
-def _handle(name: str, point: Floats, tip: str) -> Handle:
+def _handle(name: str, point: Array, tip: str) -> Handle:
     x, y, z = (float(v) for v in point)
     return Handle(name, (x, y, z), tip=tip)
 
 
-def _inked(state: SilhouetteState, part: Part) -> Floats:
+def _inked(state: SilhouetteState, part: Part) -> Array:
     """Return a part's ink where it stands now, (n, 3)."""
     lines = [part.sheet.from_pixels(s.points, s.camera) for s in part.strokes]
     points = np.concatenate([np.zeros((0, 2)), *lines])

@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
 from bozzetto.scene import Layer, Lines
 from bozzetto_silhouette.analysis.fidelity import deviation_along
-from bozzetto_silhouette.arrays import Flags, Floats
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
@@ -73,7 +73,7 @@ def deviation_layer(state: SilhouetteState, part: Part, solid: SilhouetteSolid) 
 
 
 @remembered(limit=16)
-def _deviations(solid: SilhouetteSolid, outline: Outline) -> list[tuple[Floats, Floats]]:
+def _deviations(solid: SilhouetteSolid, outline: Outline) -> list[tuple[Array, Array]]:
     return [deviation_along(solid, ring) for ring in outline.rings]
 
 
@@ -97,19 +97,19 @@ def _outline(state: SilhouetteState, part: Part, color: str) -> Lines:
     return _lines((np.vstack([ring, ring[:1]]) for ring in rings), color)
 
 
-def _profile(state: SilhouetteState, part: Part) -> Sequence[Floats]:
+def _profile(state: SilhouetteState, part: Part) -> Sequence[Array]:
     try:
         return drawn_profile(state, part)
     except UserError:
         return ()
 
 
-def _lines(lines: Iterable[Floats], color: str, *, dashed: bool = False) -> Lines:
+def _lines(lines: Iterable[Array], color: str, *, dashed: bool = False) -> Lines:
     return _joined(list(lines), color, sum(INK_WIDTH) / 2.0, "dashed" if dashed else "faint")
 
 
 def _joined(
-    lines: Sequence[Floats],
+    lines: Sequence[Array],
     color: str | tuple[int, int, int],
     width: float | NDArray[np.float32],
     hidden: Literal["faint", "dashed", "show"],
@@ -120,7 +120,7 @@ def _joined(
     return Lines(points, starts, color=color, width=width, hidden=hidden)
 
 
-def _runs(points: Floats, marked: Flags) -> list[Floats]:
+def _runs(points: Array, marked: Flags) -> list[Array]:
     """Return the stretches of a line whose points are marked, each with the point after it."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
     return [

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
@@ -15,8 +15,6 @@ from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.evaluate import tree_body
-
-Array = NDArray[np.float64]
 
 TOUCHED_CELLS = 64
 """Resolution of the shape that the pen is held against: that of the preview, whose parts have

@@ -9,14 +9,12 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import DEGREE, Spline
 from bozzetto.ink import arc_length
 from bozzetto_symmetry.editing.trim import piece
-
-Array = NDArray[np.float64]
 
 CUT_BACK: Final = (0.0, *(float(share) for share in np.geomspace(0.002, 0.25, 15)))
 """Shares of the shorter curve that are tried to be cut back at both ends."""

@@ -10,14 +10,12 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.geometry import DEGREE, Spline
 from bozzetto_symmetry.fitting.half_curve import Halves, halves_of, symmetrize
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 CLOSE_ENOUGH: Final = 0.3
 """Distance from where a place should be, px, that is not worth a further knot."""

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import (
@@ -31,8 +31,6 @@ from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.polyline import runs
 from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-
-Array = NDArray[np.float64]
 
 SPACING: Final = 2.5
 """Distance of the contour's nodes along the picture, px: about the finest detail of a hand."""

@@ -6,16 +6,15 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import DEGREE, Spline
 from bozzetto.ink import arc_length
 from bozzetto_symmetry.fitting.half_curve import halves_of, symmetrize
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-Array = NDArray[np.float64]
 
 FADE: Final = 8.0
 """Length of the stretch that moves with an end, over the distance that the end moves; the curve

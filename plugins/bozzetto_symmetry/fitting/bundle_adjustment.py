@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import distances_to_polyline
 from bozzetto_symmetry.fitting.initial_guess import approximate, half_of, stations_of
@@ -24,7 +25,6 @@ from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
-Array = NDArray[np.float64]
 Controls = Literal["adaptive", "seven"]
 
 FEWEST: Final = 7

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import DEGREE, Spline
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 ALIKE: Final = 1e-6
 """Departure from symmetry, as a share of the curve's size or range, that counts as rounding. A ring
@@ -46,7 +44,7 @@ class Halves:
         """Length of a half in the parameter."""
         return self.end - self.middle
 
-    def folded(self, parameters: ArrayLike) -> tuple[Array, NDArray[np.bool_]]:
+    def folded(self, parameters: ArrayLike) -> tuple[Array, Flags]:
         """Return distances from the middle, 0 … `span`, and which parameters are on the other half.
 
         Parameters

@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.ink.polyline import interpolate
-
-Array = NDArray[np.float64]
 
 ROUGHNESS: Final = 50.0
 """Third derivative (rms), by a parameter from 0 to 1, that a curve of unit length may well

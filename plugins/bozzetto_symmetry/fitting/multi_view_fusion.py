@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink import ordered_feet
 from bozzetto_symmetry.fitting.initial_guess import trusted_steps
 from bozzetto_symmetry.ink.polyline import interpolate
-
-Array = NDArray[np.float64]
 
 PLACES: Final = 100
 """Places along a curve at which estimates are combined."""
@@ -178,7 +176,7 @@ def _resampled(estimate: Estimate, count: int, closed: bool) -> Estimate:
 
 def _partners(
     whole: Estimate, other: Estimate, closed: bool
-) -> tuple[Estimate, NDArray[np.bool_], tuple[Estimate, Estimate]]:
+) -> tuple[Estimate, Flags, tuple[Estimate, Estimate]]:
     """Return what another estimate says about the places of one.
 
     Returns
@@ -224,9 +222,7 @@ def _leads_on(tail: Estimate, other: Estimate) -> bool:
     return _trouble(tail) < (TAIL * float(np.ptp(other.points, axis=0).max())) ** 2
 
 
-def _between(
-    other: Estimate, chosen: NDArray[np.intp], rows: Array, nodes: Array, closed: bool
-) -> Estimate:
+def _between(other: Estimate, chosen: Index, rows: Array, nodes: Array, closed: bool) -> Estimate:
     """Return an estimate where it is nearest to the rows, up to half a node from the chosen."""
     count = len(nodes)
     ahead, behind = chosen + 1, chosen - 1

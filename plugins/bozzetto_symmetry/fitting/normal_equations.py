@@ -7,14 +7,12 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto_symmetry.fitting.initial_guess import ROUGHNESS, approximate, chord_length
 from bozzetto_symmetry.fitting.reprojection import END_NOISE, Ink
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
-
-Array = NDArray[np.float64]
 
 ROUNDS: Final = 10
 """Most Gauss–Newton steps with one number of control points."""

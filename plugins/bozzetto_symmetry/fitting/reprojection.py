@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink import FEET_LAPS, arc_length, ordered_feet, resample
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 TREMOR: Final = (12.0, 0.04)
 """How far along the ink a hand's deviation stays alike, px, or as a share of the ink's
@@ -89,7 +87,7 @@ class Ink:
     share: Array
     along: Array
     piece: Index
-    held: NDArray[np.bool_]
+    held: Flags
     parameters: Array
 
     @classmethod

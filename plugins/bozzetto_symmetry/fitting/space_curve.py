@@ -6,12 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bozzetto.geometry import DEGREE, Color, Curve, Spline, uniform_knots
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-Array = NDArray[np.float64]
 
 Reading = Literal["pair", "self", "plane"]
 """What a curve in space is: one of a mirrored pair, itself symmetric, or in the plane."""

@@ -12,12 +12,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.geometry import DEGREE, Spline, derived_points
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve, across
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,7 @@ class SymmetricBasis:
         return np.hstack((parts[:, 0], parts[:, 1]))
 
     @cached_property
-    def free(self) -> NDArray[np.bool_]:
+    def free(self) -> Flags:
         """Which of the coordinates (count × 3, point by point) can differ from 0."""
         odd = np.asarray((self._parts[:, self.count :] != 0).any(axis=0))
         return np.asarray(np.column_stack((np.ones_like(odd), odd, np.ones_like(odd))).ravel())

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Index
 from bozzetto.ink import arc_length
-
-Array = NDArray[np.float64]
 
 
 def length_of(points: ArrayLike) -> float:
@@ -35,7 +34,7 @@ def interpolate(at: ArrayLike, stations: ArrayLike, rows: Array) -> Array:
     return np.column_stack([np.interp(asked, known, column) for column in rows.T])
 
 
-def runs(flags: ArrayLike) -> NDArray[np.intp]:
+def runs(flags: ArrayLike) -> Index:
     """Return the runs of true flags (n,), (k, 2): the first of each, and the one after its last."""
     marked = np.concatenate(([0], np.asarray(flags, np.int8), [0]))
     return np.flatnonzero(np.diff(marked)).reshape(-1, 2)

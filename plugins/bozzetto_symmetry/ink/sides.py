@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline, merge_strokes, resample, stroke_weights
 from bozzetto.plugin import remembered
@@ -22,8 +22,6 @@ from bozzetto_symmetry.ink.stroke_line import (
     smooth_line,
     space_evenly,
 )
-
-Array = NDArray[np.float64]
 
 DOT: Final = 1e-3
 """Extent below which a stroke is a dot, px."""

@@ -8,12 +8,10 @@ from itertools import combinations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink import resample
 from bozzetto_symmetry.ink.polyline import length_of
-
-Array = NDArray[np.float64]
 
 STEP: Final = 4.0
 """Distance of the places at which strokes are compared, px."""
@@ -258,7 +256,7 @@ def _between(one: _Trail, other: _Trail) -> Bond:
     return Bond(float(distance[beside].mean()), True, True, part)
 
 
-def _overlapping(beside: NDArray[np.bool_], nearest: NDArray[np.intp], count: int) -> bool:
+def _overlapping(beside: Flags, nearest: Index, count: int) -> bool:
     """Return whether one stroke begins alongside the end of the other and so continues it."""
     if beside.sum() < 3 or beside.sum() != np.ptp(np.flatnonzero(beside)) + 1:
         return False

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import (
     END_SHARE,
@@ -21,8 +21,6 @@ from bozzetto.ink import (
     resample,
 )
 from bozzetto_symmetry.ink.polyline import interpolate, length_of
-
-Array = NDArray[np.float64]
 
 DECIMALS: Final = 6
 """Decimals of a place on the sheet, px: finer steps are no ink but rounding."""

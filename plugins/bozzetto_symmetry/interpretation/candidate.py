@@ -8,14 +8,13 @@ from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.ink import arc_length
 from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, strays
 from bozzetto_symmetry.stereo.correspondence import Pairing
 
-Array = NDArray[np.float64]
 Kind = Literal["pair", "self", "plane", "half"]
 
 MISSING: Final = 20.0

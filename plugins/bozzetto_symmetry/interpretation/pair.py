@@ -7,8 +7,8 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.ink import arc_length
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side, gap_between
@@ -18,8 +18,6 @@ from bozzetto_symmetry.interpretation.side_pairing import pairings
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
 from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-Array = NDArray[np.float64]
 
 SENSE: Final = 2.0
 """Weight of a matching's own score, which finds the right sense more reliably than the distances

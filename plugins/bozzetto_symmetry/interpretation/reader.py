@@ -17,8 +17,9 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.ink import distances_to_polyline
 from bozzetto_symmetry.ink.sides import Side, gap_between, join_ends, merge_alongside
@@ -29,8 +30,6 @@ from bozzetto_symmetry.interpretation.triangulation import strays
 from bozzetto_symmetry.stereo.degeneracies import Case, reasons_of, special_case
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
-
-Array = NDArray[np.float64]
 
 HALF: Final = 3.5
 """Price of leaving one side waiting, px: a fold that is off by 1.5 px with a tenth of the
@@ -218,7 +217,7 @@ class _InPlane:
     """
 
     whole: Side
-    met: NDArray[np.bool_]
+    met: Flags
     points: Array
     covariances: Array
 

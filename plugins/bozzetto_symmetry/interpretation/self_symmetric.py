@@ -7,8 +7,8 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side
 from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
@@ -16,8 +16,6 @@ from bozzetto_symmetry.interpretation.folding import Folding, foldings
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
-
-Array = NDArray[np.float64]
 
 SAME: Final = 1e-6
 """Distance from the plane, in lengths of the curve, at which a place is the crossing itself."""

@@ -6,15 +6,14 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.ink import resample
 from bozzetto_symmetry.stereo.correspondence import Pairing, pairing_of
 from bozzetto_symmetry.stereo.dynamic_time_warping import warpings
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-Array = NDArray[np.float64]
 
 SAMPLES: Final = 160
 """Places along each side that are matched."""

@@ -6,15 +6,12 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags
 from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.degeneracies import intersect_rays, reasons_of
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 ROOM: Final = 0.05
 """Share of the box's size by which a curve may leave it without a price. It decides the

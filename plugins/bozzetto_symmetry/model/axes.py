@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.scene import Paint
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.perspective import toward_vanishing
-
-Array = NDArray[np.float64]
 
 AXES: Final = np.eye(3)
 """Length, width and height of the box: x, y and z of the model."""

@@ -6,12 +6,10 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import SymmetryState
-
-Array = NDArray[np.float64]
 
 FLUSH: Final = 1e-9
 """Share of the box's diagonal within which a corner lies on the plane."""

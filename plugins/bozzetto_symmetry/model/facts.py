@@ -6,16 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.view import triple
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import AskedReading, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-
-Array = NDArray[np.float64]
 
 SIZE_LIMITS: Final = (0.1, 1e6)
 """Least and greatest edge of a box, mm; as in the form."""

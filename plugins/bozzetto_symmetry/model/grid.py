@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array, Flags
 
 MOST_CELLS: Final = 25
 """Most cells along the longest edge of the box. With steps of 1, 2 and 5 times a power of
@@ -38,7 +38,7 @@ class Grid:
 
     begins: Array
     ends: Array
-    heavy: NDArray[np.bool_]
+    heavy: Flags
 
 
 def grid_step(longest: float) -> float:
@@ -51,7 +51,7 @@ def grid_step(longest: float) -> float:
 
 def clip_to_box(
     points: ArrayLike, directions: ArrayLike, centre: ArrayLike, size: ArrayLike
-) -> tuple[Array, Array, NDArray[np.bool_]]:
+) -> tuple[Array, Array, Flags]:
     """Return the parts of lines that lie in a box, by the method of slabs (Kay & Kajiya 1986).
 
     Parameters
@@ -122,7 +122,7 @@ def grid_in_box(
     return Grid(begins, ends, heavy)
 
 
-def _on_edge(places: Array, aside: Array, centre: ArrayLike, size: ArrayLike) -> NDArray[np.bool_]:
+def _on_edge(places: Array, aside: Array, centre: ArrayLike, size: ArrayLike) -> Flags:
     """Return whether a step to the side from places of the box leaves it on one hand."""
     half = 0.5 * np.asarray(size, float)
     least = float(half.min())

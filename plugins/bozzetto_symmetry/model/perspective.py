@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view import Camera
-
-Array = NDArray[np.float64]
 
 
 def focal_length(camera: Camera) -> float:

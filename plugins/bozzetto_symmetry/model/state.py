@@ -12,8 +12,8 @@ from itertools import product
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
@@ -241,7 +241,7 @@ class SymmetryState(PartsState):
         return CentrePlane(self.centre, normals[self.symmetry])
 
     @cached_property
-    def bounds(self) -> NDArray[np.float64]:
+    def bounds(self) -> Array:
         """Corners (2, 3) of the box in the frame of the centre plane, mm."""
         half = 0.5 * np.asarray(self.size)
         corners = self.centre + half * np.array(list(product((-1.0, 1.0), repeat=3)))

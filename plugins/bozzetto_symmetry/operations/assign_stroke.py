@@ -11,18 +11,15 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
+from bozzetto.ink import Stroke, Strokes, distances_to_polyline, is_one_view, on_canvas, resample
 from bozzetto.view import Camera
 from bozzetto_symmetry.ink.polyline import length_of
-from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-
-Array = NDArray[np.float64]
 
 ALONG: Final = 14.0
 """Distance, px, up to which ink runs along what is drawn already: about four times what two

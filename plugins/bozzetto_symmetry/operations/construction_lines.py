@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import Context
@@ -25,8 +25,6 @@ from bozzetto_symmetry.model.perspective import focal_length, pixel_size, toward
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
 from bozzetto_symmetry.operations.snap_targets import Targets, nearest_target
-
-Array = NDArray[np.float64]
 
 TOWARDS: Final = np.radians(6.0)
 """Angle between a stroke and the direction of a vanishing point, up to which it is meant to

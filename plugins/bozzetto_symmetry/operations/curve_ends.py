@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
 from bozzetto_symmetry.editing.replay import apply_edit
@@ -16,8 +16,6 @@ from bozzetto_symmetry.model.state import Curve, Edit, Joint, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,9 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
 from bozzetto.view import Camera, triple
@@ -17,8 +18,6 @@ from bozzetto_symmetry.model.state import Snap, SymmetryState
 from bozzetto_symmetry.operations.snap_targets import Targets, targets
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.solve.picking import solved_curves
-
-Array = NDArray[np.float64]
 
 TOLERANCE: Final = 8.0
 """Distance on the sheet, px, within which an end is caught."""

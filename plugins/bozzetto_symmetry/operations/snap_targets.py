@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import Context
 from bozzetto.view import Camera, triple
@@ -16,8 +17,6 @@ from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
-
-Array = NDArray[np.float64]
 
 Kind = Literal["end", "crossing", "corner", "curve", "line", "edge"]
 """The end of a curve or line, where a curve crosses the centre plane, a corner of the box or of

@@ -10,8 +10,8 @@ import itertools
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import arc_length
 from bozzetto.plugin import Context
@@ -22,8 +22,6 @@ from bozzetto_symmetry.model.state import Snap, SymmetryState, Trim
 from bozzetto_symmetry.operations.curve_ends import End, ends_of, with_edit
 from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-Array = NDArray[np.float64]
 
 NEARLY: Final = 0.15
 """Gap between ends that nearly meet, as a share of the shorter curve. Ends that pass by one

@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import Stroke, distances_to_polyline
@@ -34,7 +34,6 @@ from bozzetto_symmetry.stereo.uncertainty import LEFT, curve_sigmas
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-Array = NDArray[np.float64]
 
 SAMPLES: Final = 200
 """Places of a curve at which its uncertainty is given."""

@@ -8,8 +8,9 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import FARTHEST, distances_to_polyline, nearest_curve
 from bozzetto.plugin import remembered
@@ -19,8 +20,6 @@ from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import solve_curve
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-
-Array = NDArray[np.float64]
 
 PIECES: Final = 24
 """Segments of a picture for each span of the spline: within a tenth of a pixel of it."""

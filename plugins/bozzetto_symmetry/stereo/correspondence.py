@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto_symmetry.stereo.correspondence_map import map_of_stations
 from bozzetto_symmetry.stereo.degenerate_runs import bridge_weak_runs, weak_runs
 from bozzetto_symmetry.stereo.dynamic_time_warping import Warping
@@ -26,9 +26,6 @@ from bozzetto_symmetry.stereo.epipolar_signal import (
     squared_scales,
 )
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 WITHOUT: Final = 0.05
 """Score that sides without any partner would add, per px of the range of the signals."""
@@ -156,7 +153,7 @@ def pairing_of(
     )
 
 
-def _left(first: Signal, second: Signal, places: NDArray[np.intp], partners: Array) -> float:
+def _left(first: Signal, second: Signal, places: Index, partners: Array) -> float:
     """Return the mean distance across the epipolar lines of samples and partners, px."""
     index = np.arange(len(second.angles))
     weights = squared_scales(first.scales[places], np.interp(partners, index, second.scales))

@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, squared_scales
-
-Array = NDArray[np.float64]
 
 STIFFNESS: Final = 3.0
 """Weight of the bending of the map of stations (squared second differences, px²) against
@@ -33,10 +31,10 @@ PINNED: Final = 1e6
 def map_of_stations(
     first: Signal,
     second: Signal,
-    path: NDArray[np.intp],
+    path: Index,
     pinned: tuple[bool, bool],
     closed: bool,
-) -> tuple[NDArray[np.intp], Array]:
+) -> tuple[Index, Array]:
     """Return samples of the first signal and the stations, in samples, of their partners.
 
     The second signal equals the first there, in the sense of least squares, with a price on
@@ -72,7 +70,7 @@ def map_of_stations(
 def _stiffened(
     first: Signal,
     second: Signal,
-    places: NDArray[np.intp],
+    places: Index,
     start: Array,
     pinned: tuple[bool, bool],
 ) -> Array:

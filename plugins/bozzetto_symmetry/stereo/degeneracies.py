@@ -29,9 +29,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.arrays import Array
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
-Array = NDArray[np.float64]
 Codes = NDArray[np.int8]
 
 TINY: Final = 1e-8

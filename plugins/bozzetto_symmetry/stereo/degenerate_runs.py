@@ -6,14 +6,11 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto_symmetry.ink.polyline import runs
 from bozzetto_symmetry.stereo.epipolar_signal import Signal
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 SHALLOW: Final = 0.06
 """Sine of the angle to the epipolar lines below which a long run says nothing."""
@@ -26,9 +23,7 @@ LEAST: Final = 1e-9
 """Least length that is divided by."""
 
 
-def weak_runs(
-    first: Signal, places: NDArray[np.intp], second: Signal, partners: NDArray[np.intp]
-) -> Flags:
+def weak_runs(first: Signal, places: Index, second: Signal, partners: Index) -> Flags:
     """Return which samples lie on a long run on which neither signal changes.
 
     Parameters
@@ -42,7 +37,7 @@ def weak_runs(
     return _long_runs(weak, LONG * len(first.angles))
 
 
-def _shallow(signal: Signal, places: NDArray[np.intp]) -> Flags:
+def _shallow(signal: Signal, places: Index) -> Flags:
     """Return whether a signal hardly changes around some of its samples."""
     count = len(signal.angles)
     reach = max(1, round(0.5 * LONG * count))

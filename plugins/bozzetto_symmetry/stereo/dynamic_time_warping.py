@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from bozzetto.arrays import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,7 @@ class Warping:
         without a partner.
     """
 
-    path: NDArray[np.intp]
+    path: Index
     total: float
 
 
@@ -108,7 +108,7 @@ def _summed(table: Array, step: float, begin: float) -> Array:
     return sums
 
 
-def _traced(sums: Array, last: tuple[int, int], step: float) -> NDArray[np.intp]:
+def _traced(sums: Array, last: tuple[int, int], step: float) -> Index:
     """Return the path to a cell, found backwards through the sums."""
     i, j = last
     path = []
@@ -140,7 +140,7 @@ def first_row(costs: ArrayLike, begin: float) -> Array:
     return np.asarray(cell + begin * np.arange(cell.shape[-1]))
 
 
-def next_row(sums: Array, costs: ArrayLike, step: float) -> tuple[Array, NDArray[np.intp]]:
+def next_row(sums: Array, costs: ArrayLike, step: float) -> tuple[Array, Index]:
     """Return the sums after one more sample of a sequence that is still growing.
 
     Parameters

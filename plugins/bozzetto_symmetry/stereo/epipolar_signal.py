@@ -6,12 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-Array = NDArray[np.float64]
 
 FLAT: Final = 150.0
 """Spread of a signal, px, below which prices shrink no more: a hand that shakes by a pixel

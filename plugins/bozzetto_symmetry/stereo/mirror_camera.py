@@ -12,13 +12,12 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view import Camera, Rays
 from bozzetto_symmetry.model.perspective import focal_length, vanishing_point
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-
-Array = NDArray[np.float64]
 
 MIRROR: Final = np.array([1.0, -1.0, 1.0])
 """The reflection in y = 0, as factors of the coordinates."""

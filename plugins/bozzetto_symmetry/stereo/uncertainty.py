@@ -13,9 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bozzetto.arrays import Array
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-
-Array = NDArray[np.float64]
 
 HAND: Final = 1.5
 """Standard deviation of a hand that draws with care, px."""

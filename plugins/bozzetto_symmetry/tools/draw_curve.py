@@ -6,14 +6,13 @@ from contextlib import suppress
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.ink import arc_length
+from bozzetto.ink import arc_length, is_one_view, on_canvas
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, Preview, override
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view import Camera
-from bozzetto_symmetry.ink.same_view import is_one_view, on_canvas
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_strokes, waits
 from bozzetto_symmetry.solve.curve_solver import trace_of
@@ -34,8 +33,6 @@ MOST_RUNGS: Final = 2000
 
 RUNG_WIDTH, RUNG_OPACITY = 1.2, 0.6
 """Width in px and opacity 0 … 1: rungs are seen over the grid of the centre plane."""
-
-Array = NDArray[np.float64]
 
 
 class DrawCurve(ErasingTool):

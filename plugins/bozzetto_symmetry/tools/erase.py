@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Flags
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
 from bozzetto.plugin import Context, Ink, Tool, override
@@ -16,8 +16,6 @@ from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.split import Stretch, replace_by_pieces, without_stretch
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
-
-Array = NDArray[np.float64]
 
 REACH: Final = 9.0
 """Half the width of the eraser, px."""
@@ -84,7 +82,7 @@ def _meant(seen: Sequence[Seen], eraser: Stroke) -> list[Seen]:
     return [side for near, side in best.values() if near >= ALONG * most]
 
 
-def _rubbed(side: Seen, eraser: Stroke) -> NDArray[np.bool_]:
+def _rubbed(side: Seen, eraser: Stroke) -> Flags:
     """Return which places of a side are under the path; places behind the eye are not."""
     flags = np.zeros(len(side.pixels), bool)
     seen = np.isfinite(side.pixels).all(axis=1)
@@ -92,7 +90,7 @@ def _rubbed(side: Seen, eraser: Stroke) -> NDArray[np.bool_]:
     return flags
 
 
-def _without_part(state: SymmetryState, side: Seen, flags: NDArray[np.bool_]) -> SymmetryState:
+def _without_part(state: SymmetryState, side: Seen, flags: Flags) -> SymmetryState:
     steps = np.linalg.norm(np.diff(side.place(side.parameters), axis=0), axis=1)
     share = float(steps[flags[:-1] & flags[1:]].sum() / steps.sum())
     if share >= MOST:
@@ -103,7 +101,7 @@ def _without_part(state: SymmetryState, side: Seen, flags: NDArray[np.bool_]) ->
     return replace_by_pieces(state, side.node, left)
 
 
-def _stretch(side: Seen, flags: NDArray[np.bool_]) -> Stretch:
+def _stretch(side: Seen, flags: Flags) -> Stretch:
     """Return the shares of a curve that are rubbed over, without gaps."""
     rubbed = side.parameters[flags]
     if side.curve.reading == "self":

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Gesture, Ink, override
@@ -18,8 +18,6 @@ from bozzetto_symmetry.solve.picking import solved_curves
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from bozzetto_symmetry.tools.erase import ErasingTool
 from bozzetto_symmetry.view.scene import curve_lines
-
-Array = NDArray[np.float64]
 
 REACH: Final = 28.0
 """How near to the end of a curve a stroke must begin or end, px."""

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Scene
@@ -19,8 +19,6 @@ from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.tools.erase import ErasingTool
 from bozzetto_symmetry.view.box import BOX_TOOL, CENTRE, FACES, box_layers
 from bozzetto_symmetry.view.vanishing_lines import view_dependent_scene
-
-Array = NDArray[np.float64]
 
 FLAT: Final = float(np.sin(np.radians(8.0)))
 """Sine of the angle between the centre plane and the line of sight below which a drag along

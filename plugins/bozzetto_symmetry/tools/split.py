@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import crossings
 from bozzetto.plugin import Context, Gesture, Ink, Tap, override
@@ -17,8 +17,6 @@ from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.split import cut_at, replace_by_pieces
 from bozzetto_symmetry.solve.picking import Seen, seen_curves
 from bozzetto_symmetry.tools.erase import ErasingTool
-
-Array = NDArray[np.float64]
 
 TOUCH: Final = 12.0
 """How near a curve a touch must be, px."""

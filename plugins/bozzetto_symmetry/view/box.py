@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Shaded
@@ -15,8 +15,6 @@ from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS
 from bozzetto_symmetry.model.box_geometry import box_edges, plane_foot, plane_outline
 from bozzetto_symmetry.model.grid import Grid, grid_in_box, grid_step
 from bozzetto_symmetry.model.state import SymmetryState
-
-Array = NDArray[np.float64]
 
 BOX_TOOL: Final = "box"
 """Id of the tool that shows handles: to any other pen they would only be in the way."""

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array, Index
 from bozzetto.ink import resample, steps_along
 from bozzetto_symmetry.stereo.correspondence import ASTRAY, Heights
 from bozzetto_symmetry.stereo.dynamic_time_warping import first_row, next_row
 from bozzetto_symmetry.stereo.epipolar_signal import Signal, at_stations, differences, spread
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
-
-Array = NDArray[np.float64]
 
 SAMPLES: Final = 160
 """Places along the side that is known."""
@@ -94,7 +93,7 @@ class GrowingCurve:
         self._places = np.zeros((0, 2))
         self._tail = Signal(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
         self._sums = np.zeros((2, SAMPLES))
-        self._sources: list[NDArray[np.intp]] = []
+        self._sources: list[Index] = []
         self._settled: tuple[list[Array], list[Array]] = ([], [])
         self._heights = [Heights(), Heights()]
         self._revised = [np.zeros((0, 3)), np.zeros((0, 3))]

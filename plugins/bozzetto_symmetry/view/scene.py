@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import FLATNESS, flattened
 from bozzetto.ink import resample
 from bozzetto.plugin import remembered
@@ -22,8 +22,6 @@ from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.view.box import box_layers
 from bozzetto_symmetry.view.uncertainty_bands import heat_bands
 from bozzetto_symmetry.view.unmatched_ink import unmatched_ink
-
-Array = NDArray[np.float64]
 
 WIDTH: Final = 2.0
 """Width of a curve, px."""

@@ -9,12 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.ink import arc_length
 from bozzetto.scene import Lines, Paint
 from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.stereo.uncertainty import heat
-
-Array = NDArray[np.float64]
 
 COLORS: Final[tuple[Paint, Paint, Paint]] = ((0, 140, 130), "warning", (200, 52, 60))
 """Well known, doubtful, nearly unknown. The green is bluish, so that people who confuse red and

@@ -6,15 +6,13 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Flags
 from bozzetto.ink import distances_to_polyline
 from bozzetto.plugin import remembered
 from bozzetto_symmetry.ink.polyline import length_of, runs
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
-
-Array = NDArray[np.float64]
 
 LOOSE: Final = 8.0
 """Distance, px, from the pictures of a curve beyond which ink is not part of it: several times
@@ -61,7 +59,7 @@ def _in_view(view: View, points: Array) -> Iterator[Array]:
             yield camera.on_plane(ink, images[image][place], camera.axes[2])
 
 
-def _runs(loose: NDArray[np.bool_]) -> Iterator[slice]:
+def _runs(loose: Flags) -> Iterator[slice]:
     """Yield the stretches of places that are unmatched, a place longer at either side."""
     for begin, end in runs(loose):
         yield slice(max(0, begin - 1), end + 1)

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.scene import Item, Label, Layer, Lines, Paint, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS, receding
@@ -23,8 +24,6 @@ from bozzetto_symmetry.view.box import (
     grid_lines,
     segments,
 )
-
-Array = NDArray[np.float64]
 
 NEAR_CANVAS: Final = 3.0
 """Distance from the middle of the canvas, in its widths, beyond which a vanishing point is not

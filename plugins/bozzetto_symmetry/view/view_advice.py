@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bozzetto.arrays import Array
 from bozzetto.view import Camera, turn
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 from bozzetto_symmetry.stereo.degeneracies import CAUSES, REMEDIES, Case, special_case
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes, point_covariances, sigmas
 
-Array = NDArray[np.float64]
 Level = Literal["good", "warn", "refuse"]
 
 REFUSED: Final = 5.0

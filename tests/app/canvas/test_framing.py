@@ -167,3 +167,54 @@ def test_a_drawing_that_is_watched_keeps_the_view_that_it_was_drawn_in(make_wind
     camera = window.session.view.camera
     assert camera == drawing.camera.with_viewport(*camera.viewport)
     window.replays.stop()
+
+
+def test_a_drawing_on_an_empty_sheet_is_seen_as_it_was_drawn_and_the_next_one_turns_nothing(
+    make_window, settle
+):
+    window = make_window()
+    session = window.session
+    (info,) = [one for one in session.toolbox.modelers if one.id == "bozzetto.symmetry"]
+    drawn_in = read_drawing(info.samples[0]).camera
+    draw_sample(window, settle, "bozzetto.symmetry")
+    assert sees_all(window)
+    np.testing.assert_allclose(session.view.camera.axes, drawn_in.axes, atol=1e-6)
+    session.view.set_camera(FAR.with_viewport(*session.view.camera.viewport))
+    draw_sample(window, settle)
+    assert sees_all(window)
+    np.testing.assert_allclose(session.view.camera.axes, FAR.axes, atol=1e-6)
+
+
+def test_what_has_no_view_of_its_own_is_seen_three_quarter(make_window, settle):
+    window = make_window()
+    draw_sample(window, settle, "bozzetto.product")
+    assert sees_all(window)
+    wanted = standard_view(FIRST_VIEW, "three-quarter").axes
+    np.testing.assert_allclose(window.session.view.camera.axes, wanted, atol=1e-6)
+
+
+def test_the_view_of_a_new_sheet_comes_to_rest(make_window, marks, settle):
+    """What this modeler shows depends on the view: framed again and again, it ran away."""
+    window = make_window("adviser.marks", extra=[marks.package])
+    settle(window.session)
+    shown = []
+    window.session.view.camera_changed.connect(lambda: shown.append(window.session.view.camera))
+    window.session.advice.look()
+    settle(window.session)
+    assert shown == []
+
+
+def test_a_new_sheet_is_seen_from_where_the_modeler_draws_best(make_window, settle):
+    session = make_window().session
+    first = session.view.camera
+    session.toolbox.take_modeler("bozzetto.product")
+    settle(session)
+    assert np.abs(session.view.camera.axes[2]).max() < 0.9  # several sides of the rough box
+    session.toolbox.take_modeler("bozzetto.silhouette")
+    settle(session)
+    assert session.view.camera == first
+    chosen = standard_view(first, "right")
+    session.view.set_camera(chosen)
+    session.toolbox.take_modeler("bozzetto.product")
+    settle(session)
+    assert session.view.camera == chosen  # a person's own choice

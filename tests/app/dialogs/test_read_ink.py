@@ -31,15 +31,19 @@ def test_each_reading_has_a_picture_and_buttons_with_names(qtbot, session, settl
     assert not dialog.state.isVisible()
     names = {button.accessibleName() for button in dialog.findChildren(QPushButton)}
     assert {"New object, read as Symmetry", "Read as Symmetry in its place"} <= names
-    (shown,) = [one for one in dialog.findChildren(QLabel) if not one.pixmap().isNull()]
-    assert "Symmetry" in shown.accessibleName()
+    shown = [one for one in dialog.findChildren(QLabel) if not one.pixmap().isNull()]
+    told = " ".join(one.accessibleName() for one in shown)
+    assert len(shown) == 2
+    assert "Symmetry" in told
+    assert "Product" in told
     assert dialog.width() < 600
 
 
 def test_a_choice_is_taken_and_closes_it(qtbot, session, settle):
     dialog = opened(qtbot, session)
     settle(session)
-    (button,) = [one for one in dialog.findChildren(QPushButton) if one.text() == "In its place"]
+    wanted = "Read as Symmetry in its place"
+    (button,) = [one for one in dialog.findChildren(QPushButton) if one.accessibleName() == wanted]
     button.click()
     assert not dialog.isVisible()
     assert [model.modeler for model in session.drawing.document] == ["bozzetto.symmetry"]

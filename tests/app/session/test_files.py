@@ -20,7 +20,8 @@ from bozzetto.exchange.import_file import read_mesh
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
 from bozzetto_app.session import thumbnail as small_picture
-from bozzetto_app.session.files import LAST_FOLDER, recent_files
+from bozzetto_app.session.files import LAST_FOLDER
+from bozzetto_app.session.recent_files import recent_files
 from bozzetto_app.settings import settings
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER

@@ -13,7 +13,7 @@ from bozzetto_app.session import ink_readings
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER
 
-SILHOUETTE, SYMMETRY = "bozzetto.silhouette", "bozzetto.symmetry"
+SILHOUETTE, SYMMETRY, PRODUCT = "bozzetto.silhouette", "bozzetto.symmetry", "bozzetto.product"
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def readings_of(session, settle, ink=None):
 
 
 def test_only_what_succeeds_is_offered_and_not_the_modeler_itself(drawn, settle):
-    assert set(readings_of(drawn, settle)) == {SYMMETRY, MODELER}
+    assert set(readings_of(drawn, settle)) == {SYMMETRY, PRODUCT, MODELER}
     assert [notice.kind for notice in drawn.heard if notice.kind in ("error", "fault")] == []
 
 
@@ -166,5 +166,5 @@ def test_when_nobody_looks_any_more_nobody_is_asked(drawn, settle, boxes, qtbot)
 
 def test_a_fault_is_told_and_the_others_are_offered(drawn, settle, boxes):
     boxes.misdeeds["read_drawing"] = lambda drawing, context: 1 / 0
-    assert set(readings_of(drawn, settle)) == {SYMMETRY}
+    assert set(readings_of(drawn, settle)) == {SYMMETRY, PRODUCT}
     assert [notice.kind for notice in drawn.heard].count("fault") == 1

@@ -7,7 +7,7 @@ import pytest
 
 from bozzetto.ink import Strokes
 from bozzetto.ink.drawing import Drawing
-from bozzetto_app.session.replay import Replay
+from bozzetto_app.session.replay import Replay, Replays
 from tests.app.tablet import Stylus, circle, stroke_of
 from tests.app.troublemaker import MODELER
 
@@ -94,7 +94,7 @@ def test_every_sample_drawing_makes_sound_solids_when_watched(make_window, settl
             if (
                 window.replays.current is not None
             ):  # marks on a picture have no strokes to be watched
-                with qtbot.waitSignal(window.replays.finished, timeout=60_000):
+                with qtbot.waitSignal(window.replays.finished, timeout=400_000):
                     pass
             settle(session, window.keeper)
             assert [n.text for n in session.heard if n.kind in ("error", "fault")] == []
@@ -121,3 +121,29 @@ def test_a_hand_or_another_document_stops_it(make_window, boxes, settle, qtbot, 
     qtbot.wait(300)
     assert sum(len(model.state.strokes) for model in window.session.drawing.document) == count
     assert count == (1 if by == "hand" else 0)
+
+
+def test_steps_make_what_they_make_without_a_window(make_session, settle, qtbot, tmp_path):
+    from bozzetto.exchange.import_file import read_drawing
+    from tests.plugins.product.test_product_ink import RECTANGLE, built
+
+    steps = [{"set": {"mirror": False}}, *RECTANGLE, {"rename": "Last"}, {"command": "hide-rough"}]
+    _, expected = built(tmp_path, steps)
+    drawing = read_drawing(tmp_path / "ink.json")
+    session = make_session("bozzetto.product")
+    replays = Replays(session)
+    replays.speed = FAST
+    seen = []
+    replays.inked.connect(lambda stroke: seen.append(0 if stroke is None else len(stroke)))
+    with qtbot.waitSignal(replays.finished, timeout=60_000):
+        replays.play(drawing)
+    settle(session)
+    (model,) = session.drawing.document.models
+    assert model.state.joints == expected.state.joints
+    pairs = zip(model.state.nodes, expected.state.nodes, strict=True)
+    assert all(ours.name == theirs.name for ours, theirs in pairs)
+    for ours, theirs in zip(model.state.nodes[1:5], expected.state.nodes[1:5], strict=True):
+        assert (ours.spline.control_points == theirs.spline.control_points).all()
+    assert seen.count(len(drawing.strokes[0])) >= 1
+    assert session.drawing.history.position > len(RECTANGLE)
+    replays.stop()

@@ -120,6 +120,9 @@ def test_the_button_turns_the_view(make_window, marks, settle, qtbot):
     window = make_window(MODELER, extra=[marks.package])
     session = window.session
     settle(session)
+    assert not window.canvas.light.button.isVisible(), "a new sheet is seen from there"
+    window.actions_.run("view.front")
+    settle(session)
     assert window.canvas.light.button.isVisible()
     window.actions_.run("view.better")
     settle(session)

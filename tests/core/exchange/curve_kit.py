@@ -191,7 +191,17 @@ class Step:
         for _, (_, (style,), item) in self.of("STYLED_ITEM"):
             if item == number:
                 (line,) = self.instances[style]["PRESENTATION_STYLE_ASSIGNMENT"][0]
-                tint = self.instances[line]["CURVE_STYLE"][3]
+                look = self.instances[line]
+                if "CURVE_STYLE" in look:
+                    tint = look["CURVE_STYLE"][3]
+                else:
+                    for step in ("SURFACE_STYLE_USAGE", "SURFACE_SIDE_STYLE"):
+                        following = look[step][1]
+                        number = following[0] if isinstance(following, list) else following
+                        look = self.instances[number]
+                    area = self.instances[look["SURFACE_STYLE_FILL_AREA"][0]]
+                    ((filling,),) = (area["FILL_AREA_STYLE"][1],)
+                    tint = self.instances[filling]["FILL_AREA_STYLE_COLOUR"][1]
                 return tuple(round(255 * v) for v in self.instances[tint]["COLOUR_RGB"][1:])
         return None
 

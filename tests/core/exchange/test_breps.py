@@ -5,6 +5,9 @@ The tests marked "interop" give them to OpenCASCADE and Gmsh (see `test_surfaces
 
 from __future__ import annotations
 
+import io
+import re
+import zipfile
 from dataclasses import replace
 from math import pi
 from types import SimpleNamespace
@@ -24,6 +27,7 @@ from bozzetto.geometry import (
     BSplineSurface,
     Curve,
     Face,
+    FaceGroup,
     Mesh,
     ParameterCurve,
     Placement,
@@ -577,3 +581,113 @@ def test_an_author_puts_a_face_together():
         trims.append(Trim(number, forward, path))
     made = Brep(whole.edges, (Face(surface, (tuple(trims),)),))
     assert step(Shapes(breps=(made,))) == step(Shapes(breps=(whole,)))
+
+
+# -- faces with names and colours of their own -----------------------------------------------------
+
+SHADES = tuple((40 * k, 255 - 40 * k, 7 * k) for k in range(6))
+
+
+def painted_box(closed=True):
+    whole = box(name="Box")
+    faces = tuple(
+        replace(face, name=f"side {k}", color=shade if k else None)
+        for k, (face, shade) in enumerate(zip(whole.faces, SHADES, strict=True))
+    )
+    made = replace(whole, faces=faces, color=RED)
+    return made if closed else sewn([Brep(*_one_face(made, k)) for k in range(5)], "Open", RED)
+
+
+def _one_face(brep, k):
+    face = brep.faces[k]
+    used = sorted({trim.edge for trim in face.trims})
+    loops = tuple(
+        tuple(replace(trim, edge=used.index(trim.edge)) for trim in loop) for loop in face.loops
+    )
+    return tuple(brep.edges[e] for e in used), (replace(face, loops=loops),)
+
+
+def shade_of(k):
+    return SHADES[k] if k else RED
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_obj_has_a_group_for_every_face_over_shared_vertices(closed):
+    text = encode_shapes(Shapes(breps=(painted_box(closed),)), "a.obj").decode()
+    count = 6 if closed else 5
+    assert [line for line in text.splitlines() if line.startswith("g ")] == [
+        f"g side_{k}" for k in range(count)
+    ]
+    assert sum(line.startswith("v ") for line in text.splitlines()) == 8
+    for piece in text.split("g side_")[1:]:
+        corners = {int(word) for line in piece.splitlines()[1:] for word in line.split()[1:]}
+        assert len(corners) == 4
+
+
+def test_glb_has_a_material_for_every_face():
+    trimesh = pytest.importorskip("trimesh")
+    data = encode_shapes(Shapes(breps=(painted_box(),)), "a.glb")
+    scene = trimesh.load_scene(file_obj=trimesh.util.wrap_as_stream(data), file_type="glb")
+    linear = {}
+    for mesh in scene.geometry.values():
+        material = mesh.visual.material
+        assert len(mesh.faces) == 2
+        linear[material.name] = np.asarray(material.baseColorFactor, float)[:3] / 255
+    wanted = {f"side {k}": np.asarray(shade_of(k)) / 255 for k in range(6)}
+    assert linear.keys() == wanted.keys()
+    for name, shade in wanted.items():
+        np.testing.assert_allclose(linear[name], shade**2.2, atol=0.03)
+
+
+def test_3mf_has_the_colour_of_its_face_on_every_triangle():
+    data = encode_shapes(Shapes(breps=(painted_box(),)), "a.3mf")
+    with zipfile.ZipFile(io.BytesIO(data)) as package:
+        model = package.read("3D/3dmodel.model").decode()
+    palette = re.findall(r'<m:color color="#(......)FF"/>', model)
+    used = re.findall(r'<triangle [^>]*p1="(\d+)" p2="(\d+)" p3="(\d+)"', model)
+    shades = [palette[int(a)] for a, b, c in used if a == b == c]
+    wanted = ["{:02X}{:02X}{:02X}".format(*shade_of(k)) for k in range(6) for _ in range(2)]
+    assert sorted(shades) == sorted(wanted)
+
+
+def test_step_and_iges_name_and_paint_every_face():
+    shapes = Shapes(breps=(painted_box(),))
+    file = Step(step(shapes))
+    painted = {face[0]: file.color(number) for number, face in file.of("ADVANCED_FACE")}
+    assert painted == {f"side {k}": shade_of(k) for k in range(6)}
+    text = iges(shapes).decode()
+    assert all(f"side {k}" in text for k in range(6))
+
+
+def test_faces_keep_names_and_colours_where_they_are_moved_mirrored_and_sewn():
+    mirror = Placement((1, 0, 0, 0, -1, 0, 0, 0, 1), 2.0, (1.0, 2.0, 3.0))
+    for made in (painted_box().placed(mirror), painted_box(False), sewn([painted_box()])):
+        told = {(face.name, face.color or RED) for face in made.faces}
+        assert told <= {(f"side {k}", shade_of(k)) for k in range(6)}
+        assert len(told) >= 5
+
+
+def test_groups_hold_all_triangles_and_colours_are_three_bytes():
+    mesh = brep_mesh(box())
+    with pytest.raises(ValueError, match="all triangles"):
+        Solid(mesh, groups=(FaceGroup("a", 3),))
+    for color in ((1, 2), (1, 2, 300), "red", (0.5, 0.5, 0.5)):
+        part = Solid(mesh, groups=(FaceGroup("a", len(mesh.faces), color),))
+        with pytest.raises(Unsound, match="colour"):
+            sound_shapes(Shapes(solids=(part,)))
+
+
+def test_the_exact_form_of_a_part_goes_by_the_name_and_colour_of_the_part():
+    part = Solid(brep_mesh(box()), "Lid", RED, exact=box(name="anything"))
+    file = Step(step_of(part))
+    assert {face[0] for _, face in file.of("ADVANCED_FACE")} == {"Lid"}
+    assert {file.color(number) for number, _ in file.of("ADVANCED_FACE")} == {RED}
+
+
+def step_of(part):
+    return encode_shapes(Shapes(solids=(part,)), "a.step")
+
+
+def test_an_exact_form_that_is_none_is_refused():
+    with pytest.raises(Unsound, match="exact form"):
+        sound_shapes(Shapes(solids=(Solid(brep_mesh(box()), exact="a box"),)))

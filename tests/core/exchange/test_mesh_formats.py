@@ -13,7 +13,7 @@ import pytest
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.export import export
 from bozzetto.exchange.import_file import read_mesh
-from bozzetto.geometry import Mesh, Shapes, Solid, Surface
+from bozzetto.geometry import FaceGroup, Mesh, Shapes, Solid, Surface
 
 BOTH = ["stl", "glb", "obj", "ply"]
 
@@ -93,6 +93,24 @@ def test_glb_keeps_names_part_colours_and_the_difference_of_solid_and_skin(tmp_p
     back = read_mesh(path)
     assert [(s.name, s.color) for s in back.solids] == [("Körper <1>", (212, 80, 47)), ("b", None)]
     assert [s.name for s in back.surfaces] == ["skin"]
+
+
+def test_glb_tells_what_groups_are_made_of(tmp_path):
+    """Materials as glTF 2.0 has them: only metal is metallic, only glass lets light through."""
+    names = ("matt", "gloss", "rubber", "metal", "glass")
+    groups = tuple(FaceGroup(name, 12, (200, 60, 40), name) for name in names)
+    boxes = [box(at=(20.0 * k, 0, 0)) for k in range(len(names))]
+    faces = np.vstack([one.faces + 8 * k for k, one in enumerate(boxes)])
+    mesh = Mesh(np.vstack([one.vertices for one in boxes]), faces)
+    export(Shapes(solids=(Solid(mesh, groups=groups),)), path := tmp_path / "a.glb")
+    data = path.read_bytes()
+    told = json.loads(data[20 : 20 + struct.unpack_from("<I", data, 12)[0]])["materials"]
+    made = {one["name"]: one["pbrMetallicRoughness"] for one in told}
+    rough = [made[name]["roughnessFactor"] for name in ("glass", "gloss", "matt", "rubber")]
+    assert rough == sorted(rough)
+    assert [name for name in names if made[name]["metallicFactor"] == 1.0] == ["metal"]
+    assert [one["name"] for one in told if one.get("alphaMode") == "BLEND"] == ["glass"]
+    assert {name for name in names if made[name]["baseColorFactor"][3] < 1.0} == {"glass"}
 
 
 def test_glb_is_y_up_and_in_metres(tmp_path):

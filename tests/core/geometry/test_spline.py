@@ -165,3 +165,29 @@ def test_the_hand_over_is_clamped_and_the_same_curve(spline):
 def test_what_is_no_spline_is_refused(knots, points):
     with pytest.raises(ValueError, match=r"."):
         Spline(knots, points)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_cut_off_a_knot_by_rounding_cuts_at_the_knot(closed):
+    points = np.random.default_rng(5).normal(size=(9, 3))
+    spline = Spline.uniform(points, closed=closed)
+    begin, end = spline.range
+    knot = float(spline.knots[6])
+    assert begin < knot < end
+    exact = spline.split(knot, 0.9 * end)
+    for off in (np.nextafter(knot, begin), np.nextafter(knot, end)):
+        pieces = spline.split(off, 0.9 * end)
+        assert len(pieces) == len(exact)
+        for piece, same in zip(pieces, exact, strict=True):
+            np.testing.assert_array_equal(piece.knots, same.knots)
+            np.testing.assert_array_equal(piece.control_points, same.control_points)
+        assert min(np.diff(np.unique(piece.knots)).min() for piece in pieces) > 1e-6
+
+
+def test_a_cut_at_the_seam_by_rounding_is_one_cut():
+    ring = Spline.uniform(np.random.default_rng(6).normal(size=(8, 2)), closed=True)
+    begin, end = ring.range
+    (once,) = ring.split(begin)
+    (again,) = ring.split(np.nextafter(end, begin))
+    np.testing.assert_array_equal(once.control_points, again.control_points)
+    assert len(ring.split(np.nextafter(end, begin), begin, 0.4 * end)) == 2

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import minimum_filter
 
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import LIGHT, Image, Lines, Shaded
@@ -96,6 +97,8 @@ def widest_step(place, axis):
 
 
 @given(st.integers(0, 10**6))
+@example(814)  # a pixel at a corner that shows a fifth of the picture across
+@example(849)
 @example(79503)  # strong perspective: one side of a pixel shows more than the other
 @settings(max_examples=60, deadline=None)
 def test_every_pixel_shows_what_its_rays_meet(seed):
@@ -112,8 +115,13 @@ def test_every_pixel_shows_what_its_rays_meet(seed):
     # over as much as a pixel shows of it, a picture may be blurred
     blur = sum(widest_step(place, axis) for axis in (0, 1))
     whole = (colors[..., 3] == 255) & np.isfinite(blur).all(-1)
-    wrong = np.abs(colors[whole, :2] - 255 * place[whole])
-    assert (wrong <= 4 + 255 * blur[whole]).all()
+    wrong = np.abs(colors[..., :2] - 255 * place)
+    inside = minimum_filter(whole, 3, mode="constant")
+    assert (wrong[inside] <= 4 + 255 * blur[inside]).all()
+    # at the border one side of a pixel's share is missing, by a texel and by the wider of both ways
+    border = whole & ~inside
+    widest = (blur * (96, 64)).max(-1, keepdims=True) / (96, 64)
+    assert (wrong[border] <= 8 + 255 * widest[border]).all()
 
 
 @given(st.floats(0.05, 60), st.floats(0.05, 60), st.floats(0, 180), st.floats(-2, 2))

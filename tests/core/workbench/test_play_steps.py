@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bozzetto.document.storage.bozz_file import read_document
-from bozzetto.errors import UserError
+from bozzetto.errors import Cancelled, UserError
 from bozzetto.exchange.ink.ink_json import write_drawing
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.ink.steps import (
@@ -26,6 +26,7 @@ from bozzetto.ink.steps import (
     ShowStep,
     TapStep,
 )
+from bozzetto.plugin import Job
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen, Shell
 from bozzetto.view import Camera
@@ -186,3 +187,20 @@ def test_the_command_line_takes_steps_and_values_of_parts(tmp_path, monkeypatch,
         assert main(args) == 2
         assert words in capsys.readouterr().err
         assert not Path("y.stl").exists()
+
+
+def test_steps_are_told_and_end_when_nobody_waits(shell):
+    told = []
+    made = drawing(LINES, *GESTURES)
+    shell.workbench.sources.from_drawing(
+        "example.ribbon",
+        made,
+        {},
+        job=Job(progress=lambda share, words: told.append((share, words))),
+    )
+    assert [words for _, words in told] == [f"Step {k} of 4" for k in (1, 2, 3, 4)]
+    assert [share for share, _ in told] == [0.0, 0.25, 0.5, 0.75]
+    asked = []
+    enough = Job(cancelled=lambda: bool(asked.append(1)) or len(asked) > 2)
+    with pytest.raises(Cancelled):
+        shell.workbench.sources.from_drawing("example.ribbon", made, {}, job=enough)

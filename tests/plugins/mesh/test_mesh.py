@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bozzetto.document.storage.state_codec import decode_state, encode_state
-from bozzetto.geometry import Mesh, Shapes, Solid, Surface
+from bozzetto.geometry import Mesh, Placement, Shapes, Solid, Surface, cylinder, ruled_surface
 from bozzetto.plugin import Job
 from bozzetto.scene import Shaded
 from bozzetto.testing import ModelerContract, Pen, Shell, same
@@ -41,6 +41,14 @@ def test_what_was_closed_stays_closed() -> None:
     handed = ImportedMesh().shapes(state, ImportedMesh().solve(state, Job()))
     assert [s.mesh for s in handed.solids] == [s.mesh for s in GIVEN.solids]
     assert [s.mesh for s in handed.surfaces] == [s.mesh for s in GIVEN.surfaces]
+
+
+def test_exact_surfaces_come_as_meshes() -> None:
+    can = cylinder((0, 0, 0), (0, 0, 10), 4.0)
+    open_side = ruled_surface(can.edges[0], can.edges[0].placed(Placement(offset=(0, 0, 3))))
+    state = ImportedMesh().read_shapes(Shapes(breps=(can, open_side)))
+    assert state.closed == (True, False)
+    np.testing.assert_allclose(state.meshes[0].bounds, [(-4, -4, 0), (4, 4, 10)], atol=0.01)
 
 
 def test_a_stored_state_comes_back_as_it_was() -> None:

@@ -54,7 +54,7 @@ def test_a_ragged_outline_of_thousands_of_corners_gives_a_solid() -> None:
     assert solid.soundness.ok
 
 
-@pytest.mark.slow
+@pytest.mark.quiet
 @pytest.mark.parametrize("kind", ["in", "out", "smooth", "ragged", "rough", "wild"])
 def test_no_ink_takes_longer_than_a_person_waits(kind: str) -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 200)

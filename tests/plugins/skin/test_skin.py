@@ -12,7 +12,7 @@ import pytest
 from bozzetto.document.storage.state_codec import decode_state, encode_state
 from bozzetto.errors import Cancelled, UserError
 from bozzetto.exchange.mesh.manifold_check import check_solid
-from bozzetto.geometry import Curve, Mesh, Patchwork, Shapes, Skeleton, Solid
+from bozzetto.geometry import Curve, Mesh, Patchwork, Shapes, Skeleton, Solid, cylinder
 from bozzetto.plugin import Job
 from bozzetto.testing import ModelerContract, Pen, Shell, same
 from bozzetto_skin.modeler import RoughSkin, SkinState
@@ -63,6 +63,13 @@ def test_edges_of_patches_are_curves() -> None:
     assert [line[[0, -1]].tolist() for line in lines] == [
         e[[0, 3]].tolist() for e in patchwork.edges
     ]
+
+
+def test_edges_of_breps_are_curves() -> None:
+    lines = polylines(Shapes(breps=(cylinder((0, 0, 0), (0, 0, 10), 4.0),)))
+    points = np.concatenate(lines)
+    np.testing.assert_allclose(np.linalg.norm(points[:, :2], axis=1), 4.0, rtol=1e-12)
+    assert set(np.unique(points[:, 2])) >= {0.0, 10.0}
 
 
 @pytest.mark.parametrize(

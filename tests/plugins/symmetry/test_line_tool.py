@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -83,17 +80,3 @@ def test_the_eraser_takes_a_line_away() -> None:
 def test_what_is_no_ink_is_refused() -> None:
     with pytest.raises(UserError, match=TOOL.hint):
         TOOL.apply(STATE, Tap(1.0, 2.0, CAMERA), Context())
-
-
-def test_a_step_is_quick_enough_to_follow_the_pen() -> None:
-    lines = tuple(
-        Line(id=f"l{k}", begin=(-90.0 + k, -40.0, -40.0), end=(-90.0 + k, 40.0, 40.0))
-        for k in range(100)
-    )
-    state = replace(STATE, nodes=lines)
-    begun = []
-    for _ in range(5):
-        start = time.process_time()
-        preview_of(TOOL, state, Ink((UP,)), Context())
-        begun.append(time.process_time() - start)
-    assert min(begun) < 0.02

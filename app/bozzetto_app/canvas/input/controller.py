@@ -79,6 +79,8 @@ class Hand(QObject):
     aimed : QPointF; aim_ended
         A place is being sought that must be met exactly; no longer.
     ink_began, mode_changed
+    touched : Tap
+        The tool draws, and the pen has gone nowhere.
     came_to_nothing : str
         A press was let go, and it was none of the gestures that mean something: "turn", "tap"
         or "stroke" says what it was taken for.
@@ -92,6 +94,7 @@ class Hand(QObject):
     aim_ended = Signal()
     ink_began = Signal()
     mode_changed = Signal()
+    touched = Signal(object)
     came_to_nothing = Signal(str)
 
     def __init__(self, session: Session, overlay: InkOverlay) -> None:
@@ -392,7 +395,9 @@ class Hand(QObject):
             self.menu_released.emit(outcome is Outcome.FLICK)
         elif was_recording:
             self._session.gestures.cancel()
-        if outcome is Outcome.NOTHING and (mode is not Mode.NAVIGATING or travel < TAP_TRAVEL):
+        if outcome is Outcome.NOTHING and mode is Mode.INKING and press is not None:
+            self.touched.emit(self._tap(press.x, press.y, press))
+        elif outcome is Outcome.NOTHING and (mode is not Mode.NAVIGATING or travel < TAP_TRAVEL):
             self.came_to_nothing.emit(_MEANT.get(mode, "stroke"))
         self.mode_changed.emit()
 

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera, Point
 
 __all__ = ["EDGE", "FACES", "Face", "SeenFace", "direction_at", "patch", "seen_faces"]
 
-Array = NDArray[np.float64]
 
 EDGE: Final = 0.62
 """Where on a face (0 middle, 1 rim) the edges and corners of the cube begin."""

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.display_list import Image, Layer, Lines, Points, Shaded
 from bozzetto.scene.palette import Palette
+from bozzetto.scene.renderer.highlights import SHEENS
 from bozzetto.scene.renderer.normals import corner_normals, mean_curvature
-from bozzetto.scene.renderer.shading import Shading, curvature_colors
+from bozzetto.scene.renderer.shading import Shading, curvature_colors, draft_colors
 from bozzetto.scene.renderer.surfaces import is_polished
 
 __all__ = [
@@ -57,8 +58,18 @@ def _rgba(color: tuple[int, int, int], opacity: float) -> Floats:
     return np.array((*(part / 255.0 for part in color), opacity), np.float32)
 
 
+def _finish(item: Shaded, shading: Shading) -> int:
+    if is_polished(item, shading):
+        return 1
+    sheen = shading == "clay" and item.finish in SHEENS
+    return 2 + list(SHEENS).index(item.finish) if sheen else 0
+
+
 def surface(items: Sequence[Shaded], palette: Palette, shading: Shading = "clay") -> Batch:
-    """Meshes: place 3, normal 3, matter 2 (own colour, polished: 0 or 1), colour 4.
+    """Meshes: place 3, normal 3, matter 2, colour 4.
+
+    Matter is whether a mesh has colours of its own, and its finish: 1 is polished, and finishes
+    with a sheen follow in their order.
 
     Vertices are split only at creases.
     """
@@ -71,7 +82,7 @@ def surface(items: Sequence[Shaded], palette: Palette, shading: Shading = "clay"
         block[:, :3] = mesh.vertices[vertex]
         block[:, 3:6] = normal
         block[:, 6] = colors is not None
-        block[:, 7] = is_polished(item, shading)
+        block[:, 7] = _finish(item, shading)
         if colors is not None:
             block[:, 8:] = colors[vertex].astype(np.float32) / np.float32(255.0)
             block[:, 11] *= item.opacity
@@ -98,6 +109,8 @@ def _split(mesh: Mesh) -> tuple[NDArray[np.intp], Floats, Indices]:
 def _vertex_colors(item: Shaded, palette: Palette, shading: Shading) -> NDArray[np.generic] | None:
     if shading == "curvature":
         return curvature_colors(mean_curvature(item.mesh), palette)
+    if shading == "draft":
+        return draft_colors(item.mesh.vertex_normals(), palette)
     return item.mesh.colors_over(palette.color(item.color))
 
 

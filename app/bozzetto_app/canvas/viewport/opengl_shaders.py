@@ -8,8 +8,8 @@ import numpy as np
 from OpenGL import GL
 from OpenGL.GL import shaders
 
+from bozzetto.scene.renderer import highlights, zebra
 from bozzetto.scene.renderer import shading as matter
-from bozzetto.scene.renderer import zebra
 from bozzetto.scene.renderer.lines_and_points import DASH, GAP
 from bozzetto.scene.renderer.surfaces import XRAY_INK, XRAY_LEAST, XRAY_MOST
 
@@ -74,6 +74,17 @@ vec3 ramp(vec3 base, float light, vec3 share) {
     float over = clamp((light - 0.86) / (%(BRIGHTEST)s - 0.86), 0.0, 1.0);
     return dark + (bright - dark) * over * over;
 }
+float within(float sine, float half_) {
+    return smoothstep(-%(SOFT)s, %(SOFT)s, half_ - abs(sine));
+}
+vec3 mirrored(vec3 base, vec3 normal, float facing, vec4 sheen) {
+    vec3 way = vec3(2.0 * normal.z * normal.xy, 2.0 * normal.z * normal.z - 1.0);
+    float lamp = within(dot(way, vec3(%(ALONG)s)), %(HALF_LENGTH)s);
+    lamp *= within(dot(way, vec3(%(OVER)s)), %(HALF_HEIGHT)s);
+    if (dot(way, vec3(%(LAMP)s)) <= 0.0) lamp = 0.0;
+    float light = clamp(sheen.y * lamp + sheen.z * pow(1.0 - facing, 5.0), 0.0, 1.0);
+    return mix(base * sheen.x, mix(vec3(1.0), base, sheen.w), light);
+}
 void main() {
     if (u_swell > 0.0) { COLOR = vec4(u_ink, u_opacity); return; }
     vec3 normal = length(v_normal) > 0.0 ? normalize(v_normal) : vec3(0.0, 0.0, 1.0);
@@ -89,12 +100,18 @@ void main() {
     vec3 color;
     if (u_shading == 3) {
         color = 0.5 * normal + 0.5;
-    } else if (v_matter.y > 0.5) {
+    } else if (v_matter.y > 0.5 && v_matter.y < 1.5) {
         color = stripes(v_color.rgb, normal, sight) * ramp(vec3(1.0), light, vec3(%(SHADOW)s));
     } else if (v_matter.x > 0.5) {
         color = v_color.rgb * ramp(vec3(1.0), light, vec3(%(HOLLOW_SHADOW)s));
     } else {
         color = ramp(v_color.rgb, light, vec3(%(HOLLOW_SHADOW)s));
+    }
+    if (v_matter.y > 1.5 && u_shading == 0 && !inside) {
+        vec4 sheen = vec4(%(GLOSS)s);
+        if (v_matter.y > 2.5) sheen = vec4(%(RUBBER)s);
+        if (v_matter.y > 3.5) sheen = vec4(%(METAL)s);
+        color = mirrored(color, normal, facing, sheen);
     }
     float opacity = v_color.a * u_opacity;
     if (u_shading == 4) {
@@ -223,6 +240,11 @@ LIGHT: Final = {
     "WHITE": ", ".join(str(part / 255.0) for part in zebra.WHITE),
     "BLACK": ", ".join(str(part / 255.0) for part in zebra.BLACK),
     "TINT": zebra.TINT,
+    "SOFT": highlights.SOFT,
+    "HALF_LENGTH": highlights.HALF_LENGTH,
+    "HALF_HEIGHT": highlights.HALF_HEIGHT,
+    **{name: ", ".join(map(str, row)) for name, row in highlights.lamp_frame().items()},
+    **{name.upper(): ", ".join(map(str, sheen)) for name, sheen in highlights.SHEENS.items()},
 }
 
 _SOURCES: Final = {

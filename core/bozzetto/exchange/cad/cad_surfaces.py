@@ -1,4 +1,4 @@
-"""Exact surfaces as every reader takes them, and as triangles where a format holds no others."""
+"""Exact surfaces as every reader takes them."""
 
 from __future__ import annotations
 
@@ -18,10 +18,8 @@ from bozzetto.exchange.cad.cad_curves import (
 from bozzetto.exchange.limits import MAX_CONTROL_POINTS, MAX_COORDINATE
 from bozzetto.geometry.brep.brep import Brep
 from bozzetto.geometry.brep.patchwork_brep import brep_of_patchwork
-from bozzetto.geometry.brep.tessellation import brep_mesh
 from bozzetto.geometry.curve import Curve
-from bozzetto.geometry.patches.tessellation import tessellated
-from bozzetto.geometry.shapes import Shapes, Solid, Surface
+from bozzetto.geometry.shapes import Shapes
 
 
 def checked_breps(shapes: Shapes) -> tuple[Brep, ...]:
@@ -110,19 +108,3 @@ def _refuse_short(name: str, edges: Iterable[Array]) -> None:
 def is_line(curve: Curve) -> bool:
     """Whether a curve is one straight line, evenly run."""
     return curve.degree == 1 and len(curve.control_points) == 2 and curve.weights is None
-
-
-def with_meshes(shapes: Shapes) -> Shapes:
-    """Return shapes for formats that hold triangles only: solids where exact ones are closed."""
-    skins = tuple(Surface(tessellated(p), p.name, p.color) for p in shapes.patchworks)
-    meshes = [(b, brep_mesh(b)) for b in shapes.breps]
-    return replace(
-        shapes,
-        solids=shapes.solids
-        + tuple(Solid(mesh, b.name, b.color) for b, mesh in meshes if b.is_closed),
-        surfaces=shapes.surfaces
-        + skins
-        + tuple(Surface(mesh, b.name, b.color) for b, mesh in meshes if not b.is_closed),
-        patchworks=(),
-        breps=(),
-    )

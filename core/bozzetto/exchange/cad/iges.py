@@ -85,13 +85,13 @@ def write_shapes(shapes: Shapes) -> bytes:
 
 def _add_face(file: _File, face: Face, brep: Brep) -> int:
     """Add a face: its surface alone, or trimmed by curves in its parameters and in space."""
-    name = face.name or brep.name
+    name, color = face.name or brep.name, face.color or brep.color
     if face.is_whole:
-        return file.add_named(SURFACE, _surface_parameters(face.surface), name, brep.color)
+        return file.add_named(SURFACE, _surface_parameters(face.surface), name, color)
     surface = file.add(SURFACE, list(_surface_parameters(face.surface)), status=DEPENDENT)
     bounds = [_add_bound(file, loop, brep, surface) for loop in face.loops]
     values = (str(surface), "1", str(len(bounds) - 1), *map(str, bounds))
-    return file.add_named(TRIMMED, values, name, brep.color)
+    return file.add_named(TRIMMED, values, name, color)
 
 
 def _add_bound(file: _File, loop: Loop, brep: Brep, surface: int) -> int:

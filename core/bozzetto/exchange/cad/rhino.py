@@ -52,7 +52,7 @@ def write_shapes(shapes: Shapes) -> bytes:
         whole = all(face.is_whole for face in brep.faces)
         meshes = (None,) * len(brep.faces) if whole else face_meshes(brep)
         for face, mesh in zip(brep.faces, meshes, strict=True):
-            look = _look(rhino, face.name or brep.name, brep.color)
+            look = _look(rhino, face.name or brep.name, face.color or brep.color)
             look.AddToGroup(number)
             if mesh is None or face.is_whole:
                 model.Objects.AddSurface(_surface(rhino, face.surface), look)

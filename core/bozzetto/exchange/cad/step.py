@@ -52,7 +52,10 @@ def write_shapes(shapes: Shapes) -> bytes:
         solids, models = _shells(file, brep, faces)
         bodies += solids
         sheets += models
-        painted += [(face, brep.color, True) for face in faces]
+        painted += [
+            (face, made.color or brep.color, True)
+            for face, made in zip(faces, brep.faces, strict=True)
+        ]
     for kind, items in (("ADVANCED_BREP", bodies), ("MANIFOLD_SURFACE", sheets)):
         if items:
             shape = file.add(

@@ -5,6 +5,7 @@ Only what the file itself holds is read: no links, no compression extensions.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.color import WHITE, linear_to_srgb, srgb_to_linear
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
+from bozzetto.exchange.mesh.face_groups import proper_groups
+from bozzetto.exchange.mesh.gltf_motion import animation, rigid_motions
 from bozzetto.exchange.mesh.gltf_scene import (
     TRIANGLES,
     Accessor,
@@ -31,12 +34,21 @@ from bozzetto.exchange.mesh.gltf_texture import SAMPLER, corners_of, picture_fil
 from bozzetto.exchange.mesh.polygons import check_places, checked_mesh, without_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
-from bozzetto.geometry.shapes import Shapes, Solid, Surface
+from bozzetto.geometry.shapes import FaceGroup, Finish, Shapes, Solid, Surface
 from bozzetto.json_size import MAX_VALUES, json_values
 
 MAGIC: Final = b"glTF"
 JSON_CHUNK: Final = 0x4E4F534A
 BIN_CHUNK: Final = 0x004E4942
+
+LOOKS: Final[dict[Finish, tuple[float, float, float]]] = {
+    "matt": (0.0, 0.8, 1.0),
+    "gloss": (0.0, 0.15, 1.0),
+    "rubber": (0.0, 0.95, 1.0),
+    "metal": (1.0, 0.3, 1.0),
+    "glass": (0.0, 0.05, 0.45),
+}
+"""How metallic, rough and opaque a material is, by its finish."""
 
 AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """Rows: glTF's x, y (up) and z from our x, y and z (up)."""
@@ -68,11 +80,45 @@ HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform")
 # -- writing -------------------------------------------------------------------------------
 
 
-def write_shapes(shapes: Shapes) -> bytes:
-    """Write GLB with one node, mesh and material per part.
+def write_motion(frames: Sequence[Shapes], seconds: Sequence[float]) -> bytes:
+    """Write GLB of parts that move rigidly, with an animation of their nodes.
+
+    Parameters
+    ----------
+    frames : sequence of Shapes
+        The same parts at each time.
+    seconds : sequence of float
+        These times, growing.
+
+    Raises
+    ------
+    UserError
+        If parts come, go, or change their shape.
+    """
+    drawn = [_drawn(frame) for frame in frames]
+    return write_shapes(drawn[0], motions=rigid_motions(drawn), seconds=seconds)
+
+
+def _drawn(shapes: Shapes) -> Shapes:
+    """Return the parts of which there is anything to write."""
+    parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
+    return Shapes(
+        solids=tuple(part for part in parts if isinstance(part, Solid)),
+        surfaces=tuple(part for part in parts if isinstance(part, Surface)),
+    )
+
+
+def write_shapes(
+    shapes: Shapes,
+    *,
+    motions: Sequence[Sequence[Placement]] = (),
+    seconds: Sequence[float] = (),
+) -> bytes:
+    """Write GLB with one node and mesh per part, and a material for it or each of its groups.
 
     A texture takes the place of vertex colours, which glTF would multiply with it. A solid with
-    a skin is written at rest, and its joints as they are turned.
+    a skin is written at rest, and its joints as they are turned. Motions say where each part is at
+    each time, as seen from where it is written.
     """
     parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
     blob = bytearray()
@@ -91,7 +137,8 @@ def write_shapes(shapes: Shapes) -> bytes:
         accessors.append({**accessor, "count": len(values), **more})
         return len(accessors) - 1
 
-    meshes, materials, nodes = [], [], []
+    meshes, nodes = [], []
+    materials: list[dict[str, Any]] = []
     images: list[dict[str, Any]] = []
     skins: list[dict[str, Any]] = []
     joint_nodes: list[dict[str, Any]] = []
@@ -120,15 +167,22 @@ def write_shapes(shapes: Shapes) -> bytes:
             component = UNSIGNED_BYTE if joints.itemsize == 1 else UNSIGNED_SHORT
             attributes["JOINTS_0"] = put(joints, "VEC4", component, ARRAY_BUFFER)
             attributes["WEIGHTS_0"] = put(weights, "VEC4", FLOAT, ARRAY_BUFFER)
-        indices = put(faces.ravel().astype("<u4"), "SCALAR", UNSIGNED_INT, ELEMENT_ARRAY_BUFFER)
-        primitive = {"attributes": attributes, "indices": indices, "material": number}
-        meshes.append({"name": part.name, "primitives": [primitive]})
-        material = _material(part)
+        primitives = []
+        begin = 0
+        for group in proper_groups(part) or (FaceGroup(part.name, len(faces)),):
+            own = faces[begin : begin + group.count].ravel().astype("<u4")
+            indices = put(own, "SCALAR", UNSIGNED_INT, ELEMENT_ARRAY_BUFFER)
+            primitives.append(
+                {"attributes": attributes, "indices": indices, "material": len(materials)}
+            )
+            materials.append(_material(part, group))
+            begin += group.count
+        meshes.append({"name": part.name, "primitives": primitives})
         if texture is not None:
             view(picture_file(texture, base))
-            material["pbrMetallicRoughness"]["baseColorTexture"] = {"index": len(images)}
+            for material in materials[-len(primitives) :]:
+                material["pbrMetallicRoughness"]["baseColorTexture"] = {"index": len(images)}
             images.append({"bufferView": len(views) - 1, "mimeType": "image/png"})
-        materials.append(material)
         nodes.append({"name": part.name, "mesh": number})
         if skin is not None:
             rig = skin.rig.placed(TO_FILE)
@@ -138,6 +192,7 @@ def write_shapes(shapes: Shapes) -> bytes:
             binds = put(inverse_binds(rig), "MAT4", FLOAT)
             numbers = list(range(root + 1, root + 1 + len(rig.joints)))
             skins.append({"skeleton": root, "joints": numbers, "inverseBindMatrices": binds})
+    moving = animation(motions, seconds, TO_FILE, put, FLOAT)
     scene = {
         "asset": {"version": "2.0", "generator": "Bozzetto"},
         "scene": 0,
@@ -151,6 +206,8 @@ def write_shapes(shapes: Shapes) -> bytes:
     }
     if skins:
         scene["skins"] = skins
+    if moving is not None:
+        scene["animations"] = [moving]
     if images:
         scene["images"] = images
         scene["textures"] = [{"source": k, "sampler": 0} for k in range(len(images))]
@@ -181,13 +238,18 @@ def _linear_colors(colors: NDArray[np.uint8]) -> NDArray[np.uint16]:
     return np.rint(65535.0 * linear).astype("<u2")
 
 
-def _material(part: Solid | Surface) -> dict[str, Any]:
+def _material(part: Solid | Surface, group: FaceGroup) -> dict[str, Any]:
     base = [1.0, 1.0, 1.0, 1.0]
     painted = isinstance(part, Solid) and part.texture is not None
-    if part.color is not None and part.mesh.colors is None and not painted:
-        base[:3] = srgb_to_linear(part.color).tolist()
-    looks = {"baseColorFactor": base, "metallicFactor": 0.0, "roughnessFactor": 0.8}
-    material: dict[str, Any] = {"name": part.name, "pbrMetallicRoughness": looks}
+    color = group.color or part.color
+    if color is not None and part.mesh.colors is None and not painted:
+        base[:3] = srgb_to_linear(color).tolist()
+    metallic, roughness, opacity = LOOKS[group.finish]
+    base[3] = opacity
+    looks = {"baseColorFactor": base, "metallicFactor": metallic, "roughnessFactor": roughness}
+    material: dict[str, Any] = {"name": group.name, "pbrMetallicRoughness": looks}
+    if opacity < 1.0:
+        material["alphaMode"] = "BLEND"
     if isinstance(part, Surface):
         material["doubleSided"] = True
     return material

@@ -18,7 +18,7 @@ from bozzetto.exchange.mesh.polygons import (
     without_degenerate,
 )
 from bozzetto.exchange.mesh.text_words import check_words
-from bozzetto.geometry.shapes import Shapes, Surface
+from bozzetto.geometry.shapes import FaceGroup, Shapes, Surface
 
 MAX_LINES: Final = 6_000_000
 """Limit of lines: as objects a quarter of a gigabyte; 64 MB of usual lines are two million."""
@@ -27,12 +27,12 @@ HEADER: Final = "# Bozzetto: millimetres, Z up\n"
 
 
 def write_shapes(shapes: Shapes) -> bytes:
-    """Write OBJ with one object per part; faces share the vertices of their part."""
+    """Write OBJ with one object per part, and its groups; faces share the part's vertices."""
     pieces = [HEADER]
     first = 1
     for part in shapes.meshes():
         mesh = part.mesh
-        pieces.append("o " + (re.sub(r"\s+", "_", part.name.strip()) or "part") + "\n")
+        pieces.append(f"o {_word(part.name)}\n")
         rows = mesh.vertices.astype(np.float64)
         colors = vertex_colors(part)
         line = "v %.9g %.9g %.9g"
@@ -40,10 +40,21 @@ def write_shapes(shapes: Shapes) -> bytes:
             rows = np.hstack((rows, colors[:, :3] / 255.0))
             line += " %.4f %.4f %.4f"
         pieces.append((f"{line}\n" * len(rows)) % tuple(rows.ravel().tolist()))
-        corners = (mesh.faces.astype(np.int64) + first).ravel().tolist()
-        pieces.append(("f %d %d %d\n" * len(mesh.faces)) % tuple(corners))
+        corners = mesh.faces.astype(np.int64) + first
+        begin = 0
+        for group in part.groups or (FaceGroup("", len(corners)),):
+            if group.name:
+                pieces.append(f"g {_word(group.name)}\n")
+            own = corners[begin : begin + group.count]
+            pieces.append(("f %d %d %d\n" * len(own)) % tuple(own.ravel().tolist()))
+            begin += group.count
         first += len(mesh.vertices)
     return "".join(pieces).encode()
+
+
+def _word(name: str) -> str:
+    """Return a name without blanks, which end names in OBJ."""
+    return re.sub(r"\s+", "_", name.strip()) or "part"
 
 
 def read_shapes(data: bytes) -> Shapes:

@@ -18,6 +18,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from bozzetto.exchange.color import vertex_colors
+from bozzetto.exchange.mesh.face_groups import triangle_colors
 from bozzetto.exchange.mesh.polygons import without_degenerate
 from bozzetto.exchange.safe_xml import writable
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
@@ -49,7 +50,9 @@ COMPRESSION: Final = 4
 def write_shapes(shapes: Shapes) -> bytes:
     """Write a 3MF package with one object per part."""
     parts = [part for part in shapes.meshes() if len(part.mesh.faces)]
-    colored = any(vertex_colors(part) is not None for part in parts)
+    colored = any(
+        vertex_colors(part) is not None or triangle_colors(part) is not None for part in parts
+    )
     resources: list[str] = []
     items: list[str] = []
     for number, part in enumerate(parts):
@@ -78,11 +81,13 @@ def write_shapes(shapes: Shapes) -> bytes:
 def _object(part: Solid | Surface, color_id: int, object_id: int) -> str:
     """Return the XML of one object, its colours before it."""
     faces = without_degenerate(part.mesh.faces)  # the schema forbids them
-    colors = vertex_colors(part)
+    by_triangle = triangle_colors(part)
+    colors = vertex_colors(part) if by_triangle is None else by_triangle
     group, default, line = "", "", '<triangle v1="%d" v2="%d" v3="%d"/>'
     rows = faces.astype(np.int64)
     if colors is not None:
         palette, index = np.unique(colors, axis=0, return_inverse=True)
+        of_corners = index.ravel()[faces] if by_triangle is None else np.tile(index[:, None], 3)
         swatches = ('<m:color color="#%02X%02X%02X%02X"/>' * len(palette)) % tuple(
             palette.ravel().tolist()
         )
@@ -90,7 +95,7 @@ def _object(part: Solid | Surface, color_id: int, object_id: int) -> str:
         default = f' pid="{color_id}" pindex="0"'
         if len(palette) > 1:
             line = f'<triangle v1="%d" v2="%d" v3="%d" pid="{color_id}" p1="%d" p2="%d" p3="%d"/>'
-            rows = np.hstack((rows, index.ravel()[faces]))
+            rows = np.hstack((rows, of_corners))
     vertices = ('<vertex x="%.9g" y="%.9g" z="%.9g"/>' * len(part.mesh.vertices)) % tuple(
         part.mesh.vertices.ravel().tolist()
     )

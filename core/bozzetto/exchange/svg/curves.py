@@ -32,6 +32,10 @@ FRONT: Final = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 0.0,
 """The front view in millimetres of the world: (x, y, z) is seen at (x, −z)."""
 FRONT.flags.writeable = False
 
+PLAN: Final = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+"""The view from above in millimetres of the world: (x, y, z) is seen at (x, −y)."""
+PLAN.flags.writeable = False
+
 
 def camera_matrix(camera: Camera) -> Array:
     """Return the matrix from homogeneous points, mm, to homogeneous pixels.

@@ -12,7 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
 from bozzetto.exchange.page_layout import Sheet
 from bozzetto.exchange.safe_xml import writable
-from bozzetto.exchange.svg.curves import FRONT, camera_matrix, picture
+from bozzetto.exchange.svg.curves import FRONT, PLAN, camera_matrix, picture
 from bozzetto.exchange.svg.page_clip import clip_path
 from bozzetto.exchange.svg.path_data import Subpath, flatten
 from bozzetto.exchange.svg.shapes import SPACE
@@ -32,6 +32,9 @@ units, and as a share of the picture's size, whichever is less."""
 
 MARGIN: Final = 0.05
 """Paper left around curves that are written without a camera, as a share of their size."""
+
+LEVEL: Final = 1e-9
+"""Difference in height, as a share of the size, up to which curves lie in one level plane."""
 
 BOUNDS: Final = 1e-3
 """Accuracy of their size, as a share of it: a small part of the margin."""
@@ -60,9 +63,11 @@ def write_drawing(drawing: Drawing) -> bytes:
 def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
     """Write the curves of shapes as a camera sees them; on the front view without one.
 
+    What lies flat, all in one level plane, is a plan: without a camera it is seen from above.
+
     Parallel views of polylines and of curves up to degree three without weights are exact, and
-    so are polylines in perspective. All else is right within `STRAY`. Front views are in
-    millimetres, others in pixels. What lies beyond the page is cut off.
+    so are polylines in perspective. All else is right within `STRAY`. Front views and plans
+    are in millimetres, others in pixels. What lies beyond the page is cut off.
 
     Raises
     ------
@@ -72,8 +77,8 @@ def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
     curves = checked_curves(shapes)
     sheet = None if camera is None else Sheet.of_front_view(camera)
     if camera is None or sheet is not None:
-        matrix, unit = FRONT, "mm"
-        places = np.concatenate([curve.control_points[:, [0, 2]] for curve in curves])
+        places = np.concatenate([curve.control_points for curve in curves])
+        matrix, unit = (PLAN if camera is None and is_plan(places) else FRONT), "mm"
         size = max(float(np.ptp(places, axis=0).max()), RESOLUTION)
     else:
         matrix, unit = camera_matrix(camera), "px"
@@ -93,6 +98,12 @@ def write_view(shapes: Shapes, camera: Camera | None) -> bytes:
             raise UserError("No curve lies on the page. Turn the view to them, then export.")
     lines = [_path(_pen(path, curve), curve.color, curve.name) for curve, path in seen]
     return _document(sheet, lines, unit)
+
+
+def is_plan(points: Array) -> bool:
+    """Whether points (n, 3) lie in one level plane, so that a front view shows them edge-on."""
+    extent = np.ptp(points, axis=0) if len(points) else np.zeros(3)
+    return bool(extent[2] <= LEVEL * extent[:2].max() and extent[1] > 0.0)
 
 
 def _pen(path: Subpath, curve: Curve) -> str:

@@ -136,6 +136,8 @@ class Face:
         clockwise round a hole.
     name : str
         "" for that of the whole.
+    color : (r, g, b), optional
+        sRGB; None for that of the whole.
 
     Raises
     ------
@@ -146,6 +148,7 @@ class Face:
     surface: BSplineSurface
     loops: tuple[Loop, ...]
     name: str = ""
+    color: Color | None = None
 
     def __post_init__(self) -> None:
         edged = [any(trim.edge is not None for trim in loop) for loop in self.loops]
@@ -184,12 +187,12 @@ class Face:
 
     def turned_over(self) -> Face:
         """Return the face with its normals the other way."""
-        return Face(self.surface.turned_over(), self._turned_loops(), self.name)
+        return Face(self.surface.turned_over(), self._turned_loops(), self.name, self.color)
 
     def placed(self, placement: Placement) -> Face:
         """Return the face moved by a placement; turned over where that mirrors."""
         loops = self._turned_loops() if placement.mirrors else self.loops
-        return Face(self.surface.placed(placement), loops, self.name)
+        return Face(self.surface.placed(placement), loops, self.name, self.color)
 
     def _turned_loops(self) -> tuple[Loop, ...]:
         return tuple(tuple(t.turned_over() for t in reversed(loop)) for loop in self.loops)

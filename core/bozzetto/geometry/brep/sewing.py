@@ -29,6 +29,7 @@ def sewn(breps: Iterable[Brep], name: str = "brep", color: Color | None = None) 
     breps : iterable of Brep
         At least one. What looks outward must do so everywhere: only edges that two faces run in
         opposite senses are sewn. Where more than two faces meet, the first two that fit are.
+        Faces keep the colours of their parts.
     name : str
         What the shape is called.
     color : (r, g, b), optional
@@ -40,7 +41,11 @@ def sewn(breps: Iterable[Brep], name: str = "brep", color: Color | None = None) 
     edges = [edge for part in parts for edge in part.edges]
     starts = np.cumsum([0, *(len(part.edges) for part in parts)]).tolist()
     faces = [
-        replace(face, loops=_renumbered(face, {e: e + start for e in range(len(part.edges))}))
+        replace(
+            face,
+            loops=_renumbered(face, {e: e + start for e in range(len(part.edges))}),
+            color=face.color or part.color,
+        )
         for part, start in zip(parts, starts, strict=False)
         for face in part.faces
     ]

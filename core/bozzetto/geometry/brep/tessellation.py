@@ -69,9 +69,16 @@ def brep_mesh(brep: Brep, tolerance: float | None = None) -> Mesh:
     UserError
         If the tolerance is not above 0.
     """
+    mesh, _ = counted_mesh(brep, tolerance)
+    return mesh
+
+
+def counted_mesh(brep: Brep, tolerance: float | None = None) -> tuple[Mesh, tuple[int, ...]]:
+    """Triangulate as `brep_mesh`, and tell how many triangles each face has, in their order."""
     vertices, faces = _triangles(brep, _tolerance(brep, tolerance))
     rows = np.concatenate([face.vertices[face.triangles] for face in faces])
-    return Mesh(vertices.astype(np.float32), rows.astype(np.int32))
+    mesh = Mesh(vertices.astype(np.float32), rows.astype(np.int32))
+    return mesh, tuple(len(face.triangles) for face in faces)
 
 
 def shaded_brep(brep: Brep, tolerance: float | None = None) -> Mesh:
@@ -79,17 +86,28 @@ def shaded_brep(brep: Brep, tolerance: float | None = None) -> Mesh:
 
     The triangles are those of `brep_mesh`; parameters as there.
     """
-    vertices, faces = _triangles(brep, _tolerance(brep, tolerance))
-    starts = np.cumsum([0, *(len(face.vertices) for face in faces)])
-    rows = [face.triangles + start for face, start in zip(faces, starts, strict=False)]
-    normals = [
-        face.surface.normals(*made.parameters.T)
-        for face, made in zip(brep.faces, faces, strict=True)
-    ]
+    rows = shaded_faces(brep, tolerance)
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in rows[:-1])])
     return Mesh(
-        vertices[np.concatenate([face.vertices for face in faces])].astype(np.float32),
-        np.concatenate(rows).astype(np.int32),
-        np.concatenate(normals).astype(np.float32),
+        np.concatenate([mesh.vertices for mesh in rows]),
+        np.concatenate([m.faces + start for m, start in zip(rows, starts, strict=True)]),
+        np.concatenate([mesh.vertex_normals() for mesh in rows]),
+    )
+
+
+def shaded_faces(brep: Brep, tolerance: float | None = None) -> tuple[Mesh, ...]:
+    """Triangulate for display: a mesh with exact normals for each face, in their order.
+
+    Parameters as in `brep_mesh`.
+    """
+    vertices, faces = _triangles(brep, _tolerance(brep, tolerance))
+    return tuple(
+        Mesh(
+            vertices[made.vertices].astype(np.float32),
+            made.triangles.astype(np.int32),
+            face.surface.normals(*made.parameters.T).astype(np.float32),
+        )
+        for face, made in zip(brep.faces, faces, strict=True)
     )
 
 

@@ -143,7 +143,8 @@ def _numbers(segments: _Segments, along: Array) -> Array:
     """Return arc lengths as index plus share."""
     at = np.searchsorted(segments.along, along, "right") - 1
     at = np.clip(at, 0, len(segments.start) - 1)
-    share = (along - segments.along[at]) / np.diff(segments.along)[at]
+    steps = np.diff(segments.along)[at]  # 0 where a step is lost beside a very long one
+    share = (along - segments.along[at]) / np.where(steps > 0.0, steps, 1.0)
     return np.asarray(segments.number[at] + np.clip(share, 0.0, 1.0))
 
 

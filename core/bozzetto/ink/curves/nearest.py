@@ -13,7 +13,7 @@ from bozzetto.arrays import Array
 from bozzetto.ink.checked_points import is_on_sheet, places_on_sheet
 from bozzetto.ink.curves.resample import resample
 
-SAMPLES: Final = 48
+SAMPLES: Final = 96
 """Places of the stroke, at equal steps, whose distances are averaged: enough that the mean
 errs by a few per cent on a wavy stroke, few enough to ask hundreds of curves."""
 

@@ -142,12 +142,13 @@ def steps_along(points: ArrayLike, step: float, most: int) -> Array:
     if not len(line):
         return line
     along = arc_length(line)
-    steps = step * np.arange(np.floor(along[-1] / step) + 1.0)
-    steps = steps[steps <= along[-1]]
-    span = np.searchsorted(along, steps, side="left")
-    leaps = np.flatnonzero(np.bincount(span, minlength=len(line)) > most)
-    if len(leaps):
-        rest = [steps[~np.isin(span, leaps)]]
-        rest += [np.linspace(along[k - 1], along[k], most + 1)[1:] for k in leaps.tolist()]
-        steps = np.sort(np.concatenate(rest))
+    passed = np.floor(along / step)
+    counts = np.diff(passed)
+    leaps = np.flatnonzero(counts > most)
+    # Those between two points are numbered on from the last one before; leaps get their own.
+    counts = np.where(counts > most, 0.0, counts).astype(np.intp)
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    steps = step * (np.repeat(passed[:-1] + 1.0, counts) + within)
+    rest = [np.linspace(along[k], along[k + 1], most + 1)[1:] for k in leaps.tolist()]
+    steps = np.sort(np.concatenate([[0.0], steps[steps <= along[-1]], *rest]))
     return points_along(line, along, steps)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 from bozzetto.geometry.brep.brep import Brep, Face
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.patches.patchwork import Patchwork
-from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid, Surface
+from bozzetto.geometry.shapes import Curve, FaceGroup, Finish, Shapes, Skeleton, Solid, Surface
 from bozzetto.plugin.guard.checked_values import (
     Unsound,
     check_finite,
@@ -48,8 +48,18 @@ def sound_shapes(shapes: Any) -> Shapes:
 
 def _check_part(part: Any) -> None:
     expect(isinstance(part.name, str), "the name of a part")
+    if not isinstance(part, Skeleton):
+        _check_color(part.color, "a part")
     if isinstance(part, Solid | Surface):
         check_mesh(part.mesh)
+        expect_tuple(part.groups, "the groups of a part")
+        for group in part.groups:
+            expect(type(group) is FaceGroup and isinstance(group.name, str), "a group of triangles")
+            expect(group.finish in get_args(Finish), "the finish of a group of triangles")
+            _check_color(group.color, "a group of triangles")
+        if part.exact is not None:
+            expect(type(part.exact) is Brep, "the exact form of a part")
+            _brep(part.exact)
     elif isinstance(part, Curve):
         _curve(part, "a curve")
     elif isinstance(part, Patchwork):
@@ -64,6 +74,12 @@ def _check_part(part: Any) -> None:
         count = len(part.joints)
         fits = part.bones.size == 0 or (part.bones.min() >= 0 and part.bones.max() < count)
         expect(len(part.radii) == count and bool(fits), "a skeleton")
+
+
+def _check_color(color: Any, what: str) -> None:
+    channels = color is None or (isinstance(color, tuple) and len(color) == 3)
+    expect(channels, f"the colour of {what}")
+    expect(all(isinstance(c, int) and 0 <= c <= 255 for c in color or ()), f"the colour of {what}")
 
 
 def _curve(part: Any, what: str) -> None:
@@ -83,6 +99,7 @@ def _brep(part: Brep) -> None:
     for face in part.faces:
         expect(type(face) is Face, "a face of a brep")
         expect(isinstance(face.name, str), "the name of a face")
+        _check_color(face.color, "a face")
         surface = face.surface
         expect(type(surface) is BSplineSurface, "the surface of a face")
         check_finite(surface.control_points, "the control points of a surface")

@@ -18,7 +18,7 @@ from bozzetto.scene.palette import Color, Palette
 from bozzetto.scene.renderer.triangle_soup import Soup
 from bozzetto.scene.renderer.view_transform import ViewTransform
 
-Shading = Literal["clay", "zebra", "curvature", "normals", "xray"]
+Shading = Literal["clay", "zebra", "curvature", "normals", "xray", "draft"]
 SHADINGS: Final[tuple[str, ...]] = get_args(Shading)
 
 
@@ -47,6 +47,10 @@ BRIGHTEST: Final = 1.25
 
 CURVATURE_STEPS: Final = 1.6
 """Slope of the colour scale of curvature at zero."""
+
+
+DRAFT: Final = 3.0
+"""Angle to the vertical, degrees, from which on a surface leaves its mould well."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +227,7 @@ def surface_colors(
         Colours of the parts, 0 … 255.
     tinted : (parts,) bool
         Which parts show their vertex colours instead.
-    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft"}
         How surfaces are shaded.
     palette : Palette
         Colours of the theme.
@@ -241,6 +245,24 @@ def surface_colors(
         white = ramp((255, 255, 255))[step[own]]
         result[own] = seen.color[own, :3] * white / np.float32(255)
     return np.asarray(result, np.float32)
+
+
+def draft_colors(normals: Floats, palette: Palette) -> Floats:
+    """Return RGBA per vertex by the draft angle to the vertical, (v, 4), 0 … 255.
+
+    What looks up is clay and leaves a mould upward, what looks down has the second colour; towards
+    the vertical, from `DRAFT` on, both go over to the colour of warnings.
+    """
+    length = np.maximum(np.linalg.norm(normals, axis=1), 1e-30)
+    rise = (normals[:, 2] / length).astype(np.float32)[:, None]
+    angle = np.degrees(np.arcsin(np.clip(np.abs(rise), 0.0, 1.0)))
+    steep = np.clip(1.0 - angle / DRAFT, 0.0, 1.0).astype(np.float32)
+    clay, second, warning = (
+        np.array(color, np.float32) for color in (palette.clay, palette.second, palette.warning)
+    )
+    rgb = np.where(rise >= 0.0, clay, second)
+    rgb = rgb + steep * (warning - rgb)
+    return np.asarray(np.concatenate((rgb, np.full((len(rgb), 1), 255)), 1), np.float32)
 
 
 def curvature_colors(curvature: Floats, palette: Palette) -> Floats:

@@ -12,6 +12,7 @@ from bozzetto.arrays import Flags, Floats, Index
 from bozzetto.scene.display_list import Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.compositing import Sheet, blend_sheets, nearest_sheet
+from bozzetto.scene.renderer.highlights import NO_SHEEN, SHEENS, with_highlights
 from bozzetto.scene.renderer.image_layers import PlacedPicture, sheet_at
 from bozzetto.scene.renderer.normals import mean_curvature
 from bozzetto.scene.renderer.screen_space import cavities, contours
@@ -19,6 +20,7 @@ from bozzetto.scene.renderer.shading import (
     Fragments,
     Shading,
     curvature_colors,
+    draft_colors,
     fragments,
     surface_colors,
 )
@@ -44,7 +46,7 @@ class Style:
     ----------
     palette : Palette
         Colours of the theme.
-    shading : {"clay", "zebra", "curvature", "normals", "xray"}
+    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft"}
         How surfaces are shaded.
     fineness : int
         Samples per pixel along each axis.
@@ -215,6 +217,8 @@ def is_polished(item: Shaded, shading: Shading) -> bool:
 def _vertex_colors(item: Shaded, style: Style) -> NDArray[np.generic] | None:
     if style.shading == "curvature":
         return curvature_colors(mean_curvature(item.mesh), style.palette)
+    if style.shading == "draft":
+        return draft_colors(item.mesh.vertex_normals(), style.palette)
     return item.mesh.colors_over(style.palette.color(item.color))
 
 
@@ -235,7 +239,7 @@ def _draw_opaque(
     normal = _spread_normals(seen, buffer)
     cavity = None
     matte = not all(is_polished(item, style.shading) for item in items)
-    if matte and style.shading in ("clay", "curvature"):
+    if matte and style.shading in ("clay", "curvature", "draft"):
         cavity = cavities(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
     rgb = _colors_of(seen, soup, items, tinted, sight, style, cavity)
     line = contours(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
@@ -263,9 +267,13 @@ def _colors_of(
         seen = with_zebra(seen, part, colors, tinted, polished, sight)
         if cavity is not None:  # what is mirrored lies outside of the hollow
             cavity = np.where(polished[part], np.float32(0), cavity)
-    return surface_colors(
+    found = surface_colors(
         seen, part, colors, tinted | polished, style.shading, style.palette, cavity
     )
+    if style.shading == "clay" and any(item.finish in SHEENS for item in items):
+        sheens = [SHEENS.get(item.finish, NO_SHEEN) for item in items]
+        found = with_highlights(found, seen, np.array(sheens, np.float32)[part])
+    return found
 
 
 def _spread_normals(seen: Fragments, buffer: DepthBuffer) -> Floats:

@@ -95,7 +95,7 @@ def test_the_ground_suits_the_size_that_the_viewport_got_last(make):
     assert np.abs(pixels(viewport.grab()) - expected).mean() < 0.1
 
 
-@pytest.mark.parametrize("shading", ["clay", "zebra", "curvature", "normals", "xray"])
+@pytest.mark.parametrize("shading", ["clay", "zebra", "curvature", "normals", "xray", "draft"])
 @pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
 def test_colours_are_those_of_the_software_renderer(make, box_scene, shading, palette):
     viewport = make()
@@ -130,6 +130,20 @@ def test_a_polished_ball_is_that_of_the_software_renderer(make, palette, kind, o
     matte = Scene((Layer("ball", (replace(ball, finish="clay"),)),))
     viewport.set_scene(matte)
     assert np.abs(shown - pixels(viewport.grab()))[on_it].mean() > 25
+
+
+@pytest.mark.parametrize("finish", ["gloss", "rubber", "metal"])
+def test_materials_are_those_of_the_software_renderer(make, finish):
+    viewport = make()
+    viewport.set_palette(LIGHT)
+    viewport.set_camera(CAMERA)
+    ball = Shaded(sphere(70.0, 64, normals=True), (60, 90, 160), finish=finish)
+    scene = Scene((Layer("ball", (ball,)),))
+    viewport.set_scene(scene)
+    shown = pixels(viewport.grab())
+    expected = render(scene, CAMERA, LIGHT, size=SIZE)[..., :3].astype(float)
+    on_it = np.abs(expected - LIGHT.paper).max(2) > 20
+    assert np.abs(shown - expected)[on_it].mean() < 8
 
 
 def test_a_line_behind_a_box_is_faint_and_beside_it_dark(make, box_scene):

@@ -192,3 +192,21 @@ def test_curves_seen_end_on_and_far_off_do_no_harm():
             assert not re.search(rb"nan|inf", data)
             assert len(data) < 100_000
             assert read_drawing(data, "again").strokes
+
+
+@pytest.mark.parametrize("height", [0.0, 35.0])
+def test_curves_in_one_level_plane_are_a_plan_at_true_size(height):
+    """A square that lies flat has its size in millimetres; a line up from it takes the front."""
+    square = np.array([(0, 0), (30, 0), (30, 20), (0, 20), (0, 0)], float)
+    flat = Curve(
+        1, np.array([0, 0, 1, 2, 3, 4, 4.0]), np.column_stack((square, np.full(5, height)))
+    )
+    assert page_extent(flat) == pytest.approx((30.0, 20.0), rel=1e-9)
+    up = Curve(1, np.array([0, 0, 1, 1.0]), np.array([(0, 0, height), (0, 0, height + 50.0)]))
+    assert page_extent(flat, up) == pytest.approx((30.0, 50.0), rel=1e-9)
+
+
+def page_extent(*curves):
+    """Return width and height of what is written without a camera, mm."""
+    numbers = re.findall(r"(-?[0-9.e-]+),(-?[0-9.e-]+)", " ".join(texts(None, *curves)))
+    return np.ptp(np.array(numbers, float), axis=0)

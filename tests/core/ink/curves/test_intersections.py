@@ -126,3 +126,10 @@ def test_two_closed_curves_that_meet_at_their_seam():
 def test_a_scribble_to_and_fro_on_one_line_ends_and_is_bounded():
     points = np.column_stack((np.arange(3000) % 2, np.zeros(3000)))
     assert 0 < len(self_crossings(points)) < 10_000
+
+
+def test_a_step_that_is_lost_beside_a_long_one_has_a_number_all_the_same():
+    far = [(0, 0), (1e20, 0), (1e20, 1), (1e20, 3), (5, 5), (5, -5)]
+    found = self_crossings(far)
+    assert len(found.first)
+    assert np.isfinite([found.first, found.second]).all()

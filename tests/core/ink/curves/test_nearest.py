@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
@@ -24,6 +24,7 @@ def test_distances_are_those_of_shapely(seed, count, scale):
 
 
 @given(st.integers(0, 10**6))
+@example(640577)
 @settings(max_examples=40, deadline=None)
 def test_it_is_the_least_mean_distance_of_all(seed):
     random = np.random.default_rng(seed)
@@ -32,8 +33,8 @@ def test_it_is_the_least_mean_distance_of_all(seed):
     ink = shapely.points(resample(stroke, spacing=0.5))
     means = [shapely.distance(shapely.LineString(curve), ink).mean() for curve in curves]
     found = nearest_curve(curves, stroke)
-    assert found.distance == pytest.approx(min(means), rel=0.1)
-    assert means[found.index] <= 1.1 * min(means)
+    assert found.distance == pytest.approx(min(means), rel=0.06)
+    assert means[found.index] <= 1.06 * min(means)
 
 
 def test_length_does_not_count_and_the_first_of_equals_wins():

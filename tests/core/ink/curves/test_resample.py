@@ -8,7 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from bozzetto.ink.curves.resample import arc_length, distinct, resample
+from bozzetto.ink.curves.resample import (
+    arc_length,
+    distinct,
+    points_along,
+    resample,
+    steps_along,
+)
 
 polylines = arrays(
     float,
@@ -77,3 +83,23 @@ def test_a_dot_stays_a_dot():
 def test_asking_for_neither_or_both_is_a_mistake_of_the_caller(wrong):
     with pytest.raises(ValueError, match="spacing"):
         resample([[0, 0], [1, 1]], **wrong)
+
+
+@given(st.integers(0, 10**6), st.integers(2, 40))
+def test_steps_of_a_longer_line_begin_with_those_of_a_shorter_one(seed, count):
+    random = np.random.default_rng(seed)
+    line = random.normal(0.0, 30.0, (count, 2))
+    step = float(random.uniform(0.5, 20.0))
+    whole = steps_along(line, step, 400)
+    part = steps_along(line[: count // 2 + 1], step, 400)
+    np.testing.assert_array_equal(part, whole[: len(part)])
+    at = arc_length(line)
+    assert len(whole) == int(np.floor(at[-1] / step)) + 1
+    np.testing.assert_allclose(whole, points_along(line, at, step * np.arange(len(whole))))
+
+
+def test_a_leap_beyond_all_measure_has_few_steps():
+    line = [[0.0, 0.0], [10.0, 0.0], [1e15, 0.0]]
+    steps = steps_along(line, 1.0, 50)
+    assert len(steps) == 11 + 50
+    assert (np.diff(steps[:, 0]) > 0.0).all()

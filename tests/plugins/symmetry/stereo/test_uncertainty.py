@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from typing import Literal
 
@@ -349,15 +348,3 @@ def test_heat_counts_in_shares_of_the_diagonal() -> None:
     percent = np.array([0.0, 0.9, 1.1, 2.6, 2.7, 80.0, np.inf, np.nan])
     assert heat(0.01 * percent * 250.0, 250.0).tolist() == [0, 0, 1, 1, 2, 2, 2, 2]
     assert heat([], 250.0).shape == (0,)
-
-
-def test_two_hundred_points_and_their_uncertainty_take_less_than_5_ms() -> None:
-    stereo = Stereo(camera(30, 20))
-    near, far, tangents = (ink[:200] for ink in pair(stereo, PAIRS["S-wave"]))
-    taken = []
-    for _ in range(30):
-        begin = time.process_time()
-        stereo.intersected(near, far)
-        sigmas(pair_covariances(stereo, near, far, tangents))
-        taken.append(time.process_time() - begin)
-    assert min(taken) < 0.005

@@ -1,0 +1,46 @@
+"""Exact shapes as triangles, for formats and modelers that know no others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from bozzetto.geometry.brep.brep import Brep
+from bozzetto.geometry.brep.tessellation import counted_mesh
+from bozzetto.geometry.patches.tessellation import tessellated
+from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
+
+
+def meshed(shapes: Shapes) -> Shapes:
+    """Return shapes with triangles in the place of all exact surfaces; curves stay.
+
+    Breps that are closed become solids, all others surfaces. Faces with names or colours of their
+    own become groups.
+    """
+    skins = tuple(Surface(tessellated(p), p.name, p.color) for p in shapes.patchworks)
+    solids: list[Solid] = []
+    surfaces: list[Surface] = []
+    for brep in shapes.breps:
+        mesh, counts = counted_mesh(brep)
+        groups = _groups(brep, counts)
+        if brep.is_closed:
+            solids.append(Solid(mesh, brep.name, brep.color, groups=groups))
+        else:
+            surfaces.append(Surface(mesh, brep.name, brep.color, groups))
+    return replace(
+        shapes,
+        solids=(*shapes.solids, *solids),
+        surfaces=(*shapes.surfaces, *skins, *surfaces),
+        patchworks=(),
+        breps=(),
+    )
+
+
+def _groups(brep: Brep, counts: Sequence[int]) -> tuple[FaceGroup, ...]:
+    """Return a group for every face, if any has a name or a colour of its own."""
+    if not any(face.name or face.color for face in brep.faces):
+        return ()
+    return tuple(
+        FaceGroup(face.name or brep.name, count, face.color)
+        for face, count in zip(brep.faces, counts, strict=True)
+    )

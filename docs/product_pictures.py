@@ -1,0 +1,107 @@
+"""The pictures of the product modeler's gallery: curves, surfaces, and the painted product."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import draw_products
+from draw_products import SAMPLES
+from picture_kit import GALLERY, save
+from symmetry_pictures import camera
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from bozzetto.scene import Scene
+    from bozzetto_product.model.state import ProductState
+
+INKS = GALLERY / "product"
+LARGE, SMALL, CARD = (1200, 800), (640, 460), (288, 216)
+
+VIEWS = {
+    "helmet": ((-38.0, 24.0), (-135.0, 18.0)),
+    "mouse": ((-52.0, 30.0), (-130.0, 24.0)),
+    "remote": ((-58.0, 36.0), (-120.0, 50.0)),
+}
+"""Where each product is seen best, and a second view: degrees round and above."""
+
+
+def gallery() -> None:
+    """Each product large; beside it its curves, its surfaces in calm colours, and another side."""
+    import numpy as np
+
+    from bozzetto.scene import LIGHT
+
+    for path in sorted(INKS.glob("*.json")):
+        first, second = VIEWS.get(path.stem, ((-50.0, 25.0), (130.0, 25.0)))
+        painted, plain, lines = shown(path)
+        save(drawn(painted, first, LARGE, LIGHT), f"{path.stem}.png", INKS, smooth=True)
+        row = [
+            drawn(lines, first, SMALL, LIGHT),
+            drawn(plain, first, SMALL, LIGHT),
+            drawn(painted, second, SMALL, LIGHT),
+        ]
+        save(np.concatenate(row, axis=1), f"{path.stem}-steps.png", INKS, smooth=True)
+        if path.stem in SAMPLES:
+            card = drawn(painted, first, CARD, LIGHT)
+            save(card, f"{SAMPLES[path.stem]}.png", draw_products.SAMPLES_FOLDER)
+
+
+def shown(path: Path) -> tuple[Scene, Scene, Scene]:
+    """A product as it was painted, in calm colours with its curves, and its curves alone."""
+    from bozzetto.exchange.import_file import read_drawing
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene import Layer, Lines, Scene
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_product.model.state import Patch, RoughShape
+
+    bench = Workbench(Registry())
+    model = bench.sources.from_drawing("bozzetto.product", read_drawing(path), {})
+    state: ProductState = model.state
+    bare = tuple(
+        replace(node, visible=False) if isinstance(node, RoughShape) else node
+        for node in state.nodes
+    )
+    model = replace(model, state=replace(state, nodes=bare, selected=""))
+    layers = bench.model_scene(model, bench.solve(model, Job())).layers
+    calm = tuple(
+        replace(node, color=None, finish="matt") if isinstance(node, Patch) else node
+        for node in bare
+    )
+    other = replace(model, state=replace(model.state, nodes=calm))
+    plain = bench.model_scene(other, bench.solve(other, Job())).layers
+
+    def only(row: tuple[Layer, ...], *names: str) -> tuple[Layer, ...]:
+        return tuple(layer for layer in row if layer.name in names)
+
+    seams = tuple(
+        Layer(
+            layer.name,
+            tuple(
+                replace(item, color="ink", width=1.0, opacity=0.4, hidden="hide")
+                for item in layer.items
+                if isinstance(item, Lines)
+            ),
+        )
+        for layer in only(layers, "curves")
+    )
+    return (
+        Scene((*only(layers, "surfaces"), *seams)),
+        Scene(only(plain, "surfaces", "curves", "joints")),
+        Scene(only(layers, "curves", "joints")),
+    )
+
+
+def drawn(
+    scene: Scene, angles: tuple[float, float], size: tuple[int, int], palette: object
+) -> np.ndarray:
+    """A picture of all of a scene."""
+    import numpy as np
+
+    from bozzetto.scene.snapshot import picture
+
+    view = camera(scene, *angles, size=size)
+    return np.asarray(picture(scene, camera=view, size=size, palette=palette))

@@ -1,0 +1,50 @@
+"""Write the figures of `polyhedron.md` and `product.md`: ``python docs/write_figures.py [PAGE]``.
+
+A table stands between the command that makes it and an end mark:
+
+    <!-- figures: python -m tests.plugins.polyhedron.figures_solid -->
+    …
+    <!-- /figures -->
+
+The commands run one after another and take minutes each, for they draw hundreds of drawings;
+nothing else should run meanwhile, or their times say nothing.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PAGES = ("polyhedron.md", "product.md")
+BLOCK = re.compile(
+    r"(<!-- figures: python (?P<command>[^\n]*?) -->\n).*?(<!-- /figures -->)", re.DOTALL
+)
+
+
+def output_of(command: str) -> str:
+    """Return what a command of this Python prints."""
+    done = subprocess.run(
+        [sys.executable, *shlex.split(command)],
+        cwd=ROOT,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    return done.stdout.strip()
+
+
+def written(page: str) -> str:
+    """Return a page with all its figures made anew."""
+    return BLOCK.sub(lambda found: f"{found[1]}\n{output_of(found['command'])}\n\n{found[3]}", page)
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or PAGES:
+        path = ROOT / "docs" / name
+        path.write_text(written(path.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,1 @@
+"""From strokes to lines that meet in corners."""

@@ -1,0 +1,190 @@
+"""Lines between corners as they are while they are searched for, and what a change would cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final
+
+from bozzetto_polyhedron.graph.grouping import Members
+from bozzetto_polyhedron.graph.likelihood import (
+    SAME_ENDS,
+    End,
+    Fits,
+    Line,
+    corner_cost,
+    place_of,
+)
+
+NOTHING: Final[End] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Sums over no ends."""
+
+
+@dataclass(frozen=True)
+class Joined:
+    """A line and the numbers of the corners at its start and its stop."""
+
+    line: Line
+    start: int
+    stop: int
+
+    @property
+    def pair(self) -> tuple[int, int]:
+        """Both corners, the smaller number first."""
+        return (self.start, self.stop) if self.start < self.stop else (self.stop, self.start)
+
+
+@dataclass(frozen=True)
+class Change:
+    """Lines that go and lines that come instead.
+
+    Parameters
+    ----------
+    removed : tuple of int
+        Keys of lines.
+    added : tuple of Joined
+        New lines.
+    dropped : tuple of int
+        Segments that become stray marks.
+    """
+
+    removed: tuple[int, ...]
+    added: tuple[Joined, ...]
+    dropped: Members = ()
+
+
+@dataclass(eq=False)
+class Draft:
+    """Lines and corners, changed in place by `apply`.
+
+    Parameters
+    ----------
+    fits : Fits
+        Lines through segments.
+    """
+
+    fits: Fits
+    lines: dict[int, Joined] = field(default_factory=dict)
+    sums: dict[int, End] = field(default_factory=dict)
+    degrees: dict[int, int] = field(default_factory=dict)
+    costs: dict[int, float] = field(default_factory=dict)
+    pairs: dict[tuple[int, int], list[int]] = field(default_factory=dict)
+    dropped: Members = ()
+    cost: float = 0.0
+    next_line: int = 0
+    next_corner: int = 0
+
+    def places(self) -> dict[int, tuple[float, float]]:
+        """Return the places of corners by their numbers."""
+        return {corner: place_of(sums) for corner, sums in self.sums.items()}
+
+    def unhealthy(self) -> list[int]:
+        """Return corners of fewer than three lines."""
+        return [corner for corner, degree in self.degrees.items() if degree < 3]
+
+    def price(self, change: Change) -> float:
+        """Return by how much a change raises the cost; infinite if it is impossible."""
+        if any(each.start == each.stop for each in change.added):
+            return float("inf")
+        total = self.fits.tick_cost(change.dropped)
+        total += sum(each.line.misfit for each in change.added)
+        total -= sum(self.lines[key].line.misfit for key in change.removed)
+        for corner, (sums, degree) in self._after(change).items():
+            total += corner_cost(sums, degree) - self.costs.get(corner, 0.0)
+        return total + SAME_ENDS * self._more_pairs(change)
+
+    def apply(self, change: Change) -> None:
+        """Make a change."""
+        self.cost += self.price(change)
+        for corner, (sums, degree) in self._after(change).items():
+            if degree:
+                self.sums[corner], self.degrees[corner] = sums, degree
+                self.costs[corner] = corner_cost(sums, degree)
+            else:
+                self.sums.pop(corner, None)
+                self.degrees.pop(corner, None)
+                self.costs.pop(corner, None)
+        for key in change.removed:
+            gone = self.lines.pop(key)
+            self.pairs[gone.pair].remove(key)
+        for each in change.added:
+            self.lines[self.next_line] = each
+            self.pairs.setdefault(each.pair, []).append(self.next_line)
+            self.next_line += 1
+            self.next_corner = max(self.next_corner, each.start + 1, each.stop + 1)
+        self.dropped = (*self.dropped, *change.dropped)
+
+    def fits_now(self, change: Change) -> bool:
+        """Whether all lines that the change removes are still there."""
+        return all(key in self.lines for key in change.removed)
+
+    def at(self, corner: int) -> list[int]:
+        """Return the keys of the lines at a corner."""
+        return [k for k, each in self.lines.items() if corner in (each.start, each.stop)]
+
+    def _after(self, change: Change) -> dict[int, tuple[End, int]]:
+        """Return sums and degrees of the corners that a change concerns."""
+        after: dict[int, tuple[list[float], int]] = {}
+
+        def add(each: Joined, sign: int) -> None:
+            for corner, end in ((each.start, each.line.ends[0]), (each.stop, each.line.ends[1])):
+                known = after.get(corner)
+                if known is None:
+                    known = (list(self.sums.get(corner, NOTHING)), self.degrees.get(corner, 0))
+                sums, degree = known
+                after[corner] = (
+                    [s + sign * e for s, e in zip(sums, end, strict=True)],
+                    degree + sign,
+                )
+
+        for key in change.removed:
+            add(self.lines[key], -1)
+        for each in change.added:
+            add(each, 1)
+        return {
+            corner: ((s[0], s[1], s[2], s[3], s[4], s[5], s[6]), degree)
+            for corner, (s, degree) in after.items()
+        }
+
+    def _more_pairs(self, change: Change) -> int:
+        """Return how many more lines share both corners with another one."""
+        counts: dict[tuple[int, int], int] = {}
+        for key in change.removed:
+            pair = self.lines[key].pair
+            counts[pair] = counts.get(pair, 0) - 1
+        for each in change.added:
+            counts[each.pair] = counts.get(each.pair, 0) + 1
+        more = 0
+        for pair, step in counts.items():
+            before = len(self.pairs.get(pair, ()))
+            more += max(0, before + step - 1) - max(0, before - 1)
+        return more
+
+
+def refitted(draft: Draft, fits: Fits) -> Draft:
+    """Return the same lines and corners with other spreads of their ends.
+
+    Parameters
+    ----------
+    draft : Draft
+        Lines and corners.
+    fits : Fits
+        The same segments with another spread.
+    """
+    made = draft_of(
+        fits,
+        (
+            Joined(fits.line(each.line.members), each.start, each.stop)
+            for each in draft.lines.values()
+        ),
+    )
+    made.dropped = draft.dropped
+    made.cost += fits.tick_cost(draft.dropped)
+    return made
+
+
+def draft_of(fits: Fits, lines: Iterable[Joined]) -> Draft:
+    """Start a draft from lines between numbered corners."""
+    draft = Draft(fits)
+    draft.apply(Change((), tuple(lines)))
+    return draft

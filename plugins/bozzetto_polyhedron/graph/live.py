@@ -1,0 +1,151 @@
+"""The graph while it is drawn: after each stroke the last one is continued, not searched anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from bozzetto_polyhedron.graph.build import (
+    empty_graph,
+    graph_of_draft,
+    light_segments,
+    no_checkpoint,
+    normalized,
+    searched_graph,
+    size_of,
+)
+from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of
+from bozzetto_polyhedron.graph.likelihood import Fits
+from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.graph.repair import repair
+from bozzetto_polyhedron.graph.search import best_draft
+from bozzetto_polyhedron.graph.segments import Drawn, Pieces, Segments, pieces_of
+
+
+@dataclass(frozen=True, eq=False)
+class LiveGraph:
+    """A graph with what is needed to continue it.
+
+    Parameters
+    ----------
+    graph : LineGraph
+        Lines and corners as far as they were drawn.
+    strokes : tuple of Drawn
+        What it was found from.
+    pieces : tuple of Pieces
+        Of each stroke.
+    segments : Segments, optional
+        All pieces, in shares of the diagonal.
+    draft : Draft, optional
+        The lines and corners in these units; not to be changed.
+    """
+
+    graph: LineGraph
+    strokes: tuple[Drawn, ...] = ()
+    pieces: tuple[Pieces, ...] = ()
+    segments: Segments | None = None
+    draft: Draft | None = None
+
+
+def continued(
+    before: LiveGraph | None,
+    strokes: Sequence[Drawn],
+    *,
+    thorough: bool = False,
+    checkpoint: Callable[[float, str], None] = no_checkpoint,
+) -> LiveGraph:
+    """Find the graph of strokes, starting from that of most of them.
+
+    Parameters
+    ----------
+    before : LiveGraph, optional
+        The graph before strokes came or went; strokes are known by their identity.
+    strokes : sequence of Drawn
+        All strokes, in the order drawn.
+    thorough : bool
+        Whether to search anew, as `graph_of` does; otherwise only what is beside new and
+        erased strokes is looked at.
+    checkpoint : callable
+        Called with the fraction done and the step's name; it may raise to end the work.
+
+    Returns
+    -------
+    LiveGraph
+    """
+    size = size_of(strokes)
+    if size == 0.0:
+        return LiveGraph(empty_graph(len(strokes)), tuple(strokes))
+    known = (
+        {id(s): p for s, p in zip(before.strokes, before.pieces, strict=False)} if before else {}
+    )
+    pieces = tuple(known.get(id(each)) or pieces_of(each, size) for each in strokes)
+    segments, origin = normalized(pieces, size)
+    if not len(segments):
+        graph = graph_of_draft(None, pieces, segments, size, origin)
+        return LiveGraph(graph, tuple(strokes), pieces)
+
+    def step() -> None:
+        checkpoint(0.5, "Finding corners")
+
+    if thorough or before is None or before.draft is None or before.segments is None:
+        draft = best_draft(segments, light_segments(segments), step)
+        graph = searched_graph(draft, pieces, segments, size, origin)
+    else:
+        draft, beside = _carried(before, strokes, segments)
+        repair(draft, step, beside)
+        graph = graph_of_draft(draft, pieces, segments, size, origin)
+    return LiveGraph(graph, tuple(strokes), pieces, segments, draft)
+
+
+def _carried(
+    before: LiveGraph, strokes: Sequence[Drawn], segments: Segments
+) -> tuple[Draft, set[int]]:
+    """Return the draft of before with strokes that went left out and new ones added by themselves.
+
+    The second value are the corners beside which it must be looked at again.
+    """
+    assert before.draft is not None
+    assert before.segments is not None
+    now = _numbers([id(each) for each in strokes], segments)
+    then = _numbers([id(each) for each in before.strokes], before.segments)
+    moved = {number: now[key] for key, number in then.items() if key in now}
+    fits = Fits(segments, before.draft.fits.spread)
+    lines: list[Joined] = []
+    beside: set[int] = set()
+    used: set[int] = set()
+    for each in before.draft.lines.values():
+        members = tuple(moved[k] for k in each.line.members if k in moved)
+        if len(members) < len(each.line.members):
+            beside |= {each.start, each.stop}
+        if members:
+            lines.append(_along(Joined(fits.line(members), each.start, each.stop), each))
+            used |= set(members)
+    used |= {moved[k] for k in before.draft.dropped if k in moved}
+    corner = before.draft.next_corner
+    for number in range(len(segments)):
+        if number not in used:
+            lines.append(Joined(fits.line((number,)), corner, corner + 1))
+            beside |= {corner, corner + 1}
+            corner += 2
+    draft = draft_of(fits, lines)
+    draft.dropped = tuple(sorted(moved[k] for k in before.draft.dropped if k in moved))
+    return draft, beside & set(draft.sums)
+
+
+def _numbers(strokes: list[int], segments: Segments) -> dict[tuple[int, int], int]:
+    """Return the number of each segment by its stroke and its place in it."""
+    made: dict[tuple[int, int], int] = {}
+    pieces: dict[int, int] = {}
+    for number, stroke in enumerate(segments.strokes.tolist()):
+        piece = pieces[stroke] = pieces.get(stroke, -1) + 1
+        made[strokes[stroke], piece] = number
+    return made
+
+
+def _along(new: Joined, old: Joined) -> Joined:
+    """Put a line the same way round as the one that it replaces."""
+    a, b = new.line, old.line
+    forward = (a.stop[0] - a.start[0]) * (b.stop[0] - b.start[0]) + (a.stop[1] - a.start[1]) * (
+        b.stop[1] - b.start[1]
+    )
+    return new if forward >= 0 else Joined(new.line, new.stop, new.start)

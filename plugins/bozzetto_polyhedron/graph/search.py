@@ -1,0 +1,131 @@
+"""From segments to the likeliest lines and corners: several spreads are tried, the best mended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from bozzetto.arrays import Flags
+from bozzetto_polyhedron.graph.clustering import clustered
+from bozzetto_polyhedron.graph.dashes import rows_of_dashes
+from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of, refitted
+from bozzetto_polyhedron.graph.grouping import ACROSS_DASHES, Members, dashed, grouped
+from bozzetto_polyhedron.graph.likelihood import Fits, Spread
+from bozzetto_polyhedron.graph.repair import repair
+from bozzetto_polyhedron.graph.segments import Segments
+
+ACROSS: Final = (0.004, 0.006, 0.009, 0.013)
+"""Standard deviations of line ends across the line that are tried, shares of the diagonal."""
+
+OVERSHOOTS: Final = ((0.0, 0.0), (0.015, 0.015), (0.022, 0.032))
+"""Standard deviations along the line, and mean overshoots, that are tried; 0 means as across."""
+
+SPREADS: Final = tuple(
+    Spread(across, along or 1.3 * across, overshoot)
+    for across in ACROSS
+    for along, overshoot in OVERSHOOTS
+)
+"""Every one with every other."""
+
+ACROSS_ROWS: Final = (0.006, 0.01)
+"""Distances of dashes from the line through their row that are tried."""
+
+MOST_SPREADS: Final = 5
+"""Times that a draft is given another spread, at most."""
+
+MANY_LINES: Final = 48
+"""Lines over which only the likeliest draft is mended, so that the answer comes within a second."""
+
+MENDED: Final = 3
+"""Drafts that are mended, each of another spread."""
+
+
+def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None]) -> Draft:
+    """Find the likeliest lines and corners.
+
+    Parameters
+    ----------
+    segments : Segments
+        Lengths in shares of the drawing's diagonal.
+    light : (k,) bool
+        Which ones were drawn lightly.
+    checkpoint : callable
+        Called between steps; it may raise.
+    """
+    rows = [dashed(segments, light, ACROSS_DASHES)]
+    rows += [rows_of_dashes(segments, light, each) for each in ACROSS_ROWS]
+    chains = list(dict.fromkeys(tuple(sorted(each)) for each in rows))
+    starts = []
+    groups: dict[tuple[int, float], tuple[Members, ...]] = {}
+    for spread in SPREADS:
+        fits = Fits(segments, spread)
+        for number, each in enumerate(chains):
+            checkpoint()
+            key = number, spread.across
+            if key not in groups:
+                groups[key] = grouped(segments, 1.6 * spread.across + 0.004, each)
+            starts.append(first_draft(groups[key], fits))
+    many = min(len(each.lines) for each in starts) > MANY_LINES
+    chosen = diverse(starts, 1 if many else MENDED)
+    mended = [settled(each, checkpoint) for each in chosen]
+    return min(mended, key=lambda each: each.cost)
+
+
+def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
+    """Choose the likeliest draft, then others of other spreads.
+
+    Parameters
+    ----------
+    starts : sequence of Draft
+        One for each of several spreads.
+    most : int
+        How many to choose.
+    """
+    left = sorted(starts, key=lambda each: each.cost)
+    chosen: list[Draft] = []
+    while left and len(chosen) < most:
+        taken = left.pop(0)
+        chosen.append(taken)
+        left = [
+            each
+            for each in left
+            if each.fits.spread.across != taken.fits.spread.across
+            and (len(chosen) > 1 or each.fits.spread.overshoot != taken.fits.spread.overshoot)
+        ] or [each for each in left if each.fits.spread.across != taken.fits.spread.across]
+    return chosen
+
+
+def settled(draft: Draft, checkpoint: Callable[[], None]) -> Draft:
+    """Repair a draft, choose its likeliest spread, and so on until neither changes.
+
+    Parameters
+    ----------
+    draft : Draft
+        Changed in place.
+    checkpoint : callable
+        Called between steps; it may raise.
+    """
+    segments = draft.fits.segments
+    for _ in range(MOST_SPREADS):
+        repair(draft, checkpoint)
+        others = [refitted(draft, Fits(segments, each)) for each in SPREADS]
+        better = min(others, key=lambda each: each.cost)
+        if better.cost >= draft.cost - 1e-6:
+            break
+        draft = better
+    return draft
+
+
+def first_draft(groups: tuple[Members, ...], fits: Fits) -> Draft:
+    """Cluster the ends of grouped segments.
+
+    Parameters
+    ----------
+    groups : tuple of tuple of int
+        Segments of each line.
+    fits : Fits
+        Lines through segments.
+    """
+    lines = [fits.line(each) for each in groups]
+    corners = clustered(lines).tolist()
+    return draft_of(fits, (Joined(line, *pair) for line, pair in zip(lines, corners, strict=True)))

@@ -1,0 +1,60 @@
+"""Whether other lines and corners explain a drawing nearly as well, and where they differ."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_polyhedron.graph.draft import Change, Draft
+from bozzetto_polyhedron.graph.steps import steps
+
+DOUBT: Final = 5.0
+"""Cost by which another reading must be worse for a graph to be beyond doubt: odds of 1 to 150."""
+
+
+def second_readings(draft: Draft) -> list[Array]:
+    """Return where one change would join lines otherwise and cost next to nothing.
+
+    Only changes after which every corner concerned still has three lines count: others would be
+    told as such.
+
+    Parameters
+    ----------
+    draft : Draft
+        The likeliest one; no change lowers its cost.
+
+    Returns
+    -------
+    list of (2,) float64
+        The middle of the corners concerned of the likeliest such change, shares of the diagonal;
+        empty where there is none.
+    """
+    best: Change | None = None
+    least = DOUBT
+    for change in steps(draft):
+        if not change.dropped and _joins_otherwise(draft, change):
+            price = draft.price(change)
+            if price < least:
+                best, least = change, price
+    if best is None:
+        return []
+    places = draft.places()
+    gone = {corner for key in best.removed for corner in draft.lines[key].pair}
+    kept = {corner for each in best.added for corner in each.pair}
+    concerned = (gone - kept) or gone
+    return [np.array([places[corner] for corner in sorted(concerned)]).mean(0)]
+
+
+def _joins_otherwise(draft: Draft, change: Change) -> bool:
+    """Whether a change joins other corners, and leaves none with fewer than three lines."""
+    gone = sorted(draft.lines[key].pair for key in change.removed)
+    come = sorted(each.pair for each in change.added)
+    if gone == come:
+        return False
+    degrees: dict[int, int] = {}
+    for pairs, sign in ((gone, -1), (come, 1)):
+        for corner in (corner for pair in pairs for corner in pair):
+            degrees[corner] = degrees.get(corner, draft.degrees.get(corner, 0)) + sign
+    return all(degree == 0 or degree >= 3 for degree in degrees.values())

@@ -1,0 +1,329 @@
+"""From strokes to straight segments: split at their corners, bows taken out, curves set aside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bozzetto.arrays import Array, Flags, Index
+
+SAMPLES: Final = 48
+"""Samples at equal steps by which a stroke is looked at."""
+
+SLACK: Final = 0.02
+"""Shares of the diagonal by which any stroke may leave its chord and is still a line: a hand that
+means a line bows by 0.6 % on average."""
+
+BOW: Final = 0.05
+"""Share of its length by which a stroke may leave its chord and is still a line."""
+
+DEEPEST_BOW: Final = 0.12
+"""Share of the length up to which a stroke without corners is taken for a bowed line."""
+
+DEEPEST_SLACK: Final = 0.035
+"""Shares of the diagonal up to which a stroke without corners is taken for a bowed line."""
+
+MOST_PIECES: Final = 8
+"""Most pieces of one stroke: twice round a quadrilateral."""
+
+SHARPEST_CORNER: Final = 0.6
+"""Share of the turn between two pieces that takes place close to where they meet, for a corner; on
+an arc it is under a half."""
+
+LEAST_TURN: Final = np.radians(15.0)
+"""Turn (radians) under which two pieces are one."""
+
+HOOK: Final = 0.08
+"""Share of a stroke's length under which a piece at its end is a slip of the pen."""
+
+THERE_AND_BACK: Final = 1.3
+"""Length of a straight run, in distances of its ends, from which on it was drawn to and fro."""
+
+LIGHT_PRESSURE: Final = 0.75
+"""Pressure, in shares of the median along all ink, under which a stroke is a light one."""
+
+SHORTEST: Final = 0.004
+"""Shares of the diagonal under which a stroke is a dot."""
+
+
+class Drawn(Protocol):
+    """A stroke, as `bozzetto.ink.Stroke` is one."""
+
+    @property
+    def points(self) -> Array:
+        """Samples, shape (n, 2), canvas pixels."""
+        ...
+
+    @property
+    def pressure(self) -> ArrayLike:
+        """Of each sample, 0 … 1."""
+        ...
+
+    @property
+    def t(self) -> ArrayLike:
+        """Of each sample, seconds."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """Straight pieces of strokes.
+
+    Parameters
+    ----------
+    ends : (k, 2, 2) float64
+        Both ends of each.
+    pressure : (k,) float64
+        Mean pressure of the stroke.
+    strokes : (k,) intp
+        Number of the stroke of each, in the order drawn.
+    bow : (k,) float64
+        How far the stroke leaves the straight line between the ends, at most.
+    """
+
+    ends: Array
+    pressure: Array
+    strokes: Index
+    bow: Array
+
+    def __len__(self) -> int:
+        return len(self.ends)
+
+    @property
+    def lengths(self) -> Array:
+        """Of each, (k,)."""
+        made: Array = np.linalg.norm(self.ends[:, 1] - self.ends[:, 0], axis=1)
+        return made
+
+    @cached_property
+    def light(self) -> Flags:
+        """Which ones were drawn lightly, told by pressure, (k,)."""
+        order = np.argsort(self.pressure, kind="stable")
+        ink = np.cumsum(self.lengths[order])
+        if not len(ink):
+            return np.zeros(0, bool)
+        middle = float(self.pressure[order][int(np.searchsorted(ink, ink[-1] / 2))])
+        made: Flags = self.pressure < LIGHT_PRESSURE * max(middle, 1e-3)
+        return made
+
+    def scaled(self, size: float, origin: Array) -> Segments:
+        """Return the segments as seen from `origin`, lengths in units of `size`."""
+        return Segments((self.ends - origin) / size, self.pressure, self.strokes, self.bow / size)
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """One stroke in straight pieces, in pixels.
+
+    Parameters
+    ----------
+    ends : (k, 2, 2) float64
+    bow : (k,) float64
+    pressure : float
+    curved : bool
+        Whether the stroke is neither a line nor made of lines; it has no pieces then.
+    middle : (2,) float64
+        A place on the stroke.
+    """
+
+    ends: Array
+    bow: Array
+    pressure: float
+    curved: bool
+    middle: Array
+
+
+def samples_of(stroke: Drawn) -> Array:
+    """Return the samples of a stroke that are finite, (n, 2) px.
+
+    Parameters
+    ----------
+    stroke : Drawn
+        One stroke.
+    """
+    points = np.asarray(stroke.points, float).reshape(-1, 2)
+    kept: Array = points[np.isfinite(points).all(1)]
+    return kept
+
+
+def pieces_of(stroke: Drawn, size: float) -> Pieces:
+    """Split a stroke at its corners into straight pieces.
+
+    Parameters
+    ----------
+    stroke : Drawn
+        One stroke.
+    size : float
+        Diagonal of the drawing, px.
+    """
+    points = samples_of(stroke)
+    pressure = np.asarray(stroke.pressure, float)
+    mean = float(pressure.mean()) if pressure.size else 0.5
+    if not np.isfinite(mean):
+        mean = 0.5
+    path = _resampled(points)
+    if path is None or _path_length(path) < SHORTEST * size:
+        place = points.mean(0) if len(points) else np.zeros(2)
+        return Pieces(np.zeros((0, 2, 2)), np.zeros(0), mean, False, place)
+    middle = path[len(path) // 2]
+    runs = _straight_runs(path, size)
+    if runs is None:
+        return Pieces(np.zeros((0, 2, 2)), np.zeros(0), mean, True, middle)
+    fitted = [_chord(path[first : last + 1]) for first, last in runs]
+    ends = np.array([each[0] for each in fitted])
+    long = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) >= SHORTEST * size / 2
+    return Pieces(ends[long], np.array([each[1] for each in fitted])[long], mean, False, middle)
+
+
+def segments_of(pieces: Sequence[Pieces]) -> Segments:
+    """Put the pieces of all strokes in one table."""
+    counts = [len(each.ends) for each in pieces]
+    return Segments(
+        np.concatenate([np.zeros((0, 2, 2)), *(each.ends for each in pieces)]),
+        np.repeat([each.pressure for each in pieces], counts).astype(float),
+        np.repeat(np.arange(len(pieces)), counts).astype(np.intp),
+        np.concatenate([np.zeros(0), *(each.bow for each in pieces)]),
+    )
+
+
+def _resampled(points: Array) -> Array | None:
+    """Return samples at equal steps along the stroke; None for a dot."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    kept = np.concatenate([[True], steps > 0])[: len(points)]
+    points = points[kept]
+    if len(points) < 2:
+        return None
+    at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    if not 0 < at[-1] < np.inf:
+        return None
+    wanted = np.linspace(0.0, at[-1], SAMPLES)
+    return np.column_stack([np.interp(wanted, at, column) for column in points.T])
+
+
+def _path_length(path: Array) -> float:
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def _straight_runs(path: Array, size: float) -> list[tuple[int, int]] | None:
+    """First and last sample of each straight run of a stroke; None if it is curved."""
+    whole = [(0, len(path) - 1)]
+    length = float(np.linalg.norm(path[-1] - path[0]))
+    away = _deviation(path)
+    if away <= max(SLACK * size, BOW * length) and _path_length(path) < 1.5 * length:
+        return whole
+    runs = _without_hooks(_polyline(path, 0.004 * size + 0.01 * _path_length(path)))
+    if len(runs) == 1 or _are_corners(path, runs):
+        return runs
+    deepest = max(DEEPEST_SLACK * size, DEEPEST_BOW * length)
+    if away <= deepest and _path_length(path) < 1.5 * length:
+        return whole
+    return None
+
+
+def _deviation(path: Array) -> float:
+    """Return how far samples are from the line through the first and the last one, at most."""
+    chord = path[-1] - path[0]
+    length = float(np.hypot(*chord))
+    away = path - path[0]
+    if length == 0.0:
+        return float(np.linalg.norm(away, axis=1).max())
+    return float(np.abs(away[:, 0] * chord[1] - away[:, 1] * chord[0]).max() / length)
+
+
+def _polyline(path: Array, tolerance: float) -> list[tuple[int, int]]:
+    """Fit the fewest straight runs within a root mean square distance, by dynamic programming."""
+    cost = _line_costs(path)
+    count = len(path)
+    best = [cost[0]]
+    came: list[Index] = []
+    for _ in range(MOST_PIECES - 1):
+        if best[-1][-1] <= count * tolerance**2:
+            break
+        through = best[-1][:, None] + cost
+        came.append(through.argmin(0))
+        best.append(through.min(0))
+    at = count - 1
+    runs = []
+    for back in reversed(came):
+        runs.append((int(back[at]), at))
+        at = int(back[at])
+    return [(0, at), *runs[::-1]]
+
+
+def _line_costs(path: Array) -> Array:
+    """Return sums of squared distances of samples i … j from their principal axis, (n, n)."""
+    values = np.column_stack([np.ones(len(path)), path, path**2, path[:, 0] * path[:, 1]])
+    sums = np.vstack([np.zeros(6), np.cumsum(values, axis=0)])
+    each = sums[None, 1:] - sums[:-1, None]
+    n = np.maximum(each[..., 0], 1.0)
+    xx = each[..., 3] - each[..., 1] ** 2 / n
+    yy = each[..., 4] - each[..., 2] ** 2 / n
+    xy = each[..., 5] - each[..., 1] * each[..., 2] / n
+    least = (xx + yy) / 2 - np.sqrt(((xx - yy) / 2) ** 2 + xy**2)
+    rows, columns = np.indices(least.shape)
+    return np.where(columns - rows >= 2, np.maximum(least, 0.0), np.inf)
+
+
+def _without_hooks(runs: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Drop runs at both ends that are only a slip of the pen."""
+    least = HOOK * SAMPLES
+    while len(runs) > 1 and runs[0][1] - runs[0][0] < least:
+        runs = runs[1:]
+    while len(runs) > 1 and runs[-1][1] - runs[-1][0] < least:
+        runs = runs[:-1]
+    return runs
+
+
+def _are_corners(path: Array, runs: list[tuple[int, int]]) -> bool:
+    """Whether all runs meet in corners: most of the turn takes place close to them."""
+    for (first, corner), (_, last) in pairwise(runs):
+        near = max(2, min(corner - first, last - corner) // 4)
+        turn = _angle(path[corner] - path[first], path[last] - path[corner])
+        here = _angle(
+            path[max(corner - 1, 0)] - path[max(corner - 1 - near, 0)],
+            path[min(corner + 1 + near, len(path) - 1)] - path[min(corner + 1, len(path) - 1)],
+        )
+        if turn < LEAST_TURN or here < SHARPEST_CORNER * turn:
+            return False
+    return True
+
+
+def _angle(one: Array, other: Array) -> float:
+    """Return the angle between two directions, radians, 0 … π."""
+    cross = one[0] * other[1] - one[1] * other[0]
+    return float(abs(np.arctan2(cross, one @ other)))
+
+
+def _chord(path: Array) -> tuple[Array, float]:
+    """Both ends of a parabola fitted to a run, and how far it bows.
+
+    The ends of a bowed stroke are where its maker aimed; its principal axis is shifted by
+    two thirds of the bow.
+    """
+    chord = path[-1] - path[0]
+    if _path_length(path) > THERE_AND_BACK * np.hypot(*chord):
+        chord = path[int(np.linalg.norm(path - path[0], axis=1).argmax())] - path[0]
+    length = float(np.hypot(*chord))
+    if length == 0.0:
+        return np.stack([path[0], path[-1]]), 0.0
+    along = chord / length
+    across = np.array([-along[1], along[0]])
+    x = (path - path[0]) @ along / length
+    y = (path - path[0]) @ across
+    degree = 2 if len(path) > 4 else 1
+    fitted = np.polynomial.Polynomial.fit(x, y, degree, domain=[0.0, 1.0])
+    low, high = float(x.min()), float(x.max())
+    ends = [path[0] + along * at * length + across * float(fitted(at)) for at in (low, high)]
+    bow = float(
+        np.abs(
+            fitted(np.linspace(low, high, 9))
+            - np.interp(np.linspace(0, 1, 9), [0, 1], fitted(np.array([low, high])))
+        ).max()
+    )
+    return np.array(ends), bow

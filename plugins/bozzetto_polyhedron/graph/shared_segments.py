@@ -1,0 +1,186 @@
+"""Changes that deal segments out anew among lines that run close: dashes of neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_polyhedron.graph.draft import Change, Joined
+from bozzetto_polyhedron.graph.grouping import Members
+from bozzetto_polyhedron.graph.surroundings import Surroundings, placed
+
+SHORT: Final = 0.15
+"""Length up to which a line may be what two other lines share at their beginning."""
+
+STRAIGHT: Final = np.radians(12.0)
+"""Angle up to which a line goes straight on through a corner."""
+
+CUTS: Final = (0.25, 0.5, 0.75)
+"""Where two lines are cut to exchange what lies beyond, shares of the stretch where both run."""
+
+MOST_UNSURE: Final = 6
+"""Segments about as near to both lines that are tried at either."""
+
+FEWEST: Final = 3
+"""Segments of two lines from which on they are dealt out anew."""
+
+
+def exchanged(around: Surroundings, key: int, others: Sequence[int]) -> Iterator[Change]:
+    """Deal the segments of two lines that run along each other out anew.
+
+    Between the same corners, and with an end of one exchanged for an end of the other.
+    """
+    draft = around.draft
+    mine = draft.lines[key]
+    for other in others:
+        theirs = draft.lines[other]
+        members = (*mine.line.members, *theirs.line.members)
+        if len(members) < FEWEST:
+            continue
+        for pairs in (
+            (mine.pair, theirs.pair),
+            ((mine.start, theirs.stop), (theirs.start, mine.stop)),
+            ((mine.start, theirs.start), (mine.stop, theirs.stop)),
+        ):
+            if all(one != two for one, two in pairs):
+                for parts in _crossed_over(around, mine.line.members, theirs.line.members):
+                    if set(pairs[0]) != set(mine.pair) and set(pairs[1]) != set(mine.pair):
+                        yield Change((key, other), _lines(around, parts, pairs))
+                dealt = _dealt(around, members, pairs)
+                if dealt:
+                    yield Change((key, other), dealt)
+
+
+def contracted(around: Surroundings, key: int) -> Iterator[Change]:
+    """Let a short line be the beginning of both lines that go on from its end.
+
+    Dashes of two lines that leave a corner in nearly the same direction are one row at first.
+    """
+    draft = around.draft
+    each = draft.lines[key]
+    if each.line.length > SHORT:
+        return
+    for near, far in ((each.start, each.stop), (each.stop, each.start)):
+        if draft.degrees[far] != 3:
+            continue
+        one, two = (k for k in draft.at(far) if k != key)
+        pairs = tuple((near, _other_end(draft.lines[k], far)) for k in (one, two))
+        if any(a == b for a, b in pairs) or set(pairs[0]) == set(pairs[1]):
+            continue
+        parts = [draft.lines[k].line.members for k in (one, two)]
+        mine = each.line.members
+        dealt = _dealt(around, (*mine, *parts[0], *parts[1]), pairs)
+        if dealt:
+            yield Change((key, one, two), dealt)
+        for first, second in (((*mine, *parts[0]), parts[1]), (parts[0], (*mine, *parts[1]))):
+            yield Change((key, one, two), _lines(around, (first, second), pairs))
+
+
+def passing_straight(around: Surroundings, corner: int) -> Iterator[Change]:
+    """Let two lines that go straight on through a corner be one that passes it.
+
+    With four lines at the corner the other two have to go straight on as well: then two lines
+    cross there, and no corner is left.
+    """
+    draft = around.draft
+    keys = draft.at(corner)
+    if len(keys) < 4:
+        return
+    for way in combinations(keys, 2):
+        rest = tuple(k for k in keys if k not in way)
+        ways = (way, rest) if len(keys) == 4 else (way,)
+        ends = [
+            (_other_end(draft.lines[a], corner), _other_end(draft.lines[b], corner))
+            for a, b in ways
+        ]
+        if all(a != b and _is_straight(around, corner, a, b) for a, b in ends):
+            parts = [tuple(m for k in each for m in draft.lines[k].line.members) for each in ways]
+            yield Change(tuple(k for each in ways for k in each), _lines(around, parts, ends))
+
+
+def _is_straight(around: Surroundings, corner: int, one: int, two: int) -> bool:
+    """Whether the way from a corner over another one to a third goes straight on."""
+    (x, y), (x0, y0), (x1, y1) = (around.place[k] for k in (corner, one, two))
+    cross = (x0 - x) * (y1 - y) - (y0 - y) * (x1 - x)
+    return bool(abs(np.arctan2(cross, -(x0 - x) * (x1 - x) - (y0 - y) * (y1 - y))) < STRAIGHT)
+
+
+def _crossed_over(
+    around: Surroundings, mine: Members, theirs: Members
+) -> Iterator[tuple[Members, Members]]:
+    """Exchange all segments beyond a place along two lines, for places where both run."""
+    rows = around.draft.fits.segments.ends
+    first, second = rows[list(mine)].mean(1), rows[list(theirs)].mean(1)
+    line = around.draft.fits.line(mine)
+    along = np.subtract(line.stop, line.start)
+    a, b = (first - line.start) @ along, (second - line.start) @ along
+    low, high = max(a.min(), b.min()), min(a.max(), b.max())
+    for share in CUTS:
+        cut = low + share * (high - low)
+        one = tuple(m for m, at in zip(mine, a, strict=True) if at < cut)
+        two = tuple(m for m, at in zip(theirs, b, strict=True) if at < cut)
+        one_on = tuple(m for m, at in zip(theirs, b, strict=True) if at >= cut)
+        two_on = tuple(m for m, at in zip(mine, a, strict=True) if at >= cut)
+        if (one or one_on) and (two or two_on):
+            yield (*one, *one_on), (*two, *two_on)
+
+
+def _other_end(each: Joined, corner: int) -> int:
+    return each.stop if each.start == corner else each.start
+
+
+def _dealt(
+    around: Surroundings, members: Members, pairs: Sequence[tuple[int, int]]
+) -> tuple[Joined, ...]:
+    """Give each segment to the nearer of two lines between corners; empty if one gets nothing.
+
+    Segments that are about as near to both go where both lines fit better.
+    """
+    ends = around.draft.fits.segments.ends[list(members)]
+    away = np.stack([_distances(ends, *(around.place[k] for k in pair)) for pair in pairs])
+    home = (away[1] < away[0]).tolist()
+    unsure = np.argsort(np.abs(away[1] - away[0]), kind="stable")[:MOST_UNSURE].tolist()
+    parts = _parts(members, home)
+    if not all(parts):
+        return ()
+    for number in unsure:
+        home[number] = not home[number]
+        others = _parts(members, home)
+        if all(others) and _misfit(around, others) < _misfit(around, parts):
+            parts = others
+        else:
+            home[number] = not home[number]
+    return _lines(around, parts, pairs)
+
+
+def _parts(members: Members, home: Sequence[bool]) -> tuple[Members, Members]:
+    """Return the segments of the first line and of the second one."""
+    both = list(zip(members, home, strict=True))
+    return tuple(k for k, second in both if not second), tuple(k for k, second in both if second)
+
+
+def _misfit(around: Surroundings, parts: Sequence[Members]) -> float:
+    return sum(around.draft.fits.line(part).misfit for part in parts)
+
+
+def _lines(
+    around: Surroundings, parts: Sequence[Members], pairs: Sequence[tuple[int, int]]
+) -> tuple[Joined, ...]:
+    fits = around.draft.fits
+    return tuple(
+        placed(around, fits.line(part), *pair) for part, pair in zip(parts, pairs, strict=True)
+    )
+
+
+def _distances(ends: Array, start: tuple[float, float], stop: tuple[float, float]) -> Array:
+    """Return the root mean square distance of segments' ends (k, 2, 2) from a line's stretch."""
+    begin, step = np.array(start), np.subtract(stop, start)
+    square = max(float(step @ step), 1e-18)
+    at = np.clip((ends - begin) @ step / square, 0.0, 1.0)
+    away = ends - begin - at[..., None] * step
+    made: Array = np.sqrt((away**2).sum(2).mean(1))
+    return made

@@ -1,0 +1,120 @@
+"""What other programs get: exact planes and cylinders, where their motion has taken them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.geometry import Brep, Curve, Placement, Shapes, Solid, cylinder, plane_face
+from bozzetto_polyhedron.drawing_on.cylinders import brep_with_cylinders
+from bozzetto_polyhedron.flat_pages import page_curves
+from bozzetto_polyhedron.mechanism.assembly import Motion
+from bozzetto_polyhedron.mechanism.pieces import METRE
+from bozzetto_polyhedron.model.fittings import Trace
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solid.hand_over import brep_of
+from bozzetto_polyhedron.solid.pieces import pieces_of
+from bozzetto_polyhedron.solve.moving import Moving, moving
+from bozzetto_polyhedron.solve.paths import path_of
+from bozzetto_polyhedron.solve.pipeline import Solved
+
+
+def shapes_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Shapes:
+    """Return every body that is shown and has faces, in the frame of the model; or their pages.
+
+    One that moves as bars is a rod for each, and one that moves as plates a face for each, as
+    soon as they have moved; names stay the same then, and a rod or a face keeps its shape.
+    """
+    if state.files != "solids":
+        return Shapes(curves=page_curves(state, results))
+    solids: list[Solid] = []
+    breps: list[Brep] = []
+    flat = any(body.moves == "flat" for body in state.shown(Body))
+    machine = moving(state) if flat or state.moved is not None else None
+    joined = {
+        other for found in results.values() if found.changed for other in found.changed.joined
+    }
+    for body in state.shown(Body):
+        found = results.get(body.id)
+        if found is None or body.id in joined:
+            continue
+        placement = Placement()
+        if machine is not None and body.id in machine.numbers:
+            motion = machine.motion(state.moved)
+            if body.moves == "flat" or (state.moved is not None and body.moves != "whole"):
+                breps += _pieces(body, machine, motion)
+                continue
+            placement = _taken(machine, machine.numbers[body.id], motion)
+        if found.changed is None:
+            continue
+        made = found.changed
+        if body.wall > 0.0 and found.mesh is not None:
+            solids.append(Solid(found.mesh.placed(placement), body.name, body.color))
+        else:
+            exact = [
+                brep_with_cylinders(piece, made.circles, body.name, body.color)
+                for piece in pieces_of(made.body)
+            ]
+            breps += [brep.placed(placement) for brep in exact]
+        if made.sheet is not None:
+            sheet = brep_of(made.sheet, f"{body.name}, added faces", body.color)
+            breps.append(sheet.placed(placement))
+    return Shapes(solids=tuple(solids), breps=tuple(breps), curves=traced_curves(state))
+
+
+def traced_curves(state: PolyhedronState) -> tuple[Curve, ...]:
+    """Return the path of every corner that is traced, as a polyline, in the frame of the model."""
+    if state.recorded is None or not state.shown(Trace):
+        return ()
+    made = moving(state)
+    paths = ((trace.name, path_of(trace, state, made)) for trace in state.shown(Trace))
+    return tuple(_polyline(path, name) for name, path in paths if len(path) > 1)
+
+
+def _pieces(body: Body, made: Moving, motion: Motion) -> list[Brep]:
+    """Return the bars or the faces of a body, each with its number in its name."""
+    number = made.numbers[body.id]
+    shape, plates = made.machine.shapes[number], made.machine.plates[number]
+    if shape.moves == "plates" and len(plates):
+        return [
+            plane_face(
+                [shape.vertices[list(ring)] for ring in rings],
+                name=f"{body.name} face {k + 1}",
+                color=body.color,
+            ).placed(_placement(made, int(piece), motion))
+            for k, (rings, piece) in enumerate(zip(shape.faces, plates, strict=True))
+        ]
+    vertices = made.machine.moved(number, motion)
+    radius = shape.wall / METRE / np.sqrt(np.pi)
+    return [
+        cylinder(
+            vertices[first],
+            vertices[second],
+            radius,
+            name=f"{body.name} bar {k + 1}",
+            color=body.color,
+        )
+        for k, (first, second) in enumerate(shape.edges)
+    ]
+
+
+def _taken(made: Moving, number: int, motion: Motion) -> Placement:
+    """Return where a body that moves as one piece has been taken."""
+    pieces = made.machine.plates[number]
+    return _placement(made, int(pieces[0]), motion) if len(pieces) else Placement()
+
+
+def _placement(made: Moving, piece: int, motion: Motion) -> Placement:
+    turn = motion.turns[piece]
+    offset = (motion.places[piece] - turn @ made.machine.rest.places[piece]) / METRE
+    if np.array_equal(turn, np.eye(3)) and not offset.any():
+        return Placement()
+    x, y, z = (float(value) for value in offset)
+    return Placement(tuple(float(value) for value in turn.ravel()), 1.0, (x, y, z))
+
+
+def _polyline(points: Array, name: str) -> Curve:
+    knots = np.concatenate(([0.0], np.linspace(0.0, 1.0, len(points)), [1.0]))
+    return Curve(1, knots, points, name=name)

@@ -1,0 +1,1 @@
+"""Rigid bodies on joints, moved in time with their lengths kept."""

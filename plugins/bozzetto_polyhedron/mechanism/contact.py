@@ -1,0 +1,95 @@
+"""Contact with the ground and Coulomb's friction, at the level of velocities.
+
+Impulses P of corners on the ground solve, with u = G P + u₀ the velocities of the corners,
+
+    0 ≤ Pₙ ⟂ uₙ + gap / h ≥ 0,   |P_T| ≤ μ Pₙ, against u_T where it slides,
+
+in time steps of Stewart & Trinkle (1996). With De Saxcé's change of variables, u + μ |u_T| n, that
+is a problem on second-order cones (Acary, Cadoux, Lemaréchal & Malick 2011): convex for a given
+|u_T|, which is then renewed. The convex one is solved by projected gradients with Nesterov's
+momentum (Mazhar et al. 2015), all corners at once.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+
+ROUNDS: Final = 100
+"""Rounds of projected gradients for one guess of how fast corners slide."""
+
+GUESSES: Final = 3
+"""How often that guess is renewed."""
+
+SETTLED: Final = 1e-7
+"""Change of impulses, relative to the largest, at which they are known."""
+
+
+def contact_impulses(response: Array, speeds: Array, friction: float) -> Array:
+    """Return the impulses of the ground on corners.
+
+    Parameters
+    ----------
+    response : (3 k, 3 k) float64
+        Velocities that unit impulses give (Delassus operator): symmetric, not negative.
+    speeds : (k, 3) float64
+        Velocities without any impulse, upwards last; upwards with gap / h added.
+    friction : float
+        Coefficient μ.
+
+    Returns
+    -------
+    (k, 3) float64
+        N s.
+    """
+    largest = float(np.abs(response).sum(axis=1).max(initial=0.0))
+    impulses = np.zeros_like(speeds)
+    if largest == 0.0:
+        return impulses
+    lifted = np.zeros(len(speeds))
+    for _ in range(GUESSES):
+        wanted = speeds.copy()
+        wanted[:, 2] += friction * lifted
+        impulses = _cone_impulses(response, wanted, friction, impulses, 1.0 / largest)
+        moving = speeds + (response @ impulses.ravel()).reshape(-1, 3)
+        slides = np.hypot(moving[:, 0], moving[:, 1])
+        change = float(np.abs(slides - lifted).max())
+        lifted = slides
+        if change <= 1e-3 * (float(slides.max()) + 1e-6):
+            break
+    return impulses
+
+
+def _cone_impulses(
+    response: Array, speeds: Array, friction: float, start: Array, step: float
+) -> Array:
+    """Return the impulses in the cones of friction of least energy (Mazhar et al. 2015)."""
+    now, ahead, momentum = start, start, 1.0
+    for _ in range(ROUNDS):
+        slope = speeds + (response @ ahead.ravel()).reshape(-1, 3)
+        following = in_cones(ahead - step * slope, friction)
+        change = following - now
+        if float(np.abs(following - ahead).max()) <= SETTLED * float(np.abs(following).max()):
+            return following
+        if float((slope * change).sum()) > 0.0:
+            momentum = 1.0
+        later = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * momentum * momentum))
+        ahead = following + (momentum - 1.0) / later * change
+        now, momentum = following, later
+    return now
+
+
+def in_cones(impulses: Array, friction: float) -> Array:
+    """Return the nearest impulses (k, 3) with |P_T| ≤ μ Pₙ."""
+    across = np.hypot(impulses[:, 0], impulses[:, 1])
+    upwards = impulses[:, 2]
+    shared = np.maximum((friction * across + upwards) / (1.0 + friction * friction), 0.0)
+    inside = across <= friction * upwards
+    made = np.empty_like(impulses)
+    made[:, 2] = np.where(inside, upwards, shared)
+    scale = np.where(inside, 1.0, friction * shared / np.maximum(across, 1e-300))
+    made[:, :2] = impulses[:, :2] * scale[:, None]
+    return made

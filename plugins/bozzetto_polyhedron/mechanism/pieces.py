@@ -1,0 +1,395 @@
+"""From bodies to what moves: bars, plates hinged at edges, or one piece."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index
+from bozzetto_polyhedron.mechanism.assembly import (
+    GROUND,
+    Assembly,
+    Ground,
+    Joints,
+    Motion,
+    directed,
+    hinge,
+    link,
+    no_joints,
+    spherical,
+    square_to,
+)
+from bozzetto_polyhedron.mechanism.masses import bar_masses, plate_masses, solid_masses
+from bozzetto_polyhedron.reconstruction.answer import Rings
+
+Moves = Literal["whole", "links", "plates", "flat"]
+
+METRE: Final = 1e-3
+"""Metres in a millimetre."""
+
+THICKNESS: Final = 2.0
+"""Of bars and plates that have no thickness of their own, mm."""
+
+OWN: Final = 1e-9
+"""Moment, kg m², that every piece has at least: a needle turns about its own axis, too."""
+
+TOGETHER: Final = 0.01
+"""Distance of corners of two bodies, in the extent of all, within which they are joined."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One body as a mechanism needs it.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+        mm.
+    edges : (m, 2) intp
+    faces : tuple of Rings
+    moves : {"whole", "links", "plates", "flat"}
+    anchors : tuple of int
+        Vertices that stay where they are.
+    density : float
+        kg/m³.
+    thickness : float
+        Of its walls, mm; 0 where it is solid, or has those of `THICKNESS`.
+    solid : bool
+        Whether its faces enclose a volume that is full.
+    normal : (3,) float64, optional
+        Of the plane in which the bars of a flat shape lie and move.
+    """
+
+    vertices: Array
+    edges: Index
+    faces: tuple[Rings, ...]
+    moves: Moves
+    anchors: tuple[int, ...] = ()
+    density: float = 1240.0
+    thickness: float = 0.0
+    solid: bool = False
+    normal: Array | None = None
+
+    @property
+    def wall(self) -> float:
+        """Thickness of bars and plates, m."""
+        return (self.thickness or THICKNESS) * METRE
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """Pieces with mass and joints, and where the vertices of the shapes are on them.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    rest : Motion
+        As it was drawn.
+    holders : tuple of (n,) intp
+        For each shape the piece that carries each vertex; the ground for an anchored one.
+    plates : tuple of (f,) intp
+        For each shape the piece that each face belongs to; empty where faces do not move rigidly.
+    bars : tuple of (e,) intp
+        For each shape the piece that each edge is; empty where edges are none.
+    """
+
+    assembly: Assembly
+    rest: Motion
+    shapes: tuple[Shape, ...]
+    holders: tuple[Index, ...]
+    plates: tuple[Index, ...]
+    bars: tuple[Index, ...]
+
+    def piece_at(self, number: int, place: Array) -> int:
+        """Return the piece of a shape that is at a place at rest, mm; that of the nearest corner.
+
+        Where plates meet in a corner it is the one whose face lies nearest.
+        """
+        if number == GROUND:
+            return GROUND
+        shape, plates = self.shapes[number], self.plates[number]
+        if shape.moves == "plates" and len(plates):
+            away = [_distance(shape.vertices, rings, place) for rings in shape.faces]
+            return int(plates[int(np.argmin(away))])
+        nearest = np.linalg.norm(shape.vertices - place, axis=1)
+        return int(self.holders[number][int(np.argmin(nearest))])
+
+    def bars_at(self, number: int, place: Array) -> list[int]:
+        """Return the bars of a shape that pass through a place at rest, mm, between its corners."""
+        shape = self.shapes[number]
+        reach = TOGETHER * float(np.linalg.norm(np.ptp(shape.vertices, axis=0)))
+        found = []
+        for edge, piece in zip(shape.edges, self.bars[number], strict=False):
+            begin, end = shape.vertices[edge]
+            share = np.clip((place - begin) @ (end - begin) / ((end - begin) @ (end - begin)), 0, 1)
+            if np.linalg.norm(begin + share * (end - begin) - place) <= reach:
+                found.append(int(piece))
+        return found
+
+    def bar_between(self, number: int, begin: Array, end: Array) -> int | None:
+        """Return the bar of a shape between the corners nearest to two places, mm."""
+        vertices = self.shapes[number].vertices
+        ends = {int(np.argmin(np.linalg.norm(vertices - place, axis=1))) for place in (begin, end)}
+        for edge, piece in zip(self.shapes[number].edges, self.bars[number], strict=False):
+            if {int(edge[0]), int(edge[1])} == ends:
+                return int(piece)
+        return None
+
+    def moved(self, number: int, motion: Motion, pieces: Index | None = None) -> Array:
+        """Return the vertices of a shape where a motion has taken them, (n, 3) mm.
+
+        Parameters
+        ----------
+        number : int
+            Of the shape.
+        motion : Motion
+            Of this machine.
+        pieces : (n,) intp, optional
+            With which piece each vertex goes; by default the one that holds it.
+        """
+        vertices = self.shapes[number].vertices * METRE
+        holders = self.holders[number] if pieces is None else pieces
+        if not len(self.rest.places):
+            return np.asarray(vertices / METRE)
+        local = vertices - self.rest.places[holders]
+        there = np.einsum("nij,nj->ni", motion.turns[holders], local) + motion.places[holders]
+        return np.asarray(np.where((holders == GROUND)[:, None], vertices, there) / METRE)
+
+    def local(self, number: int, vertex: int) -> Array:
+        """Return where a vertex is in the frame of the piece that holds it, m."""
+        piece = self.holders[number][vertex]
+        return np.asarray(self.shapes[number].vertices[vertex] * METRE - self.rest.places[piece])
+
+
+class _Builder:
+    """Collects pieces and joints of all shapes."""
+
+    def __init__(self) -> None:
+        self.places: list[Array] = []
+        self.masses: list[float] = []
+        self.inertias: list[Array] = []
+        self.holders: list[Index] = []
+        self.plates: list[Index] = []
+        self.edges: list[Index] = []
+        self.hinges: list[tuple[int, int, Array, Array]] = []
+        self.balls: list[tuple[int, int, Array]] = []
+        self.planes: list[tuple[int, int, Array, Array]] = []
+        self.bars: list[tuple[int, int, Array, Array]] = []
+
+    def add(self, shape: Shape) -> None:
+        self.edges.append(_no_numbers())
+        {
+            "links": self._links,
+            "plates": self._plates,
+            "whole": self._whole,
+            "flat": self._flat,
+        }[shape.moves](shape)
+
+    def _piece(self, points: Array, masses: Array) -> int:
+        """Add a rigid piece of point masses."""
+        total = float(masses.sum())
+        middle = masses @ points / total
+        arms = points - middle
+        square = (masses * (arms**2).sum(axis=1)).sum()
+        spread = np.einsum("k,ki,kj->ij", masses, arms, arms)
+        self.places.append(middle)
+        self.masses.append(total)
+        self.inertias.append((square + OWN) * np.eye(3) - spread)
+        return len(self.places) - 1
+
+    def _links(self, shape: Shape) -> None:
+        """Add a point mass at every corner and a bar for every edge (the paper's linkages)."""
+        points = shape.vertices * METRE
+        lengths = np.linalg.norm(points[shape.edges[:, 0]] - points[shape.edges[:, 1]], axis=1)
+        masses = np.full(len(points), 1e-6)
+        for end in (0, 1):
+            np.add.at(masses, shape.edges[:, end], 0.5 * shape.density * shape.wall**2 * lengths)
+        holders = np.full(len(points), GROUND)
+        for number, point in enumerate(points):
+            if number not in shape.anchors:
+                holders[number] = len(self.places)
+                self.places.append(point)
+                self.masses.append(float(masses[number]))
+                self.inertias.append(np.zeros((3, 3)))
+        for first, second in shape.edges:
+            one, other = sorted((int(first), int(second)), key=lambda k: holders[k] == GROUND)
+            if holders[one] != GROUND:
+                self.bars.append(
+                    (int(holders[one]), int(holders[other]), points[one], points[other])
+                )
+        self.holders.append(holders)
+        self.plates.append(_no_numbers())
+
+    def _flat(self, shape: Shape) -> None:
+        """Add a rigid bar for every edge, pinned where edges meet; all stay in one plane."""
+        points, normal = shape.vertices * METRE, shape.normal
+        if normal is None:
+            raise ValueError("a flat shape needs the normal of its plane")
+        aside = np.stack(square_to(normal))
+        holders = np.full(len(points), GROUND)
+        numbers: list[int] = []
+        for first, second in shape.edges:
+            begin, end = points[first], points[second]
+            piece = self._piece(*bar_masses(begin, end, shape.wall, shape.density))
+            numbers.append(piece)
+            across = begin + np.cross(normal, end - begin)
+            for place in (begin, end, across):
+                self.planes.append((piece, GROUND, place[None], normal[None]))
+            for corner in (int(first), int(second)):
+                place = np.tile(points[corner], (2, 1))
+                if holders[corner] == GROUND:
+                    holders[corner] = piece
+                    if corner in shape.anchors:
+                        self.planes.append((piece, GROUND, place, aside))
+                else:
+                    self.planes.append((piece, int(holders[corner]), place, aside))
+        self.holders.append(holders)
+        self.plates.append(_no_numbers())
+        self.edges[-1] = np.array(numbers, np.intp)
+
+    def _plates(self, shape: Shape) -> None:
+        """Add a plate for every face, hinged where faces share an edge."""
+        points = shape.vertices * METRE
+        holders = np.full(len(points), GROUND)
+        numbers: list[int] = []
+        at_edge: dict[tuple[int, int], int] = {}
+        for rings in shape.faces:
+            piece = self._piece(*plate_masses(points, rings, shape.wall, shape.density))
+            numbers.append(piece)
+            for ring in rings:
+                holders[list(ring)] = np.where(holders[list(ring)] < 0, piece, holders[list(ring)])
+                for begin, end in zip(ring, (*ring[1:], *ring[:1]), strict=True):
+                    edge = (min(begin, end), max(begin, end))
+                    if edge in at_edge:
+                        self.hinges.append((piece, at_edge[edge], points[edge[0]], points[edge[1]]))
+                    at_edge[edge] = piece
+        self.holders.append(holders)
+        self.plates.append(np.array(numbers, np.intp))
+        self._anchored(shape, holders, points)
+
+    def _whole(self, shape: Shape) -> None:
+        """Add the body as one piece: full, or its mass where its walls are."""
+        points = shape.vertices * METRE
+        if shape.solid:
+            piece = self._piece(*solid_masses(points, shape.faces, shape.density))
+        else:
+            parts = [
+                plate_masses(points, rings, shape.wall, shape.density) for rings in shape.faces
+            ]
+            parts = parts or [(points, np.full(len(points), 1e-3))]
+            where, masses = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
+            piece = self._piece(where, masses)
+        holders = np.full(len(points), piece)
+        self.holders.append(holders)
+        self.plates.append(np.full(len(shape.faces), piece))
+        self._anchored(shape, holders, points)
+
+    def _anchored(self, shape: Shape, holders: Index, points: Array) -> None:
+        for vertex in shape.anchors:
+            if holders[vertex] != GROUND:
+                self.balls.append((int(holders[vertex]), GROUND, points[vertex]))
+
+    def joined(self, shapes: Sequence[Shape]) -> None:
+        """Join corners of different bodies that lie on one another."""
+        points = [shape.vertices * METRE for shape in shapes]
+        extent = float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0)))
+        for one in range(len(shapes)):
+            for other in range(one):
+                away = np.linalg.norm(points[one][:, None] - points[other][None], axis=2)
+                for first, second in np.argwhere(away < TOGETHER * extent):
+                    pieces = self.holders[one][first], self.holders[other][second]
+                    if pieces[0] == GROUND:
+                        pieces = pieces[::-1]
+                    if pieces[0] != GROUND and pieces[0] != pieces[1]:
+                        self.balls.append((int(pieces[0]), int(pieces[1]), points[one][first]))
+
+    def joints(self, rest: Motion) -> Joints:
+        made = no_joints()
+        for bar in self.bars:
+            made += link(rest, *bar)
+        for turned in self.hinges:
+            made += hinge(rest, *turned)
+        for ball in self.balls:
+            made += spherical(rest, *ball)
+        for piece, other, places, directions in self.planes:
+            made += directed(rest, piece, other, places, directions)
+        return made
+
+    def ground(self, shapes: Sequence[Shape], friction: float) -> Ground:
+        """Return the ground: at z = 0, or under the lowest corner at rest where that is below."""
+        bodies, points = [], []
+        for shape, holders, plates in zip(shapes, self.holders, self.plates, strict=True):
+            vertices = shape.vertices * METRE
+            pairs = {(int(piece), k) for k, piece in enumerate(holders) if piece != GROUND}
+            for rings, piece in zip(shape.faces, plates, strict=False):
+                pairs |= {(int(piece), k) for ring in rings for k in ring}
+            for piece, k in sorted(pairs):
+                bodies.append(piece)
+                points.append(vertices[k] - self.places[piece])
+        lowest = min((float(shape.vertices[:, 2].min()) for shape in shapes), default=0.0)
+        return Ground(
+            np.array(bodies, np.intp),
+            np.reshape(np.array(points, float), (-1, 3)),
+            min(0.0, lowest * METRE),
+            friction,
+        )
+
+
+def machine_of(
+    shapes: Sequence[Shape],
+    *,
+    gravity: float = 0.0,
+    planar: int | None = None,
+    friction: float | None = None,
+) -> Machine:
+    """Return what moves of some bodies.
+
+    Parameters
+    ----------
+    shapes : sequence of Shape
+        In one frame; corners of different bodies that lie on one another are joined.
+    gravity : float
+        Downwards, m/s².
+    planar : int, optional
+        The axis of the world along which nothing moves.
+    friction : float, optional
+        Of the ground; None where there is none.
+    """
+    builder = _Builder()
+    for shape in shapes:
+        builder.add(shape)
+    if len(shapes) > 1:
+        builder.joined(shapes)
+    rest = Motion.at_rest(np.reshape(np.array(builder.places, float), (-1, 3)))
+    assembly = Assembly(
+        np.array(builder.masses, float),
+        np.reshape(np.array(builder.inertias, float), (-1, 3, 3)),
+        builder.joints(rest),
+        gravity=np.array([0.0, 0.0, -gravity]),
+        ground=None if friction is None else builder.ground(shapes, friction),
+        planar=None if planar is None else np.eye(3)[planar],
+    )
+    return Machine(
+        assembly,
+        rest,
+        tuple(shapes),
+        tuple(builder.holders),
+        tuple(builder.plates),
+        tuple(builder.edges),
+    )
+
+
+def _no_numbers() -> Index:
+    return np.zeros(0, np.intp)
+
+
+def _distance(vertices: Array, rings: Rings, place: Array) -> float:
+    """Return how far a place is from the plane of a face and from its corners, added, mm."""
+    ring = vertices[list(rings[0])]
+    normal = np.cross(ring - ring[0], np.roll(ring, -1, axis=0) - ring[0]).sum(axis=0)
+    length = max(float(np.linalg.norm(normal)), 1e-300)
+    away = place - ring
+    return abs(float(away[0] @ normal)) / length + 1e-3 * float(np.linalg.norm(away, axis=1).min())

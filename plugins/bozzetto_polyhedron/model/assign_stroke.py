@@ -1,0 +1,123 @@
+"""Which body a stroke belongs to, and bodies of a whole drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke, Strokes, on_canvas
+from bozzetto_polyhedron.model.same_view import into_drawing, is_one_sheet, with_stroke
+from bozzetto_polyhedron.model.state import Body, Choice, PolyhedronState
+
+BESIDE: Final = 0.1
+"""Distance from a drawing, in its extents, within which a stroke belongs to it."""
+
+GROWING: Final = 0.5
+"""The same, in heights of the canvas, for the body that is being drawn and was not turned yet: its
+next line may be the far side."""
+
+DOT: Final = 3.0
+"""Extent of ink, px, below which it is no line."""
+
+
+def with_strokes(state: PolyhedronState, strokes: Sequence[Stroke]) -> PolyhedronState:
+    """Return the state with strokes in the bodies that they belong to, or in new ones.
+
+    Raises
+    ------
+    UserError
+        If a stroke is a dot.
+    """
+    for stroke in strokes:
+        if float(np.linalg.norm(np.ptp(stroke.points, axis=0))) < DOT:
+            raise UserError(
+                "This is a dot. Draw an edge from corner to corner.",
+                places=[(float(stroke.x[0]), float(stroke.y[0]))],
+            )
+        state = _with_stroke(state, stroke)
+    return state
+
+
+def new_body(
+    state: PolyhedronState, strokes: Sequence[Stroke], choice: Choice | None = None
+) -> PolyhedronState:
+    """Return the state with one more body, selected, of strokes of one view."""
+    camera = strokes[0].camera
+    return state.with_node(
+        Body(
+            id=state.unused_id(),
+            name=state.unused_name("Body"),
+            strokes=Strokes([on_canvas(stroke, camera) for stroke in strokes]),
+            choice=choice,
+        )
+    )
+
+
+def drawings_in(strokes: Sequence[Stroke]) -> list[list[Stroke]]:
+    """Return the strokes of each body of a whole drawing, in the order drawn.
+
+    Strokes with one name are one body. Of the others, those of one view are together whose
+    bounding boxes overlap, a little enlarged: a hole lies inside what it is a hole of.
+    """
+    named: dict[str, list[Stroke]] = {}
+    for stroke in strokes:
+        if stroke.group:
+            named.setdefault(stroke.group, []).append(stroke)
+    rest = [stroke for stroke in strokes if not stroke.group]
+    return [*named.values(), *_apart(rest)]
+
+
+def _with_stroke(state: PolyhedronState, stroke: Stroke) -> PolyhedronState:
+    for body in _candidates(state):
+        own = into_drawing(stroke, body)
+        if own is not None and _is_near(body, own, body.id == state.selected):
+            return state.with_node(with_stroke(body, own, stroke.camera))
+    return new_body(state, [stroke])
+
+
+def _candidates(state: PolyhedronState) -> list[Body]:
+    """Return the bodies that are shown, the chosen one first, then the newest."""
+    bodies = [body for body in reversed(state.shown(Body)) if len(body.strokes)]
+    return sorted(bodies, key=lambda body: body.id != state.selected)
+
+
+def _is_near(body: Body, stroke: Stroke, is_chosen: bool) -> bool:
+    low, high = _box([each.points for each in body.strokes])
+    reach = BESIDE * float(np.linalg.norm(high - low))
+    if is_chosen and body.choice is None:
+        reach = max(reach, GROWING * stroke.camera.viewport[1])
+    inside = np.clip(stroke.points, low, high)
+    return bool(np.linalg.norm(stroke.points - inside, axis=1).min() <= reach)
+
+
+def _apart(strokes: Sequence[Stroke]) -> list[list[Stroke]]:
+    """Return strokes in groups of one view whose boxes overlap."""
+    groups: list[list[Stroke]] = []
+    for stroke in strokes:
+        group = [stroke]
+        while touched := [other for other in groups if _overlap(group, other)]:
+            groups = [other for other in groups if other not in touched]
+            group = [each for part in (*touched, group) for each in part]
+        groups.append(group)
+    order = {id(stroke): number for number, stroke in enumerate(strokes)}
+    return [sorted(group, key=lambda each: order[id(each)]) for group in groups]
+
+
+def _overlap(one: Sequence[Stroke], other: Sequence[Stroke]) -> bool:
+    camera = one[0].camera
+    if not is_one_sheet(camera, other[0].camera):
+        return False
+    boxes = [_box([on_canvas(each, camera).points for each in group]) for group in (one, other)]
+    reach = BESIDE * max(float(np.linalg.norm(high - low)) for low, high in boxes)
+    (low, high), (low_other, high_other) = boxes
+    return bool((low - reach <= high_other).all() and (low_other - reach <= high).all())
+
+
+def _box(paths: Sequence[Array]) -> tuple[Array, Array]:
+    low = np.min([path.min(axis=0) for path in paths], axis=0)
+    high = np.max([path.max(axis=0) for path in paths], axis=0)
+    return low, high

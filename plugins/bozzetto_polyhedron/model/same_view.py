@@ -1,0 +1,78 @@
+"""Cameras and strokes in the frame of a body's drawing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.ink import Stroke, Strokes, is_one_view, on_canvas
+from bozzetto.view import Camera
+from bozzetto_polyhedron.model.state import Body
+
+SLACK: Final = 1e-7
+"""Difference between two cameras, relative to their distance, that moving a body and back makes."""
+
+
+def is_same(one: Camera, other: Camera) -> bool:
+    """Return whether two cameras show the same, up to a body's way there and back."""
+    return is_one_view(one, other, SLACK)
+
+
+def is_one_sheet(one: Camera, other: Camera) -> bool:
+    """Return whether two cameras show the plane of the sheet alike: with perspective or without."""
+    reach = SLACK * one.visible_height
+    return is_same(one, other) or bool(
+        one.kind != other.kind
+        and abs(one.visible_height - other.visible_height) < reach
+        and np.abs(np.subtract(one.target, other.target)).max() < reach
+        and np.abs(one.axes - other.axes).max() < SLACK
+    )
+
+
+def camera_of(body: Body) -> Camera:
+    """Return the camera of a body's drawing, in the frame of the drawing."""
+    return body.strokes[0].camera
+
+
+def view_of(body: Body) -> Camera:
+    """Return the camera that sees the body, where it stands now, as it was drawn."""
+    return camera_of(body).moved(body.placement)
+
+
+def into_drawing(stroke: Stroke, body: Body) -> Stroke | None:
+    """Return a stroke of the model's frame in that of a body's drawing; None in another view."""
+    own = stroke if body.placement.is_identity else stroke.moved(body.placement.inverse())
+    camera = camera_of(body)
+    return on_canvas(own, camera) if is_one_sheet(own.camera, camera) else None
+
+
+def with_stroke(body: Body, own: Stroke, seen: Camera) -> Body:
+    """Return a body with one more stroke of its drawing.
+
+    Where the perspective was switched on or off since, the drawing goes over to the view of now.
+
+    Parameters
+    ----------
+    body : Body
+        The body that is drawn on.
+    own : Stroke
+        On the canvas of the drawing; see `into_drawing`.
+    seen : Camera
+        Through which it was drawn, in the frame of the model.
+    """
+    camera = seen.moved(body.placement.inverse())
+    if camera.kind == own.camera.kind:
+        return replace(body, strokes=body.strokes.extended([own]))
+    return replace(body, strokes=Strokes([on_canvas(s, camera) for s in (*body.strokes, own)]))
+
+
+def on_sheet(body: Body, places: Array) -> Array:
+    """Return places of a drawing (n, 2) px in space, on its sheet; mm, in the model's frame.
+
+    The sheet is the plane through the target of the drawing's camera, square to its view.
+    """
+    camera = camera_of(body)
+    return body.placement.points(camera.on_plane(places, camera.target, camera.axes[2]))

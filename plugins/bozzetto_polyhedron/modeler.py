@@ -1,0 +1,141 @@
+"""The polyhedron modeler: a line drawing in; exact solids out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Curve, Shapes
+from bozzetto.ink import Drawing, Strokes
+from bozzetto.plugin import (
+    Caution,
+    Command,
+    Context,
+    Job,
+    PartsModeler,
+    Tool,
+    ViewAdvice,
+    override,
+)
+from bozzetto.scene import Scene
+from bozzetto.view import Camera, with_kind
+from bozzetto_polyhedron.commands.listing import all_commands
+from bozzetto_polyhedron.hand_over import shapes_of, traced_curves
+from bozzetto_polyhedron.model.assign_stroke import drawings_in, new_body
+from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Join, Mirror, Push
+from bozzetto_polyhedron.model.fittings import Coil, Crank, Hinge, Link, Pin, Slider, Trace
+from bozzetto_polyhedron.model.state import Body, BodyGroup, Choice, Measure, PolyhedronState, Slant
+from bozzetto_polyhedron.report import FIGURES, cautions_of, report_of
+from bozzetto_polyhedron.solve.pipeline import Solved, solved
+from bozzetto_polyhedron.tools.listing import all_tools
+from bozzetto_polyhedron.view.scene import scene_of
+
+
+@dataclass(frozen=True, eq=False)
+class PolyhedronResult:
+    """What became of every body, by its id, in their order."""
+
+    bodies: Mapping[str, Solved]
+
+
+class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
+    """A drawing of all edges becomes a solid (Masry, Kang, Susilo & Lipson 2004)."""
+
+    id = "bozzetto.polyhedron"
+    state_type = PolyhedronState
+    part_types = (
+        *(Body, Measure, Slant, Push, Added, Chamfer, Mirror, Copies, Join),
+        *(Link, Coil, Slider, Pin, Hinge, Crank, Trace, BodyGroup),
+    )
+    first_parameters = ("answer", "length", "depth")
+    figures = FIGURES
+
+    @override
+    def tools(self) -> Sequence[Tool[PolyhedronState]]:
+        """Return the tools of the pen, most used first."""
+        return all_tools()
+
+    @override
+    def commands(self) -> Sequence[Command]:
+        """Return the commands on the chosen body."""
+        return all_commands()
+
+    @override
+    def view_advice(self, state: PolyhedronState, camera: Camera) -> ViewAdvice | None:
+        """Return the view without perspective until a drawing is turned.
+
+        Lines are nearly always drawn without it, and a solid covers its lines only where it is
+        seen as they were drawn.
+        """
+        if camera.kind == "orthographic" or any(body.choice for body in state.of_kind(Body)):
+            return None
+        return ViewAdvice("good", "in perspective", with_kind(camera, "orthographic"), follow=True)
+
+    @override
+    def read_drawing(self, drawing: Drawing, context: Context) -> PolyhedronState:
+        """Return the bodies of a whole drawing, each turned into a solid at once.
+
+        Raises
+        ------
+        UserError
+            If it is empty.
+        """
+        if not len(drawing.strokes):
+            raise UserError("The drawing has no strokes. Draw the edges of a solid first.")
+        state = self.create(context)
+        for strokes in drawings_in(tuple(drawing.strokes)):
+            state = new_body(state, strokes, Choice())
+        first = state.nodes[0]
+        return state.with_node(first)
+
+    @override
+    def ink(self, state: PolyhedronState) -> Strokes:
+        """Return the drawings of all bodies that are shown, where they stand now."""
+        return Strokes(
+            stroke if body.placement.is_identity else stroke.moved(body.placement)
+            for body in state.shown(Body)
+            for stroke in body.strokes
+        )
+
+    @override
+    def solve(self, state: PolyhedronState, job: Job) -> PolyhedronResult:
+        """Solve every body; what did not change is remembered."""
+        bodies = [body for body in state.of_kind(Body) if len(body.strokes)]
+        results: dict[str, Solved] = {}
+        for number, body in enumerate(bodies):
+
+            def checkpoint(
+                fraction: float = 0.0, doing: str = "", number: int = number, name: str = body.name
+            ) -> None:
+                job.checkpoint((number + fraction) / len(bodies), f"{name}: {doing}")
+
+            checkpoint(0.0, "Lines")
+            results[body.id] = solved(body, state, job.quality, checkpoint)
+        return PolyhedronResult(results)
+
+    @override
+    def scene(self, state: PolyhedronState, result: PolyhedronResult | None) -> Scene:
+        """Return ink, lines, findings and solids."""
+        return scene_of(state, {} if result is None else result.bodies)
+
+    @override
+    def shapes(self, state: PolyhedronState, result: PolyhedronResult) -> Shapes:
+        """Return every body that is shown: its exact planes, or its triangles where it is sheet."""
+        return shapes_of(state, result.bodies)
+
+    @override
+    def curves(self, state: PolyhedronState, result: PolyhedronResult) -> Sequence[Curve]:
+        """Return the paths that corners were traced along."""
+        return traced_curves(state)
+
+    @override
+    def report(self, state: PolyhedronState, result: PolyhedronResult) -> Mapping[str, Any]:
+        """Return corners, vertices, faces, ranked answers and health."""
+        return report_of(state, result.bodies)
+
+    @override
+    def cautions(self, state: PolyhedronState, result: PolyhedronResult) -> tuple[Caution, ...]:
+        """Return what of the drawings looks wrong or could mean another solid."""
+        return cautions_of(state, result.bodies)

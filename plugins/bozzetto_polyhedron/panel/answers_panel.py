@@ -1,0 +1,165 @@
+"""The answers panel: a small picture of every solid that the drawing could mean, to choose from."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Final
+
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QIcon, QImage, QPalette, QPixmap
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QLabel,
+    QScrollArea,
+    QSizePolicy,
+    QToolButton,
+    QWidget,
+)
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import PanelHost, override
+from bozzetto.scene import DARK, LIGHT, Palette
+from bozzetto_polyhedron.commands.answers import with_answer
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.panel.answer_pictures import AnswerPicture, Gallery, gallery_of
+
+PATIENCE: Final = 120
+"""Time from a change to the update of the panel, ms: the program solves the drawing first, and its
+answers are then remembered."""
+
+LOOK: Final = 15
+"""Interval at which the window looks for pictures, ms. The thread never touches Qt."""
+
+SIZE: Final = (96, 80)
+"""Width and height of a picture, px."""
+
+COLUMNS: Final = 2
+
+HALF: Final = 127
+"""Lightness of text from which on a theme is dark, 0 … 255."""
+
+
+class AnswersPanel(QScrollArea):
+    """The panel that shows the ranked answers of the chosen body.
+
+    Parameters
+    ----------
+    host : PanelHost
+        Access to the selected object.
+    parent : QWidget
+        The widget that holds the panel.
+    """
+
+    def __init__(self, host: PanelHost, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setObjectName("answers")
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._host = host
+        self._state: PolyhedronState | None = None
+        self._gallery = Gallery("", "")
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="answer-pictures")
+        self._running: Future[Gallery] | None = None
+        pool = self._pool
+        self.destroyed.connect(lambda: pool.shutdown(wait=False, cancel_futures=True))
+        self._soon = QTimer(self, singleShot=True, interval=PATIENCE)
+        self._soon.timeout.connect(self._begin)
+        self._timer = QTimer(self, interval=LOOK)
+        self._timer.timeout.connect(self._look)
+        inside = QWidget()
+        self._grid = QGridLayout(inside)
+        self._grid.setContentsMargins(0, 0, 4, 0)
+        self._grid.setSpacing(8)
+        self.sentence = QLabel(inside)
+        self.sentence.setWordWrap(True)
+        self._grid.addWidget(self.sentence, 0, 0, 1, COLUMNS)
+        self.cards: list[QToolButton] = []
+        self.setWidget(inside)
+        host.on_change(self._soon.start)
+        self._soon.start()
+
+    @property
+    def busy(self) -> bool:
+        """Whether the panel does not show the newest state yet."""
+        return self._soon.isActive() or self._running is not None
+
+    @override
+    def sizeHint(self) -> QSize:
+        return QSize(280, 360)
+
+    def _begin(self) -> None:
+        """Have the pictures of the newest state made, unless others still are."""
+        state = self._host.state
+        if self._running is not None or not isinstance(state, PolyhedronState):
+            return
+        if state is not self._state:
+            self._state = state
+            palette, scale = _palette_of(self), self.devicePixelRatioF()
+            self._running = self._pool.submit(gallery_of, state, palette, SIZE, scale)
+            self._timer.start()
+
+    def _look(self) -> None:
+        running = self._running
+        if running is None or not running.done():
+            return
+        self._running = None
+        self._timer.stop()
+        try:
+            self._show(running.result())
+        except UserError as problem:
+            self._show(Gallery("", str(problem)))
+        self._begin()
+
+    def _show(self, gallery: Gallery) -> None:
+        self._gallery = gallery
+        self.sentence.setText(gallery.sentence)
+        for card in self.cards:
+            card.hide()
+            card.deleteLater()
+        self.cards = [self._card(each) for each in gallery.pictures]
+        for place, card in enumerate(self.cards):
+            self._grid.addWidget(card, 1 + place // COLUMNS, place % COLUMNS)
+        rows = 2 + len(self.cards) // COLUMNS
+        for row in range(self._grid.rowCount() + 1):
+            self._grid.setRowStretch(row, 1 if row == rows else 0)
+
+    def _card(self, each: AnswerPicture) -> QToolButton:
+        card = QToolButton(self.widget())
+        card.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        card.setAutoRaise(True)
+        card.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        card.setCheckable(True)
+        card.setChecked(each.number == self._gallery.chosen)
+        card.setText(each.words)
+        card.setAccessibleName(f"Answer {each.number + 1}: {each.words}")
+        card.setToolTip(f"Answer {each.number + 1}, {100 * each.share:.0f} % likely")
+        card.setIcon(QIcon(_pixmap(each, self.devicePixelRatioF())))
+        card.setIconSize(QSize(*SIZE))
+        card.clicked.connect(lambda _, number=each.number: self._choose(number))
+        return card
+
+    def _choose(self, number: int) -> None:
+        """Take an answer of the body that is shown, in the newest state."""
+        state = self._host.state
+        body = state.node(self._gallery.body) if isinstance(state, PolyhedronState) else None
+        if isinstance(state, PolyhedronState) and isinstance(body, Body):
+            try:
+                self._host.change(with_answer(state, body, number), "Choose an answer")
+            except UserError as problem:
+                self.sentence.setText(str(problem))
+
+
+def _pixmap(each: AnswerPicture, scale: float) -> QPixmap:
+    height, width = each.pixels.shape[:2]
+    data = each.pixels.tobytes()
+    image = QImage(data, width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()
+    image.setDevicePixelRatio(scale)
+    return QPixmap.fromImage(image)
+
+
+def _palette_of(widget: QWidget) -> Palette:
+    """Return the palette of the sheet that goes with the colour of a widget's text."""
+    text = widget.palette().color(QPalette.ColorRole.WindowText)
+    return DARK if text.lightness() > HALF else LIGHT

@@ -1,0 +1,1 @@
+"""From lines on the sheet to ranked answers in space."""

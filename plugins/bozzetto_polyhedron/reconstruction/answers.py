@@ -1,0 +1,139 @@
+"""Ranked answers to what a drawing shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.view import Camera
+from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.reconstruction.answer import Answer
+from bozzetto_polyhedron.reconstruction.cautions import LOOSE, PERSPECTIVE, SIDE, cautions
+from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
+from bozzetto_polyhedron.reconstruction.orientation import open_lines, oriented
+from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses, parallel_classes
+from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
+from bozzetto_polyhedron.reconstruction.placement import placed, residual
+from bozzetto_polyhedron.reconstruction.ranking import FEATURES, HANGING, confidences
+from bozzetto_polyhedron.reconstruction.readings import Reading, readings, seen_from_above
+from bozzetto_polyhedron.reconstruction.visibility import is_marked
+
+Checkpoint = Callable[[float, str], None]
+"""Called with the share done and the name of the step; raises where nobody waits any more."""
+
+
+LEAST_LINES: Final = 3
+"""Lines below which a drawing shows nothing in space."""
+
+FROM_ABOVE: Final = 0.98
+"""Share of unmarked drawings that show their solid from above: an assumption, not measured."""
+
+LATEST_MIRRORED: Final = 3
+"""Place, from 0, at which the mirrored first answer stands at the latest."""
+
+
+def ignore(fraction: float, step: str) -> None:
+    """Do nothing: the checkpoint of those who have none."""
+
+
+def answers_of(
+    graph: LineGraph, camera: Camera, *, checkpoint: Checkpoint = ignore, most: int = 8
+) -> tuple[Answer, ...]:
+    """Read a drawing as a solid or sheet in space.
+
+    Parameters
+    ----------
+    graph : LineGraph
+        Corners and lines, hidden ones too.
+    camera : Camera
+        Through which it was drawn.
+    checkpoint : callable
+        Called between the steps.
+    most : int
+        Largest number of answers.
+
+    Returns
+    -------
+    tuple of Answer
+        At least one, the likeliest first. Where nothing can be said, a flat sheet with the
+        confidence 0 and a warning.
+    """
+    drawing = drawing_of(graph)
+    if len(drawing.lines) < LEAST_LINES:
+        return (_flat(drawing, graph, camera),)
+    view = parallel_view(drawing, camera)
+    checkpoint(0.2, "readings")
+    marked = is_marked(drawing)
+    found = _near_sides(view, readings(view.drawing, checkpoint), marked)
+    checkpoint(0.9, "answers")
+    if not found or most < 1:
+        return (_flat(drawing, graph, camera),)
+    shares = confidences(np.array([each.score for each in found]), marked)
+    ranked = list(zip(found, shares.tolist(), strict=True))[:most]
+    if not marked and not view.certain:
+        ranked = _both_sides(view.drawing, ranked)
+    told: tuple[str, ...] = ()
+    if view.perspective > 0.0 and camera.kind != "perspective":
+        told += (PERSPECTIVE,)
+    if not marked and not view.certain:
+        told += (SIDE,)
+    classes = parallel_classes(view.drawing)
+    return tuple(_answer(view, classes, graph, camera, *each, told) for each in ranked[:most])
+
+
+def _near_sides(view: ParallelView, found: list[Reading], marked: bool) -> list[Reading]:
+    """Return readings whose near side is the one that perspective tells."""
+    if marked:
+        return [each for each in found if view.agrees(each.depths)] or found
+    return [
+        each if view.agrees(each.depths) else replace(each, depths=-each.depths) for each in found
+    ]
+
+
+def _both_sides(
+    drawing: Drawing, ranked: list[tuple[Reading, float]]
+) -> list[tuple[Reading, float]]:
+    """Return readings as seen from above, the first one mirrored too, in falling order."""
+    upper = [(seen_from_above(drawing, each), share) for each, share in ranked]
+    first, share = upper[0]
+    upper[0] = first, FROM_ABOVE * share
+    below = replace(first, depths=-first.depths), (1.0 - FROM_ABOVE) * share
+    place = sum(each[1] >= below[1] for each in upper)
+    place = min(max(1, place), LATEST_MIRRORED)
+    return [*upper[:place], below, *upper[place:]]
+
+
+def _answer(
+    view: ParallelView,
+    classes: ParallelClasses,
+    graph: LineGraph,
+    camera: Camera,
+    reading: Reading,
+    confidence: float,
+    told: tuple[str, ...],
+) -> Answer:
+    """Return a reading in the world."""
+    vertices = placed(view.drawing, view.shape(reading.depths), camera)
+    doubts = cautions(view.drawing, classes, reading.depths, reading.faces)
+    if reading.features[FEATURES.index(HANGING)] > 0.0:
+        doubts += (LOOSE,)
+    return Answer(
+        vertices,
+        oriented(vertices, reading.faces),
+        confidence,
+        residual(vertices, np.asarray(graph.places, float), camera),
+        open_lines(reading.faces, view.drawing.lines) == 0,
+        doubts + told,
+    )
+
+
+def _flat(drawing: Drawing, graph: LineGraph, camera: Camera) -> Answer:
+    """Return the drawing as it lies on the sheet."""
+    shape = np.column_stack((drawing.points, np.zeros(len(drawing.points))))
+    vertices = placed(drawing, shape, camera)
+    places = np.asarray(graph.places, float).reshape(-1, 2)
+    warning = "The lines do not make a solid. Draw all edges, hidden ones too, so that they meet."
+    return Answer(vertices, (), 0.0, residual(vertices, places, camera), False, (warning,))

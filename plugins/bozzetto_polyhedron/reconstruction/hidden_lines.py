@@ -1,0 +1,258 @@
+"""Hidden lines that were not drawn, guessed from the visible ones.
+
+Two guesses: a face that is wholly visible is one end of a prism, whose other end is the same ring
+moved along its sides; or the hidden half is the visible one turned by a half turn about a point.
+Both hold in the picture of a parallel view as they do in space. Lengths are shares of the diagonal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Flags, Index
+from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
+from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
+from bozzetto_polyhedron.reconstruction.visible_regions import Junctions, junctions_of, regions_of
+
+NEAR: Final = 0.03
+"""Distance within which a guessed corner is one that was drawn, beyond thrice the noise."""
+
+UNEXPLAINED: Final = 0.12
+"""Share of what was drawn that a guess may leave unexplained."""
+
+LEAST_SHARE: Final = 0.05
+"""Share of the way to a vanishing point below which sides are parallel."""
+
+FEWEST: Final = 3
+"""Corners of the least ring."""
+
+
+@dataclass(frozen=True, eq=False)
+class HiddenLines:
+    """One guess.
+
+    Parameters
+    ----------
+    ends : (k, 2, 2) float64
+        Lines to draw lightly, canvas pixels.
+    unexplained : float
+        Share of what was drawn that is no part of the guessed solid.
+    """
+
+    ends: Array
+    unexplained: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Whole:
+    """Corners (n, 2) and lines (m, 2) of a whole solid in the picture."""
+
+    points: Array
+    lines: Index
+
+
+def hidden_lines(graph: LineGraph, most: int = 3) -> tuple[HiddenLines, ...]:
+    """Guess the lines that are hidden, the guess that explains most of the drawing first.
+
+    Parameters
+    ----------
+    graph : LineGraph
+        Of the visible lines; a line that goes behind a face ends on an edge of it.
+    most : int
+        Largest number of guesses.
+
+    Returns
+    -------
+    tuple of HiddenLines
+        Different ones; empty where nothing fits, or nothing is missing.
+    """
+    drawing = drawing_of(graph)
+    degrees = np.bincount(drawing.lines.ravel(), minlength=len(drawing.points))
+    if len(drawing.lines) < FEWEST or (degrees >= 3).all():
+        return ()
+    reach = NEAR + 3.0 * drawing.noise
+    junctions = junctions_of(drawing, reach / 2.0)
+    wholes = [*_extruded(drawing, junctions, reach), *_turned(drawing, junctions, reach)]
+    found: list[tuple[float, int, HiddenLines]] = []
+    seen: list[_Whole] = []
+    for whole in wholes:
+        missing, unexplained = _compared(drawing, junctions, whole, reach)
+        if unexplained > UNEXPLAINED or not len(missing) or _is_known(whole, seen, reach):
+            continue
+        seen.append(whole)
+        pixels = (missing * (1.0, -1.0)) * drawing.diagonal + drawing.center
+        found.append((round(unexplained, 3), len(missing), HiddenLines(pixels, unexplained)))
+    found.sort(key=lambda each: each[:2])
+    return tuple(each[2] for each in found[:most])
+
+
+def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
+    """Return prisms over every visible ring, along every direction of lines that leave it."""
+    labels = parallel_classes(drawing).labels
+    everything = np.arange(len(labels))
+    found = []
+    for ring in regions_of(drawing, junctions):
+        if len(ring) < FEWEST:
+            continue
+        shrunk = _shrunk(drawing, ring, *_steps(drawing, junctions, ring, everything), reach)
+        found += [_prism(drawing, ring, far, reach) for far in shrunk]
+        for name in np.unique(labels).tolist():
+            _, steps = _steps(drawing, junctions, ring, np.flatnonzero(labels == name))
+            for step in _distinct(steps, reach):
+                found.append(_prism(drawing, ring, drawing.points[list(ring)] + step, reach))
+    return found
+
+
+def _steps(
+    drawing: Drawing, junctions: Junctions, ring: Sequence[int], sides: Index
+) -> tuple[Array, Array]:
+    """Return where sides leave a ring, and the ways to corners of their own, both (k, 2)."""
+    inside = set(ring)
+    nears, made = [], []
+    for first, second in drawing.lines[sides].tolist():
+        if (first in inside) == (second in inside):
+            continue
+        near, far = (first, second) if first in inside else (second, first)
+        if not junctions.is_stem[far]:
+            nears.append(drawing.points[near])
+            made.append(drawing.points[far] - drawing.points[near])
+    return np.array(nears).reshape(-1, 2), np.array(made).reshape(-1, 2)
+
+
+def _shrunk(
+    drawing: Drawing, ring: Sequence[int], nears: Array, steps: Array, reach: float
+) -> list[Array]:
+    """Return the far end of a prism in perspective: the ring drawn towards a vanishing point.
+
+    Two sides or more tell the point and the share of the way, way = share (point - near).
+    """
+    if len(nears) < 2:
+        return []
+    middle = nears - nears.mean(0)
+    square = float((middle**2).sum())
+    if square < reach**2:
+        return []
+    share = -float((middle * steps).sum()) / square
+    ways = steps.mean(0) - share * (drawing.points[list(ring)] - nears.mean(0))
+    misfit = steps - steps.mean(0) + share * middle
+    if not LEAST_SHARE < abs(share) < 1.0 or np.linalg.norm(misfit, axis=1).max() > reach:
+        return []
+    return [drawing.points[list(ring)] + ways]
+
+
+def _distinct(steps: Array, reach: float) -> list[Array]:
+    """Return the mean of all ways, and each one that is far from it."""
+    if not len(steps):
+        return []
+    mean = np.median(steps, axis=0)
+    far = steps[np.linalg.norm(steps - mean, axis=1) > reach]
+    return [mean, *far]
+
+
+def _prism(drawing: Drawing, ring: Sequence[int], far: Array, reach: float) -> _Whole:
+    """Return the prism between a ring and its far end, (n, 2)."""
+    count = len(ring)
+    near = drawing.points[list(ring)]
+    points = np.concatenate((near, _snapped(far, drawing.points, reach)))
+    here = np.arange(count)
+    following = np.roll(here, -1)
+    lines = np.concatenate(
+        (
+            np.column_stack((here, following)),
+            np.column_stack((here, following)) + count,
+            np.column_stack((here, here + count)),
+        )
+    )
+    return _Whole(points, lines)
+
+
+def _turned(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
+    """Return what was drawn with its image by a half turn, about middles of pairs of corners."""
+    corners = np.flatnonzero(~junctions.is_stem)
+    stems = junctions.is_stem[drawing.lines].any(1)
+    lines = np.searchsorted(corners, drawing.lines[~stems])
+    points = drawing.points[corners]
+    found = []
+    first, second = np.triu_indices(len(points), 1)
+    middles = (points[first] + points[second]) / 2.0
+    for middle in middles[_most_common(middles, reach)]:
+        images = 2.0 * middle - points
+        away = np.linalg.norm(images[:, None] - points, axis=2)
+        nearest = away.argmin(1)
+        own = away[np.arange(len(points)), nearest] < reach
+        fresh = np.cumsum(~own) - 1 + len(points)
+        numbers = np.where(own, nearest, fresh)
+        pairs = np.sort(np.concatenate((lines, numbers[lines])), axis=1)
+        whole = _Whole(np.concatenate((points, images[~own])), np.unique(pairs, axis=0))
+        degrees = np.bincount(whole.lines.ravel(), minlength=len(whole.points))
+        if (degrees >= 3).all():
+            found.append(whole)
+    return found
+
+
+def _most_common(places: Array, reach: float, most: int = 6) -> Index:
+    """Return places with the most others close by, each far from those before."""
+    close = np.linalg.norm(places[:, None] - places, axis=2) < reach
+    order = np.argsort(-close.sum(1), kind="stable")
+    taken: list[int] = []
+    for number in order.tolist():
+        if not any(close[number, other] for other in taken):
+            taken.append(number)
+        if len(taken) == most:
+            break
+    return np.array(taken, np.intp)
+
+
+def _snapped(guessed: Array, drawn: Array, reach: float) -> Array:
+    """Put guessed corners on drawn ones that are close."""
+    away = np.linalg.norm(guessed[:, None] - drawn, axis=2)
+    nearest = away.argmin(1)
+    close = away[np.arange(len(guessed)), nearest] < reach
+    return np.where(close[:, None], drawn[nearest], guessed)
+
+
+def _compared(
+    drawing: Drawing, junctions: Junctions, whole: _Whole, reach: float
+) -> tuple[Array, float]:
+    """Return lines of a whole that were not drawn, (k, 2, 2), and the share of ink beside it."""
+    starts, stops = whole.points[whole.lines[:, 0]], whole.points[whole.lines[:, 1]]
+    ends = drawing.points[drawing.lines]
+    stems = junctions.is_stem[drawing.lines]
+    first = _at_ends(ends[:, 0], stems[:, 0], starts, stops, reach)
+    second = _at_ends(ends[:, 1], stems[:, 1], starts, stops, reach)
+    fit: Flags = first & second
+    long = np.linalg.norm(stops - starts, axis=1) > reach
+    explained = (fit & long).any(1)
+    lengths = drawing.lengths
+    whole_lines = ~(stems[:, 0] | stems[:, 1])
+    complete = fit & whole_lines[:, None]
+    wanted = long & ~complete.any(0)
+    missing = np.stack((starts, stops), 1)[wanted]
+    return missing, float(lengths[~explained].sum() / max(lengths.sum(), 1e-12))
+
+
+def _at_ends(places: Array, loose: Flags, starts: Array, stops: Array, reach: float) -> Flags:
+    """Whether places (m, 2) are at an end of stretches (k, 2), or on them where loose, (m, k)."""
+    to_start = np.linalg.norm(places[:, None] - starts, axis=2)
+    to_stop = np.linalg.norm(places[:, None] - stops, axis=2)
+    steps = stops - starts
+    square = np.maximum((steps**2).sum(1), 1e-12)
+    at = np.clip(((places[:, None] - starts) * steps).sum(2) / square, 0.0, 1.0)
+    away = np.linalg.norm(places[:, None] - starts - at[..., None] * steps, axis=2)
+    made: Flags = (np.minimum(to_start, to_stop) < reach) | (loose[:, None] & (away < reach))
+    return made
+
+
+def _is_known(whole: _Whole, seen: Sequence[_Whole], reach: float) -> bool:
+    """Whether a guess has the corners of one before."""
+    for other in seen:
+        if len(other.points) == len(whole.points):
+            away = np.linalg.norm(whole.points[:, None] - other.points, axis=2)
+            if away.min(1).max() < reach and away.min(0).max() < reach:
+                return True
+    return False

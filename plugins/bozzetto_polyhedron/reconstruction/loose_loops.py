@@ -1,0 +1,287 @@
+"""Holes, pockets and bosses: parts of a drawing that no line joins to the rest.
+
+Parallel lines and planar faces tell the depth of such a part up to a constant. It is found where a
+ring of the part lies in a face of the body that surrounds it on the sheet. Two rings in two faces
+make a through-hole, one a pocket or a boss, which differ in whether the part is inside the body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Flags, Index
+from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
+from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
+from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.lifting import Lifting
+from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses
+from bozzetto_polyhedron.reconstruction.planar_faces import inside
+from bozzetto_polyhedron.reconstruction.regularity import area_vector
+
+EDGE_ON: Final = 0.08
+"""Least share of a normal along the line of sight: a face seen edge-on surrounds nothing."""
+
+MOST: Final = 6
+"""Ways that are kept for each part."""
+
+
+@dataclass(frozen=True, eq=False)
+class Attached:
+    """A body with parts in it.
+
+    Parameters
+    ----------
+    depths : (n,) float64
+        Away from the eye, diagonals.
+    faces : tuple of Rings
+    measures : (4,) float64
+        Sums over the parts: through-holes, parts that stand out, misfit, parts that hang nowhere.
+    """
+
+    depths: Array
+    faces: tuple[Rings, ...]
+    measures: Array
+
+    @property
+    def rough(self) -> float:
+        """What is better is less: a rough order in which ways are dropped."""
+        return float(self.measures @ (-0.5, 0.1, 1.0, 3.0))
+
+
+def attached(
+    drawing: Drawing,
+    classes: ParallelClasses,
+    depths: Array,
+    faces: Sequence[Rings],
+    body: Sequence[int],
+    parts: Sequence[Lifting],
+) -> list[Attached]:
+    """Return the ways in which loose parts belong to a body, the likeliest first.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        In units of its own size.
+    classes : ParallelClasses
+        Of all its lines.
+    depths : (n,) array
+        Of the corners of the body, away from the eye, diagonals.
+    faces : sequence of Rings
+        Of the body.
+    body : sequence of int
+        Its corners.
+    parts : sequence of Lifting
+        What is loose, the largest first.
+    """
+    found = [Attached(depths, tuple(faces), np.zeros(4))]
+    known = list(body)
+    for part in parts:
+        ways = [way for each in found for way in _ways(drawing, classes, each, known, part)]
+        found = sorted(ways, key=lambda way: way.rough)[:MOST]
+        known += part.corners
+    return found
+
+
+def _ways(
+    drawing: Drawing, classes: ParallelClasses, body: Attached, known: list[int], part: Lifting
+) -> list[Attached]:
+    """Return the ways in which one part lies in the faces of a body."""
+    system = _Part.of(drawing, classes, body.depths, known, part)
+    tolerance = 0.012 + 2.5 * drawing.noise
+    options = [
+        (face, ring)
+        for face in range(len(body.faces))
+        for ring in range(len(part.faces))
+        if _surrounds(drawing, body, face, part.faces[ring][0])
+    ]
+    found: list[Attached] = []
+    seen: set[frozenset[tuple[int, int]]] = set()
+    for option in options:
+        depths, misfit = system.solved([_seat(drawing, body, part, option)])
+        if misfit > tolerance * _steepness(drawing, body, option[0]):
+            continue
+        seats = [option]
+        for other in options:
+            level, corners = _seat(drawing, body, part, other)
+            if all(other[0] != s[0] and other[1] != s[1] for s in seats):
+                off = float(np.abs(depths[system.places(corners)] - level).mean())
+                if off < tolerance * _steepness(drawing, body, other[0]):
+                    seats.append(other)
+        key = frozenset(seats)
+        if key in seen:
+            continue
+        seen.add(key)
+        depths, misfit = system.solved([_seat(drawing, body, part, seat) for seat in seats])
+        found.append(_joined(drawing, body, part, seats, depths, misfit / tolerance))
+    return found or [_loose(body, known, part, system.solved([])[0])]
+
+
+def _joined(
+    drawing: Drawing,
+    body: Attached,
+    part: Lifting,
+    seats: Sequence[tuple[int, int]],
+    depths: Array,
+    misfit: float,
+) -> Attached:
+    """Return the body with a part in its faces."""
+    new = body.depths.copy()
+    new[list(part.corners)] = depths
+    holes = {face: part.faces[ring][0] for face, ring in seats}
+    taken = {ring for _, ring in seats}
+    faces = [
+        (*face, holes[number]) if number in holes else face
+        for number, face in enumerate(body.faces)
+    ]
+    faces += [face for number, face in enumerate(part.faces) if number not in taken]
+    within = _share_inside(drawing, body, part, new, {c for ring in holes.values() for c in ring})
+    through = float(len(seats) > 1)
+    measures = np.array((through * within, 1.0 - within, misfit, 0.0))
+    return Attached(new, tuple(faces), body.measures + measures)
+
+
+def _loose(body: Attached, known: list[int], part: Lifting, depths: Array) -> Attached:
+    """Return the body with a part beside it, as deep as its middle."""
+    new = body.depths.copy()
+    new[list(part.corners)] = depths - depths.mean() + body.depths[known].mean()
+    return Attached(new, body.faces + part.faces, body.measures + np.array((0.0, 0.0, 0.0, 1.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Equations for the depths of a part: its lines and its planar faces."""
+
+    corners: tuple[int, ...]
+    rows: Array
+    values: Array
+
+    @classmethod
+    def of(
+        cls,
+        drawing: Drawing,
+        classes: ParallelClasses,
+        depths: Array,
+        known: list[int],
+        part: Lifting,
+    ) -> _Part:
+        slopes = _slopes(drawing, classes, depths, known)
+        column = np.full(len(drawing.points), -1)
+        column[list(part.corners)] = np.arange(len(part.corners))
+        planar = face_rows(drawing.points, part.corners, part.faces)
+        rows, values = [planar], [np.zeros(len(planar))]
+        along = (drawing.spans * classes.directions[classes.labels]).sum(1)
+        inner = column[drawing.lines[:, 0]] >= 0
+        for label in np.unique(classes.labels[inner]):
+            chosen = np.flatnonzero(inner & (classes.labels == label))
+            block = np.zeros((len(chosen), len(part.corners)))
+            block[np.arange(len(chosen)), column[drawing.lines[chosen, 1]]] = 1.0
+            block[np.arange(len(chosen)), column[drawing.lines[chosen, 0]]] = -1.0
+            if np.isfinite(slopes[label]):
+                values.append(slopes[label] * along[chosen])
+            else:
+                axis = along[chosen] / np.linalg.norm(along[chosen])
+                block -= np.outer(axis, axis @ block)
+                values.append(np.zeros(len(chosen)))
+            rows.append(block)
+        return cls(part.corners, np.vstack(rows), np.concatenate(values))
+
+    def places(self, corners: Sequence[int]) -> Index:
+        """Return where corners stand among those of the part."""
+        return np.searchsorted(self.corners, corners)
+
+    def solved(self, seats: Sequence[tuple[Array, Ring]]) -> tuple[Array, float]:
+        """Return depths with rings at given levels, and the root mean square misfit of these."""
+        count = len(self.corners)
+        rows, values = [self.rows, 1e-5 * np.eye(count)], [self.values, np.zeros(count)]
+        for level, corners in seats:
+            rows.append(np.eye(count)[self.places(corners)])
+            values.append(level)
+        matrix, right = np.vstack(rows), np.concatenate(values)
+        depths = np.linalg.lstsq(matrix, right, rcond=None)[0]
+        off = (matrix @ depths - right) ** 2
+        return depths, float(np.sqrt(off.sum() / max(1, count)))
+
+
+def _slopes(drawing: Drawing, classes: ParallelClasses, depths: Array, known: list[int]) -> Array:
+    """Return the slope of each class in the body, NaN for those it has not."""
+    lines = np.isin(drawing.lines[:, 0], known)
+    labels = classes.labels[lines]
+    along = (drawing.spans[lines] * classes.directions[labels]).sum(1)
+    rise = depths[drawing.lines[lines, 1]] - depths[drawing.lines[lines, 0]]
+    count = len(classes.directions)
+    below = np.bincount(labels, along**2, count)
+    above = np.bincount(labels, along * rise, count)
+    return np.where(below > 0.0, above / np.where(below > 0.0, below, 1.0), np.nan)
+
+
+def _plane(drawing: Drawing, body: Attached, face: int) -> tuple[Array, Array]:
+    """Return the middle of a face and its unit normal."""
+    ring = list(body.faces[face][0])
+    space = np.column_stack((drawing.points[ring], body.depths[ring]))
+    normal = area_vector(space)
+    return space.mean(0), normal / max(1e-12, float(np.linalg.norm(normal)))
+
+
+def _steepness(drawing: Drawing, body: Attached, face: int) -> float:
+    """Return by how much errors on the sheet grow in depth on a face."""
+    return 1.0 / min(1.0, max(EDGE_ON, abs(float(_plane(drawing, body, face)[1][2]))))
+
+
+def _seat(
+    drawing: Drawing, body: Attached, part: Lifting, option: tuple[int, int]
+) -> tuple[Array, Ring]:
+    """Return the depths that a ring of a part has in a face of the body."""
+    middle, normal = _plane(drawing, body, option[0])
+    ring = part.faces[option[1]][0]
+    across = (drawing.points[list(ring)] - middle[:2]) @ normal[:2]
+    return middle[2] - across / normal[2], ring
+
+
+def _surrounds(drawing: Drawing, body: Attached, face: int, ring: Ring) -> bool:
+    """Whether a ring appears inside a face, up to the noise."""
+    if abs(_plane(drawing, body, face)[1][2]) < EDGE_ON:
+        return False
+    outer = drawing.points[list(body.faces[face][0])]
+    places = drawing.points[list(ring)]
+    near = _distances(places, outer) < 2.0 * drawing.noise
+    return bool((inside(places, outer) | near).all())
+
+
+def _distances(places: Array, ring: Array) -> Array:
+    """Return the distance of places from the sides of a polygon."""
+    span = np.roll(ring, -1, axis=0) - ring
+    share = ((places[:, None] - ring) * span).sum(2) / np.maximum((span**2).sum(1), 1e-18)
+    feet = ring + np.clip(share, 0.0, 1.0)[..., None] * span
+    return np.asarray(np.linalg.norm(places[:, None] - feet, axis=2).min(1))
+
+
+def _share_inside(
+    drawing: Drawing, body: Attached, part: Lifting, depths: Array, seated: set[int]
+) -> float:
+    """Return the share of the lines of a part, those in faces left out, that is inside the body."""
+    own = np.isin(drawing.lines[:, 0], part.corners)
+    free = own & ~np.isin(drawing.lines, list(seated)).all(1)
+    if not free.any():
+        return 1.0
+    space = np.column_stack((drawing.points, depths))
+    ends = space[drawing.lines[free]]
+    return float(_inside_body(space, body.faces, ends.mean(1)).mean())
+
+
+def _inside_body(space: Array, faces: Sequence[Rings], places: Array) -> Flags:
+    """Return whether places are inside a closed body, by the parity of a ray along the view."""
+    odd = np.zeros(len(places), bool)
+    for face in faces:
+        normal = area_vector(space[list(face[0])])
+        if abs(normal[2]) < 1e-9:
+            continue
+        middle = space[list(face[0])].mean(0)
+        level = middle[2] - (places[:, :2] - middle[:2]) @ normal[:2] / normal[2]
+        for ring in face:
+            crossed = inside(places[:, :2], space[list(ring)][:, :2])
+            odd ^= crossed & (level > places[:, 2])
+    return odd

@@ -1,0 +1,214 @@
+"""The three numbers that affine facts leave open, found by regularity.
+
+A class of affine slope s and direction u on the sheet rises as w = a s + b u_x + c u_y. Three
+directions that are orthogonal in space determine (a, b, c) in closed form; further candidates come
+from a grid. All are refined together.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations, product
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index
+from bozzetto_polyhedron.reconstruction.regularity import Relief, cheap_measures
+
+HEAVIEST: Final = 9
+"""Classes of which orthogonal triples are tried."""
+
+STEEPEST: Final = 0.12
+"""Least share of an axis that shows on the sheet: one that points at the eye has no direction."""
+
+BEST_OF_GRID: Final = 10
+"""Candidates that are taken from the grid."""
+
+WIDE: Final = 0.1
+"""Cosine at which an angle counts half as a right one while candidates are far from regular."""
+
+WIDE_ROUNDS: Final = 10
+"""Steps of the pattern search with wide tolerances."""
+
+ROUNDS: Final = 10
+"""Steps of the pattern search with those that the noise asks for."""
+
+SEARCH_WEIGHTS: Final = np.array((2.1, 2.2, 2.4, 1.75, -2.0, -3.0, 1.5, 1.5))
+"""Weights of the cheap measures while searching: right angles above all, so that it ends there."""
+
+SQUARING: Final = 8
+"""Steps that make angles right together."""
+
+LONGEST: Final = 0.1
+"""Largest change of the map in one of these steps."""
+
+INDEPENDENT: Final = 1e-3
+"""Share of the largest singular value below which right angles say nothing."""
+
+SAME: Final = 4.0
+"""Mean angle between the lines of two readings, degrees, below which they are one."""
+
+_STEPS: Final = np.array(
+    [s for s in product((-1, 0, 1), repeat=3) if 0 < np.abs(s).sum() < 3], float
+)
+
+
+def orthogonal_rises(directions: Array) -> Array | None:
+    """Return how much three orthogonal axes rise for each unit on the sheet.
+
+    Parameters
+    ----------
+    directions : (3, 2) array
+        Unit vectors of the axes on the sheet.
+
+    Returns
+    -------
+    (3,) array or None
+        Up to one common sign, the mirrored reading. None if no orthogonal axes look like this.
+
+    Notes
+    -----
+    Orthogonality asks u_i . u_j + w_i w_j = 0 for each pair, so w_1^2 = -c_12 c_13 / c_23.
+    """
+    first, second, third = directions
+    near, far, across = first @ second, first @ third, second @ third
+    if near * far * across >= -1e-9:
+        return None
+    rise = np.sqrt(-near * far / across)
+    return np.array([rise, -near / rise, -far / rise])
+
+
+def metric_maps(relief: Relief, most: int) -> Array:
+    """Find the most regular maps Z = a z + b x + c y, (k, 3) with a > 0, no two nearly alike.
+
+    Those that make three classes exactly orthogonal are kept beside those that were refined.
+
+    Parameters
+    ----------
+    relief : Relief
+        What is compared.
+    most : int
+        Number of refined maps, and of exact ones.
+    """
+    exact = np.array(_from_triples(relief)).reshape(-1, 3)
+    exact = _ordered(relief, exact, relief.right)
+    maps = _ordered(relief, np.vstack((exact, _from_grid(relief))), WIDE)
+    maps = _distinct(relief, maps)[: most + 2]
+    for right, rounds in ((WIDE, WIDE_ROUNDS), (relief.right, ROUNDS)):
+        maps = _refined(relief, maps, right, rounds)
+    maps = _distinct(relief, _ordered(relief, maps, relief.right))[:most]
+    return np.vstack((maps, _distinct(relief, exact)[:most]))
+
+
+def _ordered(relief: Relief, maps: Array, right: float) -> Array:
+    """Return maps, the best first."""
+    values = cheap_measures(relief, maps, right) @ SEARCH_WEIGHTS
+    return maps[np.argsort(-values, kind="stable")]
+
+
+def _from_triples(relief: Relief) -> list[Array]:
+    """Return maps that make three classes orthogonal."""
+    drawn = relief.points[relief.lines[:, 1]] - relief.points[relief.lines[:, 0]]
+    along = np.abs(drawn @ relief.directions[:, :2].T).max(1).mean()
+    heaviest = np.argsort(-relief.counts * max(1e-9, float(along)), kind="stable")[:HEAVIEST]
+    found = []
+    for triple in combinations(heaviest.tolist(), 3):
+        directions = relief.directions[list(triple)]
+        rises = orthogonal_rises(directions[:, :2])
+        if rises is None or (1.0 / np.hypot(1.0, rises)).min() < STEEPEST:
+            continue
+        system = directions[:, [2, 0, 1]]
+        if np.linalg.cond(system) > 1e4:
+            continue
+        chosen = np.linalg.solve(system, rises)
+        if abs(chosen[0]) > 1e-3:
+            found.append(chosen * np.sign(chosen[0]))
+    return found
+
+
+def _from_grid(relief: Relief) -> Array:
+    """Return the best maps of a grid, with a wide tolerance for right angles."""
+    used = np.unique(relief.lines)
+    scale = relief.points[used].std(0).mean() / max(1e-9, float(relief.depths[used].std()))
+    tilts = np.linspace(-1.8, 1.8, 10)
+    grid = np.array(list(product(scale * np.array((0.35, 0.55, 0.8, 1.1, 1.6)), tilts, tilts)))
+    values = cheap_measures(relief, grid, 0.3) @ SEARCH_WEIGHTS
+    return np.asarray(grid[np.argsort(-values, kind="stable")[:BEST_OF_GRID]])
+
+
+def _refined(relief: Relief, maps: Array, right: float, rounds: int) -> Array:
+    """Return maps after a pattern search from all of them at once."""
+    values = cheap_measures(relief, maps, right) @ SEARCH_WEIGHTS
+    steps = (0.15 if right >= WIDE else 0.03) * np.maximum(0.3, np.abs(maps))
+    number = np.arange(len(maps))
+    for _ in range(rounds):
+        around = maps[:, None] + steps[:, None] * _STEPS
+        around[..., 0] = np.maximum(around[..., 0], 1e-3)
+        found = cheap_measures(relief, around.reshape(-1, 3), right) @ SEARCH_WEIGHTS
+        found = found.reshape(len(maps), -1)
+        best = found.argmax(1)
+        better = found[number, best] > values + 1e-6
+        maps = np.where(better[:, None], around[number, best], maps)
+        values = np.where(better, found[number, best], values)
+        steps = np.where(better[:, None], steps, 0.5 * steps)
+    return maps
+
+
+def squared(relief: Relief, chosen: Array) -> Array:
+    """Return a map in which all angles that are nearly right in it are right, if there is one.
+
+    A search ends near the most regular map, never on it. Gauss-Newton on the cosines between
+    classes ends on it where the drawing agrees with itself: without noise the solid is exact. Where
+    right angles leave something open, the shortest step leaves it as it is; where they contradict
+    one another by more than the noise, the map stays.
+
+    Parameters
+    ----------
+    relief : Relief
+        What is compared.
+    chosen : (3,) float64
+        The map (a, b, c).
+    """
+    pairs = np.array(list(combinations(range(len(relief.counts)), 2)), np.intp).reshape(-1, 2)
+    pairs = pairs[np.abs(_cosines(relief, chosen, pairs)[0]) < relief.right]
+    if not len(pairs):
+        return chosen
+    counts = np.sqrt(relief.counts[pairs].min(1))
+    found = chosen
+    for _ in range(SQUARING):
+        values, slopes = _cosines(relief, found, pairs)
+        step = np.linalg.lstsq(counts[:, None] * slopes, -counts * values, rcond=INDEPENDENT)[0]
+        longest = float(np.abs(step).max(initial=0.0)) / LONGEST
+        found = found + step / max(1.0, longest)
+        if found[0] < 1e-3:
+            return chosen
+    agree = np.abs(_cosines(relief, found, pairs)[0]).max() < relief.noise
+    return found if agree else chosen
+
+
+def _cosines(relief: Relief, chosen: Array, pairs: Index) -> tuple[Array, Array]:
+    """Return cosines between classes (p,), and how they change with the map, (p, 3)."""
+    rising = relief.directions[:, [2, 0, 1]]
+    rises = rising @ chosen
+    lengths = np.hypot(1.0, rises)
+    flat = relief.directions[:, :2]
+    first, second = pairs.T
+    dots = (flat[first] * flat[second]).sum(1) + rises[first] * rises[second]
+    values = dots / (lengths[first] * lengths[second])
+    by_first = rises[second] / (lengths[first] * lengths[second])
+    by_first -= values * rises[first] / lengths[first] ** 2
+    by_second = rises[first] / (lengths[first] * lengths[second])
+    by_second -= values * rises[second] / lengths[second] ** 2
+    return values, by_first[:, None] * rising[first] + by_second[:, None] * rising[second]
+
+
+def _distinct(relief: Relief, maps: Array) -> Array:
+    """Return maps without those whose lines run like those of a better one."""
+    directions = relief.unit_directions(maps)
+    cosines = np.abs(np.einsum("icd,jcd->ijc", directions, directions))
+    angles = np.degrees(np.arccos(np.clip(cosines, 0.0, 1.0))) @ relief.counts / relief.counts.sum()
+    kept: list[int] = []
+    for number in range(len(maps)):
+        if (angles[number, kept] > SAME).all():
+            kept.append(number)
+    return maps[kept]

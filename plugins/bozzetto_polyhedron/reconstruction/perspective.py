@@ -1,0 +1,191 @@
+"""Drawings in perspective, made parallel before they are read.
+
+With the eye at the distance 1/k before the sheet, the corner seen at q lies at (q (1 + k Z), Z).
+The axes of the solid tell k (see `axis_systems`), and then the depths Z follow: each line along an
+axis has no part along the two others, which is linear in Z; and a planar face has reciprocal
+depths 1 / (1 + k Z) that are linear on the sheet. The places q (1 + k Z) are a parallel drawing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.view import Camera
+from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
+from bozzetto_polyhedron.reconstruction.axis_systems import AxisSystem, axis_system
+from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.planar_embedding import (
+    components,
+    embedded_faces,
+    neighbors_of,
+    shared_pairs,
+)
+
+STARTS: Final = (0.15, 0.6)
+"""Perspectives, 1/diagonal, from which the fit starts."""
+
+LEAST_GAIN: Final = 1.5
+"""Drop of the cost of the axes that a perspective has to bring to be believed."""
+
+OF_CAMERA: Final = 0.2
+"""Cost by which the perspective of the camera may be worse than none and is believed: people draw
+without perspective on a sheet that has it."""
+
+CERTAIN: Final = 3.0
+"""Drop of the cost beyond which perspective also tells near from far."""
+
+LEAST: Final = 0.04
+"""Perspective, 1/diagonal, below which a drawing is as good as parallel."""
+
+NEAREST: Final = 0.2
+"""Least distance from the eye, in those of the sheet."""
+
+MEAN: Final = 1e3
+"""Weight of the condition that the mean depth is 0."""
+
+ROUNDS: Final = 6
+"""Steps of Gauss and Newton for the depths."""
+
+
+@dataclass(frozen=True, eq=False)
+class ParallelView:
+    """A drawing as it would look from far away.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        With straightened places, diagonals of the drawing as it was.
+    flat : (n, 2) float64
+        Places as drawn, seen from the point before which the eye is.
+    about : (2,) float64
+        That point, diagonals.
+    perspective : float
+        Reciprocal of the distance of the eye, 1/diagonal.
+    depths : (n,) float64
+        By which places were straightened.
+    certain : bool
+        Whether the perspective tells near from far.
+    """
+
+    drawing: Drawing
+    flat: Array
+    about: Array
+    perspective: float
+    depths: Array
+    certain: bool
+
+    def shape(self, depths: Array) -> Array:
+        """Return corners in space that are seen where they were drawn, (n, 3), diagonals.
+
+        Parameters
+        ----------
+        depths : (n,) array
+            Away from the eye, of any mean.
+        """
+        level = depths - depths.mean() + self.depths.mean()
+        away = np.maximum(1.0 + self.perspective * level, NEAREST)
+        return np.column_stack((self.flat * away[:, None] + self.about, level))
+
+    def agrees(self, depths: Array) -> bool:
+        """Whether depths are near where the perspective says so, or it says nothing."""
+        off = depths - depths.mean()
+        return not self.certain or float(off @ (self.depths - self.depths.mean())) >= 0.0
+
+
+def parallel_view(drawing: Drawing, camera: Camera) -> ParallelView:
+    """Return a drawing without its perspective: that of the camera, another one, or none.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        In units of its own size.
+    camera : Camera
+        Through which it was drawn; a person may draw otherwise than it sees.
+    """
+    zero = np.zeros(2)
+    plain = ParallelView(drawing, drawing.points, zero, 0.0, np.zeros(len(drawing.points)), False)
+    every = np.ones(len(drawing.lines))
+    parallel = axis_system(drawing, every, perspective=False)
+    if parallel is None:
+        parallel_cost = float(len(every))
+    else:
+        parallel_cost = parallel.cost
+    found: list[tuple[float, float, Array, AxisSystem]] = []
+    if camera.kind == "perspective":
+        about = (
+            (np.multiply(camera.viewport, 0.5) - drawing.center) * (1.0, -1.0) / drawing.diagonal
+        )
+        eye = drawing.diagonal / camera.pixels_per_mm / camera.distance
+        seen = axis_system(
+            replace(drawing, points=drawing.points - about), every, perspective=False, starts=(eye,)
+        )
+        if seen is not None:
+            found.append((seen.cost - OF_CAMERA, eye, about, seen))
+    fitted = axis_system(drawing, every, perspective=True, starts=STARTS)
+    if fitted is not None and LEAST < fitted.perspective:
+        found.append((fitted.cost + LEAST_GAIN, fitted.perspective, zero, fitted))
+    found = [each for each in found if each[0] < parallel_cost]
+    if not found:
+        return plain
+    _, eye, about, system = min(found, key=lambda each: each[0])
+    flat = drawing.points - about
+    depths = _depths(drawing, flat, system, eye)
+    straight = flat * (1.0 + eye * depths)[:, None]
+    certain = parallel_cost - system.cost > CERTAIN
+    return ParallelView(
+        replace(drawing, points=straight - straight.mean(0)), flat, about, eye, depths, certain
+    )
+
+
+def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float) -> Array:
+    """Return depths of mean 0 by lines along axes and by planar faces.
+
+    Without the mean, all corners would fall together in the eye, where every equation holds.
+    """
+    count = len(flat)
+    rows = [1e-3 * np.eye(count), np.full((1, count), MEAN / count)]
+    values = [np.zeros(count), np.zeros(1)]
+    for axis in range(3):
+        lines = drawing.lines[system.lines == axis]
+        for other in range(3):
+            if other == axis or not len(lines):
+                continue
+            normal = system.axes[other]
+            weight = eye * flat @ normal[:2] + normal[2]
+            block = np.zeros((len(lines), count))
+            number = np.arange(len(lines))
+            block[number, lines[:, 1]] = weight[lines[:, 1]]
+            block[number, lines[:, 0]] = -weight[lines[:, 0]]
+            rows.append(block)
+            values.append(-(flat[lines[:, 1]] - flat[lines[:, 0]]) @ normal[:2])
+    matrix, right = np.vstack(rows), np.concatenate(values)
+    depths = np.linalg.lstsq(matrix, right, rcond=None)[0]
+    planar = _planar_rows(drawing, flat)
+    lowest = (NEAREST - 1.0) / max(eye, 1e-9)
+    for _ in range(ROUNDS if len(planar) else 0):
+        depths = np.clip(depths, lowest, 4.0)
+        away = 1.0 + eye * depths
+        slope = planar / away**2
+        bent = planar @ (depths / away)
+        step = np.linalg.lstsq(
+            np.vstack((matrix, slope)), np.concatenate((right - matrix @ depths, -bent)), rcond=None
+        )[0]
+        depths = depths + step
+    return np.asarray(np.clip(np.nan_to_num(depths), lowest, 4.0))
+
+
+def _planar_rows(drawing: Drawing, flat: Array) -> Array:
+    """Return rows that vanish on reciprocal depths where faces known from the lines are planar."""
+    neighbors = neighbors_of(drawing.lines)
+    found = [np.zeros((0, len(flat)))]
+    for part in components(neighbors):
+        if len(part) < 4:
+            continue
+        rings = embedded_faces({corner: neighbors[corner] for corner in part})
+        if rings is not None and not shared_pairs(rings):
+            found.append(face_rows(flat, range(len(flat)), [(ring,) for ring in rings]))
+    return np.vstack(found)

@@ -1,0 +1,197 @@
+"""Readings of a drawing: shapes in its own units, each with the measures that rank it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
+from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached
+from bozzetto_polyhedron.reconstruction.metric_upgrade import metric_maps, squared
+from bozzetto_polyhedron.reconstruction.orientation import open_lines
+from bozzetto_polyhedron.reconstruction.parallel_classes import (
+    LOOSE,
+    STRICT,
+    ParallelClasses,
+    parallel_classes,
+)
+from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
+from bozzetto_polyhedron.reconstruction.ranking import scores
+from bozzetto_polyhedron.reconstruction.regularity import (
+    cheap_measures,
+    costly_measures,
+    relief_of,
+)
+from bozzetto_polyhedron.reconstruction.visibility import agreement, is_marked
+
+MOST: Final = 8
+"""Readings of one lifting."""
+
+UPRIGHT: Final = 8.0
+"""Standard deviation from upright, degrees, of lines that are upright in space."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """One shape that a drawing may show.
+
+    Parameters
+    ----------
+    depths : (n,) float64
+        Away from the eye, diagonals.
+    faces : tuple of Rings
+    features : (len(FEATURES),) float64
+        Measures that rank it.
+    score : float
+    """
+
+    depths: Array
+    faces: tuple[Rings, ...]
+    features: Array
+    score: float
+
+
+def readings(
+    drawing: Drawing, checkpoint: Callable[[float, str], None] = lambda share, step: None
+) -> list[Reading]:
+    """Return readings of a drawing, best first, each found once.
+
+    Where hidden lines are marked, a reading and its mirrored one are two; otherwise they are one.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        In units of its own size.
+    checkpoint : callable
+        Called between the steps with the share done and a name.
+    """
+    neighbors = neighbors_of(drawing.lines)
+    parts = components(neighbors)
+    parts.sort(key=lambda part: -float(np.linalg.norm(np.ptp(drawing.points[list(part)], axis=0))))
+    found: list[Reading] = []
+    seen: set[bytes] = set()
+    for strict, joining in enumerate((LOOSE, STRICT)):
+        classes = parallel_classes(drawing, joining)
+        if classes.labels.tobytes() in seen or not parts:
+            continue
+        seen.add(classes.labels.tobytes())
+        loose = [part for part in parts[1:] if len(part) > 2]
+        small = [liftings(drawing, classes, neighbors, part)[:1] for part in loose]
+        for body in liftings(drawing, classes, neighbors, parts[0]):
+            checkpoint(0.3 + 0.3 * strict, "readings")
+            found += _of_body(drawing, classes, body, [p for each in small for p in each], strict)
+    return distinct(drawing, sorted(found, key=lambda each: -each.score))
+
+
+def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
+    """Return readings without those that repeat a better one.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        In units of its own size; where its hidden lines are not marked, mirrored ones are alike.
+    ordered : sequence of Reading
+        The best one first.
+    """
+    same = 0.02 + 0.25 * drawing.noise
+    sides = (1.0,) if is_marked(drawing) else (1.0, -1.0)
+    kept: list[Reading] = []
+    for each in ordered:
+        depths = each.depths - each.depths.mean()
+        others = [other.depths - other.depths.mean() for other in kept]
+        if all(_spread(depths - side * other) > same for other in others for side in sides):
+            kept.append(each)
+    return kept
+
+
+def seen_from_above(drawing: Drawing, reading: Reading) -> Reading:
+    """Return a reading, or its mirrored one, so that upright lines lean towards the eye.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        In units of its own size.
+    reading : Reading
+        On either side.
+    """
+    spans = drawing.spans * np.sign(drawing.spans[:, 1:] + 1e-12)
+    tilts = np.degrees(np.arctan2(spans[:, 0], spans[:, 1]))
+    upright = drawing.lengths * np.exp(-0.5 * (tilts / UPRIGHT) ** 2)
+    rise = reading.depths[drawing.lines[:, 1]] - reading.depths[drawing.lines[:, 0]]
+    away = float(upright @ (rise * np.sign(drawing.spans[:, 1] + 1e-12)))
+    return replace(reading, depths=-reading.depths) if away > 0.0 else reading
+
+
+def _spread(values: Array) -> float:
+    return float(np.sqrt((values**2).mean()))
+
+
+def _of_body(
+    drawing: Drawing,
+    classes: ParallelClasses,
+    body: Lifting,
+    parts: Sequence[Lifting],
+    strict: int,
+) -> list[Reading]:
+    """Return readings of the largest part with all others in it."""
+    members = np.isin(drawing.lines[:, 0], body.corners)
+    lines = drawing.lines[members]
+    present, labels = np.unique(classes.labels[members], return_inverse=True)
+    relief = relief_of(
+        drawing.points,
+        body.depth.depths,
+        lines,
+        labels,
+        classes.directions[present],
+        body.faces,
+        drawing.noise,
+    )
+    maps = metric_maps(relief, MOST)
+    found = []
+    for chosen, cheap in zip(maps, cheap_measures(relief, maps), strict=True):
+        depths = relief.heights(squared(relief, chosen))
+        beyond = max(0.0, _planarity(drawing.points, depths, body.faces) - drawing.noise)
+        measures = (
+            *cheap,
+            *costly_measures(relief, chosen),
+            beyond / (drawing.noise + 0.01),
+            min(5.0, body.depth.residual / (0.05 + 10.0 * drawing.noise)),
+            float(strict),
+            open_lines(body.faces, lines) / max(1, len(lines)),
+        )
+        for way in attached(drawing, classes, depths, body.faces, body.corners, parts):
+            found += _sides(drawing, way, np.concatenate((measures, way.measures)))
+    return found
+
+
+def _sides(drawing: Drawing, way: Attached, measures: Array) -> list[Reading]:
+    """Return a reading, and its mirrored one where marks tell them apart."""
+    if not is_marked(drawing):
+        return [_reading(way.depths, way.faces, np.append(measures, 0.0))]
+    marks = agreement(drawing, way.depths, way.faces)
+    return [
+        _reading(side * way.depths, way.faces, np.append(measures, each))
+        for side, each in zip((1.0, -1.0), marks, strict=True)
+    ]
+
+
+def _reading(depths: Array, faces: tuple[Rings, ...], features: Array) -> Reading:
+    return Reading(depths, faces, features, float(scores(features)))
+
+
+def _planarity(points: Array, depths: Array, faces: Sequence[Rings]) -> float:
+    """Largest root mean square distance of the corners of a face from a plane, diagonals."""
+    space = np.column_stack((points, depths))
+    worst = 0.0
+    for face in faces:
+        corners = space[[corner for ring in face for corner in ring]]
+        if len(corners) > 3:
+            values = np.linalg.svd(corners - corners.mean(0), compute_uv=False)
+            worst = max(worst, float(values[-1]) / len(corners) ** 0.5)
+    return worst

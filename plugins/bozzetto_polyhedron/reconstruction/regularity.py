@@ -1,0 +1,414 @@
+"""How regular a reading of a drawing in space is.
+
+The three numbers that affine facts leave open, Z = a z + b x + c y, are chosen so that the solid is
+as regular as people draw: right angles, equal lengths, symmetry. The measures follow the
+regularities of Masry et al. 2004 (section on reconstruction by optimisation) as far as a drawing
+gives evidence for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index
+from bozzetto_polyhedron.reconstruction.answer import Rings
+
+RIGHT: Final = (0.03, 5.0, 0.13)
+"""Cosine at which an angle counts half as a right one: without noise, more for each diagonal of
+noise, and at most."""
+
+SAME_LENGTH: Final = 0.06
+"""Logarithm of a ratio at which two lengths count half as equal."""
+
+OPPOSITE: Final = 0.15
+"""Sine at which the way between two parallel faces counts half as perpendicular to them."""
+
+PARALLEL_FACES: Final = 0.12
+"""Sine of the angle between affine normals below which two faces may be parallel."""
+
+SAME_ANGLE: Final = 0.12
+"""Difference, radians, at which two angles count half as equal."""
+
+LEAST_AXIS: Final = 3
+"""Lines that the axis of a prism has at least."""
+
+MIRROR_PLANES: Final = 24
+"""Most planes that are tried for symmetry."""
+
+MEASURES: Final = (
+    "square corners",
+    "square dihedral angles",
+    "equal lengths in a face",
+    "square classes",
+    "depth against width, squared logarithm",
+    "steepness",
+    "axis square to all else",
+    "faces opposite one another",
+    "frame coverage",
+    "equal angles in a face",
+    "mirror plane",
+    "further mirror planes",
+    "frame coverage, sixth power",
+)
+"""Names of the measures in the order of their columns; the first eight are cheap."""
+
+CHEAP: Final = 8
+"""Number of measures with which many readings are compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class Relief:
+    """A drawing with affine depths, faces, and tables of what is to be compared.
+
+    Parameters
+    ----------
+    points : (n, 2) float64
+        Corners, diagonals.
+    depths : (n,) float64
+        Affine depths.
+    lines : (m, 2) intp
+    faces : tuple of Rings
+    noise : float
+        Diagonals.
+    directions : (c, 3) float64
+        Of each class: unit vector on the sheet, and affine slope.
+    counts : (c,) float64
+        Lines of each class.
+    corners : (p, 2) intp
+        Classes that meet in a corner of a face.
+    corner_counts : (p,) float64
+        How often they do.
+    normals : (f, 3) float64
+        Area vectors of the faces in affine space.
+    dihedrals : (d, 2) intp
+        Faces that share a line.
+    opposite : (o, 2) intp
+        Parallel faces with as many corners, none in common.
+    middles : (f, 3) float64
+        Middles of the faces in affine space.
+    lengths : (e, 2) intp
+        Lines of one face that are not parallel.
+    length_weights : (e,) float64
+        Neighbours count double.
+    angles : (g, 4) intp
+        Four corners in the order of a ring: the two angles between them are compared.
+    """
+
+    points: Array
+    depths: Array
+    lines: Index
+    faces: tuple[Rings, ...]
+    noise: float
+    directions: Array
+    counts: Array
+    corners: Index
+    corner_counts: Array
+    normals: Array
+    dihedrals: Index
+    opposite: Index
+    middles: Array
+    lengths: Index
+    length_weights: Array
+    angles: Index
+
+    @property
+    def right(self) -> float:
+        """Cosine at which an angle counts half as a right one."""
+        return min(RIGHT[0] + RIGHT[1] * self.noise, RIGHT[2])
+
+    def unit_directions(self, maps: Array) -> Array:
+        """Return the direction of each class in space, (k, c, 3), for maps of shape (k, 3)."""
+        along = maps @ self.directions[:, [2, 0, 1]].T
+        flat = np.broadcast_to(self.directions[:, :2], (*along.shape, 2))
+        found = np.concatenate((flat, along[..., None]), axis=2)
+        return np.asarray(found / np.linalg.norm(found, axis=2, keepdims=True))
+
+    def heights(self, chosen: Array) -> Array:
+        """Return the depths of one map, (n,), diagonals."""
+        return np.asarray(chosen[0] * self.depths + self.points @ chosen[1:])
+
+
+def relief_of(
+    points: Array,
+    depths: Array,
+    lines: Index,
+    labels: Index,
+    plane_directions: Array,
+    faces: Sequence[Rings],
+    noise: float,
+) -> Relief:
+    """Prepare a drawing with affine depths for comparisons.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+        Corners, diagonals.
+    depths : (n,) array
+        Affine depths.
+    lines : (m, 2) array of int
+        Lines that take part.
+    labels : (m,) array of int
+        Their classes, 0 … c - 1, none empty.
+    plane_directions : (c, 2) array
+        Unit vectors of the classes on the sheet.
+    faces : sequence of Rings
+        Faces between the lines.
+    noise : float
+        Standard deviation of a corner, diagonals.
+    """
+    directions = _class_directions(points, depths, lines, labels, plane_directions)
+    number = {(int(a), int(b)): k for k, (a, b) in enumerate(lines)}
+    pairs: dict[tuple[int, int], int] = {}
+    owners: dict[int, list[int]] = {}
+    lengths: list[tuple[int, int, float]] = []
+    angles: list[tuple[int, ...]] = []
+    for place, face in enumerate(faces):
+        for ring in face:
+            sides = [
+                number[min(a, b), max(a, b)] for a, b in zip(ring, ring[1:] + ring[:1], strict=True)
+            ]
+            for side, following in zip(sides, sides[1:] + sides[:1], strict=True):
+                owners.setdefault(side, []).append(place)
+                first, second = sorted((int(labels[side]), int(labels[following])))
+                if first != second:
+                    pairs[first, second] = pairs.get((first, second), 0) + 1
+            lengths += _compared_lengths(sides, labels)
+            twice = ring + ring
+            angles += [twice[start : start + 4] for start in range(len(ring))]
+    space = np.column_stack((points, depths))
+    normals = np.array([area_vector(space[list(face[0])]) for face in faces]).reshape(-1, 3)
+    middles = np.array([space[list(face[0])].mean(0) for face in faces]).reshape(-1, 3)
+    return Relief(
+        points,
+        depths,
+        lines,
+        tuple(faces),
+        noise,
+        directions,
+        np.bincount(labels, minlength=len(directions)).astype(float),
+        np.array(list(pairs), np.intp).reshape(-1, 2),
+        np.array(list(pairs.values()), float),
+        normals,
+        np.array([each for each in owners.values() if len(each) == 2], np.intp).reshape(-1, 2),
+        _opposite(faces, normals),
+        middles,
+        np.array([each[:2] for each in lengths], np.intp).reshape(-1, 2),
+        np.array([each[2] for each in lengths]),
+        np.array(angles, np.intp).reshape(-1, 4),
+    )
+
+
+def cheap_measures(relief: Relief, maps: Array, right: float | None = None) -> Array:
+    """Return the first measures of many maps, (k, CHEAP).
+
+    Parameters
+    ----------
+    relief : Relief
+        What is compared.
+    maps : (k, 3) array
+        Numbers a, b, c of each map.
+    right : float, optional
+        Cosine at which an angle counts half as a right one, as the noise asks unless given.
+    """
+    right = relief.right if right is None else right
+    directions = relief.unit_directions(maps)
+    square = _near(directions @ directions.transpose(0, 2, 1), right)
+    weights = np.outer(relief.counts, relief.counts) * (1.0 - np.eye(len(relief.counts)))
+    drawn = np.hypot(*(relief.points[relief.lines[:, 1]] - relief.points[relief.lines[:, 0]]).T)
+    heights = maps @ np.vstack((relief.depths, relief.points.T))
+    rises = heights[:, relief.lines[:, 1]] - heights[:, relief.lines[:, 0]]
+    lengths = np.log(np.hypot(drawn, rises))
+    ratios = lengths[:, relief.lengths[:, 0]] - lengths[:, relief.lengths[:, 1]]
+    used = np.unique(relief.lines)
+    spread = np.maximum(heights[:, used].std(1), 1e-9) / relief.points[used].std(0).mean()
+    normals = _normals(relief, maps)
+    return np.column_stack(
+        (
+            _mean(square[:, relief.corners[:, 0], relief.corners[:, 1]], relief.corner_counts),
+            _square_dihedrals(relief, normals, right),
+            _mean(_near(ratios, SAME_LENGTH), relief.length_weights),
+            (square * weights).sum((1, 2)) / max(1.0, weights.sum()),
+            np.log(spread) ** 2,
+            (lengths - np.log(drawn)).mean(1),
+            _square_axis(relief, square),
+            _opposite_faces(relief, maps, normals),
+        )
+    )
+
+
+def costly_measures(relief: Relief, chosen: Array) -> Array:
+    """Return the measures of one map that are not cheap, in the order of `MEASURES`."""
+    directions = relief.unit_directions(chosen[None])[0]
+    coverage = _frame_coverage(directions, relief.counts, relief.right)
+    space = np.column_stack((relief.points, relief.heights(chosen)))
+    mirrors = _mirror_planes(relief, directions, space)
+    further = float(mirrors[1:3].mean()) if len(mirrors) > 1 else 0.0
+    first = float(mirrors[0]) if len(mirrors) else 0.0
+    return np.array([coverage, _equal_angles(relief, space), first, further, coverage**6])
+
+
+def area_vector(ring: Array) -> Array:
+    """Return the area vector of a ring of points, (3,)."""
+    x, y, z = (ring - ring[0]).T
+    after = np.arange(1, len(ring) + 1) % len(ring)
+    return 0.5 * np.array(
+        (y @ z[after] - z @ y[after], z @ x[after] - x @ z[after], x @ y[after] - y @ x[after])
+    )
+
+
+def _near(values: Array, scale: float) -> Array:
+    """1 at 0, a half at the scale, less beyond."""
+    return np.asarray(1.0 / (1.0 + (values / scale) ** 2))
+
+
+def _mean(values: Array, weights: Array) -> Array:
+    """Weighted mean along the last axis; 0 of nothing."""
+    total = float(weights.sum())
+    return np.asarray(values @ weights / total if total > 0 else np.zeros(len(values)))
+
+
+def _class_directions(
+    points: Array, depths: Array, lines: Index, labels: Index, plane_directions: Array
+) -> Array:
+    """Return the unit vector and affine slope of each class, the mean over its lines."""
+    along = ((points[lines[:, 1]] - points[lines[:, 0]]) * plane_directions[labels]).sum(1)
+    rise = depths[lines[:, 1]] - depths[lines[:, 0]]
+    count = len(plane_directions)
+    slopes = np.bincount(labels, along * rise, count) / np.maximum(
+        np.bincount(labels, along**2, count), 1e-18
+    )
+    return np.column_stack((plane_directions, slopes))
+
+
+def _compared_lengths(sides: list[int], labels: Index) -> list[tuple[int, int, float]]:
+    """Pairs of lines of one ring that are not parallel; neighbours weigh double."""
+    count = len(sides)
+    return [
+        (sides[i], sides[j], 2.0 if j - i in (1, count - 1) else 1.0)
+        for i, j in combinations(range(count), 2)
+        if labels[sides[i]] != labels[sides[j]]
+    ]
+
+
+def _normals(relief: Relief, maps: Array) -> Array:
+    """Return unit normals of the faces for each map, (k, f, 3)."""
+    flat = relief.normals[None, :, 2] / maps[:, :1]
+    normals = np.stack(
+        (
+            relief.normals[None, :, 0] - maps[:, 1:2] * flat,
+            relief.normals[None, :, 1] - maps[:, 2:3] * flat,
+            flat,
+        ),
+        axis=-1,
+    )
+    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12))
+
+
+def _square_dihedrals(relief: Relief, normals: Array, right: float) -> Array:
+    """Return the share of lines between two faces at a right angle, (k,)."""
+    if not len(relief.dihedrals):
+        return np.zeros(len(normals))
+    cosines = (normals[:, relief.dihedrals[:, 0]] * normals[:, relief.dihedrals[:, 1]]).sum(2)
+    return np.asarray(_near(cosines, right).mean(1))
+
+
+def _square_axis(relief: Relief, square: Array) -> Array:
+    """Return how square the best class, as the axis of a prism, is to all other lines, (k,)."""
+    others = relief.counts * (1.0 - np.eye(len(relief.counts)))
+    shares = (square * others).sum(2) / np.maximum(others.sum(1), 1.0)
+    return np.asarray(np.where(relief.counts >= LEAST_AXIS, shares, 0.0).max(1))
+
+
+def _opposite(faces: Sequence[Rings], normals: Array) -> Index:
+    """Return pairs of parallel faces with as many corners, none in common."""
+    scaled = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    sets = [set(face[0]) for face in faces]
+    found = [
+        (first, second)
+        for first, second in combinations(range(len(faces)), 2)
+        if len(faces[first][0]) == len(faces[second][0])
+        and not sets[first] & sets[second]
+        and np.linalg.norm(np.cross(scaled[first], scaled[second])) < PARALLEL_FACES
+    ]
+    return np.array(found, np.intp).reshape(-1, 2)
+
+
+def _opposite_faces(relief: Relief, maps: Array, normals: Array) -> Array:
+    """Return how perpendicular two parallel faces are to the way between them, (k,), at best."""
+    if not len(relief.opposite):
+        return np.zeros(len(maps))
+    ways = relief.middles[relief.opposite[:, 1]] - relief.middles[relief.opposite[:, 0]]
+    depth = maps @ ways[:, [2, 0, 1]].T
+    spans = np.concatenate(
+        (np.broadcast_to(ways[:, :2], (*depth.shape, 2)), depth[..., None]), axis=2
+    )
+    spans /= np.maximum(np.linalg.norm(spans, axis=2, keepdims=True), 1e-12)
+    cosines = (spans * normals[:, relief.opposite[:, 0]]).sum(2)
+    return np.asarray(_near(np.sqrt(np.maximum(0.0, 1.0 - cosines**2)), OPPOSITE).max(1))
+
+
+def _frame_coverage(directions: Array, counts: Array, right: float) -> float:
+    """Largest share of the lines that lies along one orthogonal frame."""
+    best = float(counts.max() / counts.sum())
+    cosines = np.abs(directions @ directions.T)
+    for first, second in combinations(range(len(directions)), 2):
+        if cosines[first, second] >= 0.2:
+            continue
+        third = np.cross(directions[first], directions[second])
+        third /= np.linalg.norm(third)
+        frame = np.column_stack((directions[first], np.cross(third, directions[first]), third))
+        nearest = np.abs(directions @ frame).max(1)
+        off = np.sqrt(np.maximum(0.0, 1.0 - nearest**2))
+        best = max(best, float(counts @ _near(off, right) / counts.sum()))
+    return best
+
+
+def _equal_angles(relief: Relief, space: Array) -> float:
+    """Share of neighbouring angles in faces that are equal."""
+    if not len(relief.angles):
+        return 0.0
+    sides = np.diff(space[relief.angles], axis=1)
+    sides /= np.maximum(np.linalg.norm(sides, axis=2, keepdims=True), 1e-12)
+    turns = np.arccos(np.clip(-(sides[:, :2] * sides[:, 1:]).sum(2), -1.0, 1.0))
+    return float(_near(turns[:, 0] - turns[:, 1], SAME_ANGLE).mean())
+
+
+def _mirror_planes(relief: Relief, directions: Array, space: Array) -> Array:
+    """How well each plane through the middle maps the corners onto one another, best first."""
+    used = np.unique(relief.lines)
+    corners = space[used] - space[used].mean(0)
+    corners /= max(1e-12, float(np.sqrt((corners**2).sum(1).mean())))
+    normals = _distinct(_mirror_normals(relief, directions, space))[:MIRROR_PLANES]
+    images = corners - 2.0 * (corners @ normals.T)[..., None].transpose(1, 0, 2) * normals[:, None]
+    squares = (corners**2).sum(1)
+    apart = (images**2).sum(2)[:, :, None] + squares - 2.0 * images @ corners.T
+    nearest = np.maximum(apart, 0.0).min(2)
+    scale = 0.06 + 2.0 * relief.noise
+    return np.sort((1.0 / (1.0 + nearest / scale**2)).mean(1))[::-1]
+
+
+def _mirror_normals(relief: Relief, directions: Array, space: Array) -> Array:
+    """Directions of classes and faces, and those halfway between two classes."""
+    found = [directions]
+    faces = np.array([area_vector(space[list(face[0])]) for face in relief.faces]).reshape(-1, 3)
+    found.append(faces)
+    first, second = np.triu_indices(min(len(directions), 6), 1)
+    found += [directions[first] + directions[second], directions[first] - directions[second]]
+    normals = np.vstack(found)
+    lengths = np.linalg.norm(normals, axis=1)
+    return np.asarray(normals[lengths > 1e-9] / lengths[lengths > 1e-9, None])
+
+
+def _distinct(normals: Array) -> Array:
+    """Leave out normals that nearly repeat an earlier one."""
+    same = np.abs(normals @ normals.T) >= 0.99
+    kept: list[int] = []
+    for number in range(len(normals)):
+        if not same[number, kept].any():
+            kept.append(number)
+    return normals[kept]

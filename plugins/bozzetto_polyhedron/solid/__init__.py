@@ -1,0 +1,1 @@
+"""Exact planes: solids, sheets and nets."""

@@ -1,0 +1,297 @@
+"""Strokes to lines, lines to answers, answers to exact planes: each step remembered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Mesh, Placement
+from bozzetto.ink import Strokes
+from bozzetto.plugin import remembered
+from bozzetto_polyhedron.drawing_on.changed import Changed
+from bozzetto_polyhedron.graph.build import graph_of
+from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.model.changes import Change, Join
+from bozzetto_polyhedron.model.state import MOST_ANSWERS, Body, Dimension, PolyhedronState
+from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
+from bozzetto_polyhedron.reconstruction.answers import answers_of
+from bozzetto_polyhedron.solid.exact import exact_body
+from bozzetto_polyhedron.solid.hand_over import mesh_of
+from bozzetto_polyhedron.solid.planar_body import PlanarBody, on_axis_planes
+from bozzetto_polyhedron.solid.sheet import sheet_solid
+from bozzetto_polyhedron.solve.changes import after, changed_body
+from bozzetto_polyhedron.solve.choice import chosen_number
+from bozzetto_polyhedron.solve.measured_edges import dimensions_of
+from bozzetto_polyhedron.solve.slanted_faces import slanted_faces
+
+Checkpoint = Callable[[float, str], None]
+
+
+ON_AXIS: Final = 1e-12
+"""Cosine from 1 within which a plane that was turned is meant square to an axis of the world."""
+
+
+def never(fraction: float = 0.0, doing: str = "") -> None:
+    """Go on: the checkpoint of who cannot be asked to stop."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """One body with all that was found on the way.
+
+    Parameters
+    ----------
+    graph : LineGraph
+        In px of the drawing's canvas.
+    answers : tuple of Answer
+        The likeliest first, in the frame of the drawing; empty in previews of a drawing that was
+        not turned yet.
+    number : int
+        Which of them the body is made from; -1 for none.
+    base : PlanarBody or None
+        The answer with exact planes, in the frame of the model: vertices are those of the graph.
+    changed : Changed or None
+        The same with all that was drawn on it.
+    mesh : Mesh or None
+        Its triangles; with the thickness of a sheet.
+    problem : str
+        Why there is no body, for a person; "" where there is one, or where nobody asked yet.
+    """
+
+    graph: LineGraph
+    answers: tuple[Answer, ...] = ()
+    number: int = -1
+    base: PlanarBody | None = None
+    changed: Changed | None = None
+    mesh: Mesh | None = None
+    problem: str = ""
+
+    @property
+    def body(self) -> PlanarBody | None:
+        """The body with all that was drawn on it."""
+        return None if self.changed is None else self.changed.body
+
+    @property
+    def base_faces(self) -> tuple[Rings, ...]:
+        """The faces before anything was drawn on them."""
+        return () if self.base is None else self.base.faces
+
+    @property
+    def answer(self) -> Answer | None:
+        """The answer that the body is made from."""
+        return self.answers[self.number] if self.number >= 0 else None
+
+
+def solved(
+    body: Body, state: PolyhedronState, quality: str = "final", checkpoint: Checkpoint = never
+) -> Solved:
+    """Solve one body.
+
+    A drawing that nobody turned yet ends with its lines as long as they look wrong, and in a
+    preview: they are what a person who draws has to see at once.
+    """
+    graph = graph_of_ink(body.strokes, checkpoint)
+    if body.choice is None and (quality == "preview" or graph.health):
+        return Solved(graph)
+    answers = answers_of_ink(body.strokes, body.hidden, checkpoint)
+    if not answers:
+        return Solved(graph, problem="These lines make no shape yet. Draw on.")
+    number = chosen_number(answers, body.choice, body.answer)
+    checkpoint(0.9, "Exact planes")
+    try:
+        base = _base(body, state, graph, answers, number, checkpoint)
+        made = changed_body(base, state.changes_of(body), _others(body, state), body.placement)
+        placed = placed_changes(made, body.placement)
+        mesh = (
+            mesh_of(placed.body) if body.wall == 0.0 else sheet_solid(placed.body, body.wall).mesh
+        )
+    except UserError as problem:
+        return Solved(graph, answers, number, problem=str(problem))
+    return Solved(graph, answers, number, placed_body(base, body.placement), placed, mesh)
+
+
+def changed_until(body: Body, state: PolyhedronState, change: Change | None = None) -> Changed:
+    """Return a body, in the frame of its drawing, as it was before one of its changes.
+
+    Parameters
+    ----------
+    body : Body
+        A drawing.
+    state : PolyhedronState
+        That it is part of.
+    change : Change, optional
+        Default after all of them.
+
+    Raises
+    ------
+    UserError
+        If the drawing is no solid yet.
+    """
+    made = _drawn(body, state)
+    if made is None:
+        raise UserError("This drawing is no solid yet. Draw the edges that are missing first.")
+    changes = state.changes_of(body)
+    if change is not None:
+        numbers = [each.id for each in changes]
+        if change.id in numbers:
+            changes = changes[: numbers.index(change.id)]
+    return changed_body(made, changes, _others(body, state), body.placement)
+
+
+def with_change(state: PolyhedronState, body: Body, change: Change) -> PolyhedronState:
+    """Return the state with one more change of a body, or another one in its place; chosen.
+
+    Raises
+    ------
+    UserError
+        If it cannot be done.
+    """
+    made = state.with_node(change)
+    after(changed_until(body, made, change), change, _others(body, made), body.placement)
+    return made
+
+
+def placed_changes(made: Changed, placement: Placement) -> Changed:
+    """Return a body and all that belongs to it where a placement takes it."""
+    if placement.is_identity:
+        return made
+    return made.mapped(lambda body: placed_body(body, placement), placement.points, placement.scale)
+
+
+def _drawn(body: Body, state: PolyhedronState) -> PlanarBody | None:
+    """Return the exact body of a drawing, in the frame of the drawing; None where there is none."""
+    graph = graph_of_ink(body.strokes, never)
+    answers = answers_of_ink(body.strokes, body.hidden, never)
+    if not answers:
+        return None
+    number = chosen_number(answers, body.choice, body.answer)
+    try:
+        return _base(body, state, graph, answers, number, never)
+    except UserError:
+        return None
+
+
+def _base(
+    body: Body,
+    state: PolyhedronState,
+    graph: LineGraph,
+    answers: tuple[Answer, ...],
+    number: int,
+    checkpoint: Checkpoint,
+) -> PlanarBody:
+    dimensions = dimensions_of(state.measures_of(body), graph, answers[number])
+    slanted = slanted_faces(state.slants_of(body), graph, answers[number])
+    return exact_body_of_ink(
+        body.strokes, body.hidden, number, state.exact, dimensions, slanted, checkpoint
+    )
+
+
+def _others(
+    body: Body, state: PolyhedronState, passed: frozenset[str] = frozenset()
+) -> Mapping[str, Changed]:
+    """Return the bodies that are joined to one, by their ids, in the frame of its drawing."""
+    passed = passed | {body.id}
+    found: dict[str, Changed] = {}
+    shown = {each.id: each for each in state.shown(Body)}
+    for join in state.changes_of(body):
+        if not isinstance(join, Join) or join.other in passed or join.other not in shown:
+            continue
+        other = shown[join.other]
+        if other.choice is None or (drawn := _drawn(other, state)) is None:
+            continue
+        made = changed_body(
+            drawn,
+            state.changes_of(other),
+            _others(other, state, passed),
+            other.placement,
+        )
+        way = body.placement.inverse().after(other.placement)
+        found[other.id] = placed_changes(made, way)
+    return found
+
+
+def _without_checkpoint(*asked: Any) -> Hashable:
+    return asked[:-1]
+
+
+@remembered(limit=64, key=_without_checkpoint)
+def graph_of_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
+    """Return the lines of a drawing and the corners in which they meet."""
+    return in_order(graph_of(strokes, checkpoint=checkpoint))
+
+
+def in_order(graph: LineGraph) -> LineGraph:
+    """Return a graph with corners from left to right, whatever the order of its strokes.
+
+    Searches for answers begin with numbers of corners: so they end alike, too.
+    """
+    if not len(graph.lines):
+        return graph
+    corners = np.lexsort(graph.places.round(6).T[::-1])
+    numbers = np.empty(len(corners), np.intp)
+    numbers[corners] = np.arange(len(corners))
+    lines = np.sort(numbers[graph.lines], axis=1)
+    rows = np.lexsort(lines.T[::-1])
+    return replace(
+        graph,
+        places=graph.places[corners],
+        lines=lines[rows],
+        light=graph.light[rows],
+        strokes=tuple(graph.strokes[row] for row in rows),
+    )
+
+
+@remembered(limit=64, key=_without_checkpoint)
+def answers_of_ink(strokes: Strokes, hidden: str, checkpoint: Checkpoint) -> tuple[Answer, ...]:
+    """Return the answers of a drawing, the likeliest first."""
+    graph = graph_of_ink(strokes, checkpoint)
+    if not len(graph.lines):
+        return ()
+    if hidden == "unmarked":
+        graph = replace(graph, light=0.0 * graph.light)
+    return answers_of(graph, strokes[0].camera, checkpoint=checkpoint, most=MOST_ANSWERS)
+
+
+@remembered(limit=64, key=_without_checkpoint)
+def exact_body_of_ink(
+    strokes: Strokes,
+    hidden: str,
+    number: int,
+    right_angles: bool,
+    dimensions: tuple[Dimension, ...],
+    slanted: tuple[int, ...],
+    checkpoint: Checkpoint,
+) -> PlanarBody:
+    """Return an answer of a drawing with exact planes, in the frame of the drawing."""
+    answer = answers_of_ink(strokes, hidden, checkpoint)[number]
+    camera = strokes[0].camera
+    noise = graph_of_ink(strokes, checkpoint).noise / camera.pixels_per_mm
+    return exact_body(
+        answer,
+        noise=noise,
+        right_angles=right_angles,
+        dimensions=dimensions,
+        slanted=slanted,
+        camera=camera,
+    )
+
+
+def placed_body(body: PlanarBody, placement: Placement) -> PlanarBody:
+    """Return a body where a placement takes it; planes that are square to an axis become so."""
+    if placement.is_identity:
+        return body
+    normals = placement.directions(body.normals)
+    near = np.abs(normals) > 1.0 - ON_AXIS
+    normals = np.where(near.any(axis=1, keepdims=True), near * np.sign(normals), normals)
+    moved = replace(
+        body,
+        vertices=placement.points(body.vertices),
+        normals=normals,
+        offsets=placement.scale * body.offsets + normals @ np.asarray(placement.offset),
+        frame=None if body.frame is None else placement.directions(body.frame),
+    )
+    return on_axis_planes(moved)

@@ -1,0 +1,128 @@
+"""Where the spots of fittings are at rest, and which spot a place in space is."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_polyhedron.mechanism.assembly import GROUND
+from bozzetto_polyhedron.mechanism.fittings import Drive, Fastening, FittingKind
+from bozzetto_polyhedron.model.fittings import (
+    Coil,
+    Crank,
+    Driven,
+    Fitting,
+    Hinge,
+    Link,
+    Pin,
+    Place,
+    Slider,
+    Spot,
+)
+from bozzetto_polyhedron.model.same_view import on_sheet
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solve.pipeline import Solved, solved
+
+NEAR: Final = 0.05
+"""Distance from a corner to the place it was at, in extents of the drawing, beyond which the
+corner is gone."""
+
+KINDS: Final[dict[type[Fitting], FittingKind]] = {
+    Link: "link",
+    Coil: "spring",
+    Hinge: "hinge",
+    Slider: "slider",
+    Crank: "crank",
+    Pin: "pin",
+}
+
+
+def corner_near(found: Solved, place: Place) -> int | None:
+    """Return the corner at a place of the drawing, px, if it is still there."""
+    places = found.graph.places
+    if not len(places):
+        return None
+    away = np.linalg.norm(places - place, axis=1)
+    reach = NEAR * float(np.linalg.norm(np.ptp(places, axis=0)))
+    number = int(np.argmin(away))
+    return number if away[number] <= reach else None
+
+
+def corner_places_at_rest(body: Body, found: Solved) -> Array:
+    """Return where the corners of a drawing are in space at rest, (n, 3) mm; NaN where unknown."""
+    if body.moves == "flat":
+        return on_sheet(body, found.graph.places)
+    if found.base is not None:
+        return found.base.vertices
+    if found.answer is not None:
+        return body.placement.points(found.answer.vertices)
+    return np.full((len(found.graph.places), 3), np.nan)
+
+
+def place_of(spot: Spot, state: PolyhedronState) -> Array:
+    """Return where a spot is at rest, (3,) mm in the frame of the model."""
+    body = _body_of(spot, state)
+    if body is None:
+        return np.array(spot.point, float)
+    if spot.corner is not None:
+        found = solved(body, state)
+        corner = corner_near(found, spot.corner)
+        if corner is not None:
+            return np.asarray(corner_places_at_rest(body, found)[corner])
+    return np.asarray(body.placement.points(np.array([spot.point]))[0])
+
+
+def spot_at(place: Array, body: Body | None, corner: Place | None = None) -> Spot:
+    """Return the spot of a body, or of the ground, at a place at rest, (3,) mm in the model."""
+    if body is None:
+        return Spot("", _point(place))
+    inner = body.placement.inverse().points(np.asarray(place)[None])[0]
+    return Spot(body.id, _point(inner), corner)
+
+
+def fastenings_of(state: PolyhedronState, numbers: dict[str, int]) -> list[Fastening]:
+    """Return what joins shapes; what hangs on a body that is not there joins nothing."""
+    made = []
+    for fitting in state.fittings():
+        second = fitting.second if isinstance(fitting, Hinge) else _second(fitting)
+        ids = (fitting.begin.body, second)
+        if any(each and each not in numbers for each in ids):
+            continue
+        first, other = (numbers[each] if each else GROUND for each in ids)
+        made.append(
+            Fastening(
+                KINDS[type(fitting)],
+                first,
+                other,
+                place_of(fitting.begin, state),
+                place_of(fitting.end, state),
+                length=fitting.length if isinstance(fitting, Link | Coil) else 0.0,
+                stiffness=fitting.stiffness if isinstance(fitting, Coil) else 0.0,
+                drive=_drive(fitting) if isinstance(fitting, Driven) else None,
+            )
+        )
+    return made
+
+
+def _second(fitting: Fitting) -> str:
+    return fitting.end.body if isinstance(fitting, Link | Coil) else ""
+
+
+def _drive(fitting: Driven) -> Drive | None:
+    if fitting.drive == "no":
+        return None
+    if fitting.drive == "steady":
+        return Drive(rate=float(np.radians(fitting.speed)))
+    return Drive(swing=float(np.radians(fitting.angle)), frequency=2.0 * np.pi / fitting.period)
+
+
+def _body_of(spot: Spot, state: PolyhedronState) -> Body | None:
+    bodies = {body.id: body for body in state.of_kind(Body)}
+    return bodies.get(spot.body)
+
+
+def _point(place: Array) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in place)
+    return x, y, z

@@ -1,0 +1,102 @@
+"""Draw the edges of a solid; after every stroke the lines show how they were understood."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Final
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Gesture, Ink, NextStep, override
+from bozzetto.scene import Scene
+from bozzetto_polyhedron.model.assign_stroke import with_strokes
+from bozzetto_polyhedron.model.changes import Added, Join
+from bozzetto_polyhedron.model.same_view import on_sheet
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
+from bozzetto_polyhedron.tools.added_lines import with_added
+from bozzetto_polyhedron.tools.erase import ErasingTool
+from bozzetto_polyhedron.tools.turn_solid import TurnSolid
+from bozzetto_polyhedron.view.scene import scene_after
+
+FEWEST: Final = 6
+"""Lines of the smallest solid, a tetrahedron: with fewer there is nothing to say yet."""
+
+FIRST: Final = "Draw every edge of a solid, one stroke each, and the hidden ones lightly."
+
+SURE: Final = 0.5
+"""Confidence below which a person is asked."""
+
+
+class DrawLines(ErasingTool):
+    """Edges one by one, in any order and direction, drawn over and over if one likes."""
+
+    id = "draw"
+    title = "Draw lines"
+    icon = "icons/draw.svg"
+    hint = FIRST
+
+    @override
+    def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
+        """Add ink to the drawing or the solid that it belongs to, or begin a new drawing."""
+        for stroke in ink.strokes:
+            state = with_added(state, stroke) or with_strokes(state, [stroke])
+        return state
+
+    @override
+    def preview(self, state: PolyhedronState, gesture: Gesture, context: Context) -> Scene:
+        """Return what lines that meet a solid would make of it."""
+        if not isinstance(gesture, Ink):
+            return Scene()
+        made = state
+        for stroke in gesture.strokes:
+            made = with_added(made, stroke) or made
+        return Scene() if made is state else scene_after(made)
+
+    @override
+    def next_step(self, state: PolyhedronState) -> NextStep:
+        """Return the first thing that looks wrong, and where; or that it can be turned."""
+        if state.chosen_of(Added) is not None or state.chosen_of(Join) is not None:
+            return NextStep(_after_added(state))
+        body = state.chosen_of(Body)
+        if body is None or not len(body.strokes):
+            return NextStep(FIRST)
+        graph = graph_of_ink(body.strokes, never)
+        if len(graph.lines) < FEWEST:
+            return NextStep("Go on: every edge of the solid, the hidden ones lightly.")
+        if graph.health:
+            finding = graph.health[0]
+            x, y, z = (float(v) for v in on_sheet(body, np.array([finding.place]))[0])
+            return NextStep(finding.sentence, place=(x, y, z))
+        if body.choice is None:
+            return NextStep("The lines close. Touch a corner to turn it.", tool=TurnSolid.id)
+        found: Solved | None = None
+        with suppress(UserError):
+            found = solved(body, state)
+        return NextStep(sentence_of(found))
+
+
+def _after_added(state: PolyhedronState) -> str:
+    """Return what to do after lines were added to a solid."""
+    body = state.node(state.body_of_chosen())
+    changed = solved(body, state).changed
+    if changed is not None and changed.told:
+        return changed.told[-1]
+    if changed is not None and len(changed.lines):
+        return "Go on: lines that close become faces, and faces that close join the solid."
+    return "Draw more lines on the solid, in any view, or turn it to see what became of them."
+
+
+def sentence_of(found: Solved | None) -> str:
+    """Return what to do with a solid that was turned."""
+    if found is None or found.answer is None:
+        return "These lines make no shape yet. Draw the edges that are missing."
+    if found.problem:
+        return found.problem
+    count, sure = len(found.answers), found.answer.confidence
+    if count > 1 and sure < SURE:
+        return f"Is it this one? X shows the next of {count} answers."
+    if count > 1:
+        return f"Turn the view to see it. X shows another of {count} answers."
+    return "Turn the view to see it."

@@ -1,0 +1,282 @@
+"""Strokes that join bodies: links, springs, hinges, sliders, motors; a touch asks for a trace."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import ClassVar, Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Ink, NextStep, Tap, override
+from bozzetto.view import Camera
+from bozzetto_polyhedron.mechanism.assembly import square_to
+from bozzetto_polyhedron.mechanism.fittings import frame_of
+from bozzetto_polyhedron.mechanism.pieces import TOGETHER, Shape
+from bozzetto_polyhedron.model.fittings import Coil, Crank, Fitting, Hinge, Link, Pin, Slider, Trace
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solve.aiming import Aim, aim_at
+from bozzetto_polyhedron.solve.moving import Moving, moving
+from bozzetto_polyhedron.solve.picking import REACH
+from bozzetto_polyhedron.solve.spots import spot_at
+from bozzetto_polyhedron.tools.erase import ErasingTool
+
+SHORT: Final = 1e-6
+"""Length of a fitting, mm, below which it is none."""
+
+INSIDE: Final = 1e-3
+"""Share of a bar from its ends within which it meets another one in a corner, and crosses none."""
+
+AT_REST: Final = "This is drawn where everything is at rest. Choose “Back to rest” first."
+
+
+class _JoiningTool(ErasingTool):
+    """A stroke from one spot to another."""
+
+    noun: ClassVar[str]
+    while_moved: ClassVar[bool] = False
+
+    @override
+    def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
+        """Add what this tool draws, from where each stroke begins to where it ends."""
+        for stroke in ink.strokes:
+            made = moving(state)
+            if not made.numbers:
+                raise UserError("There is nothing to join yet. Turn a drawing into a solid first.")
+            if state.moved is not None and not self.while_moved:
+                raise UserError(AT_REST)
+            begin, end = self._aims(state, made, stroke.camera, stroke.points[[0, -1]])
+            if np.linalg.norm(end.place - begin.place) < SHORT:
+                raise UserError(f"This is too short. {self.hint}")
+            part = self.joined(state, made, begin, end)
+            named = replace(part, id=state.unused_id(), name=state.unused_name(self.noun))
+            state = state.with_node(named)
+        return state
+
+    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+        """Return the part, without id and name."""
+        raise NotImplementedError
+
+    def _aims(
+        self, state: PolyhedronState, made: Moving, camera: Camera, pixels: Array
+    ) -> tuple[Aim, Aim]:
+        """Return both ends; one that meets nothing is as far away as the other one."""
+        first, last = (aim_at(state, made, camera, pixel) for pixel in pixels)
+        known = first or last
+        if known is None:
+            raise UserError(f"There is no corner at either end. {self.hint}")
+        if first is None:
+            first = aim_at(state, made, camera, pixels[0], beside=known.place)
+        if last is None:
+            last = aim_at(state, made, camera, pixels[1], beside=known.place)
+        if first is None or last is None:
+            raise UserError("This lies behind the eye. Turn the view and draw it again.")
+        return first, last
+
+    @override
+    def next_step(self, state: PolyhedronState) -> NextStep:
+        """Return the hint; where nothing can be joined yet, that."""
+        if not moving(state).numbers:
+            return NextStep("Touch a corner of a drawing to turn it into a solid.", tool="turn")
+        return NextStep(self.hint)
+
+
+class DrawLink(_JoiningTool):
+    """Bars between corners, also while things move."""
+
+    id = "link"
+    title = "Link"
+    icon = "icons/link.svg"
+    hint = "Draw from one corner to another; a bar keeps them apart."
+    noun = "Link"
+    while_moved = True
+
+    @override
+    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+        """Return a bar as long as the corners are apart now."""
+        _two_bodies(begin, end)
+        length = float(np.linalg.norm(end.place - begin.place))
+        return Link(begin=begin.spot, end=end.spot, length=length)
+
+
+class DrawSpring(_JoiningTool):
+    """Springs between corners, also while things move."""
+
+    id = "spring"
+    title = "Spring"
+    icon = "icons/spring.svg"
+    hint = "Draw from one corner to another, or into the open; a spring pulls them together."
+    noun = "Spring"
+    while_moved = True
+
+    @override
+    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+        """Return a spring that is at rest now; it carries the weight with a tenth of its length."""
+        _two_bodies(begin, end)
+        length = float(np.linalg.norm(end.place - begin.place))
+        weight = 9.81 * float(made.machine.assembly.masses.sum())
+        stiffness = float(f"{np.clip(weight / (0.1e-3 * length), 0.01, 1e6):.2g}")
+        return Coil(begin=begin.spot, end=end.spot, length=length, stiffness=stiffness)
+
+
+class DrawHinge(_JoiningTool):
+    """Axes of bodies, against one another or against what does not move."""
+
+    id = "hinge"
+    title = "Hinge"
+    icon = "icons/hinge.svg"
+    hint = "Draw an axis from one place of a body to another; choose a motor in its form."
+    noun = "Hinge"
+
+    @override
+    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+        """Return the axis between two bodies; of one alone, with the one that it touches."""
+        if not begin.spot.body:
+            begin, end = end, begin
+        second = end.spot.body
+        if second == begin.spot.body:
+            second = _neighbour(state, made, begin, end)
+        return Hinge(begin=begin.spot, end=end.spot, second=second)
+
+
+class DrawSlider(_JoiningTool):
+    """Straight guides that stand still."""
+
+    id = "slider"
+    title = "Slider"
+    icon = "icons/slider.svg"
+    hint = "Draw from a corner along the straight way on which it may slide."
+    noun = "Slider"
+
+    @override
+    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+        """Return the guide; what slides is the corner where it begins."""
+        if not begin.spot.body:
+            raise UserError(f"It must begin on a body. {self.hint}")
+        return Slider(begin=begin.spot, end=end.spot)
+
+
+class DrawCrank(_JoiningTool):
+    """Motors of bars in flat drawings."""
+
+    id = "motor"
+    title = "Motor"
+    icon = "icons/motor.svg"
+    hint = "Draw along a bar of a flat drawing, from its axis outwards: it turns steadily."
+    noun = "Motor"
+
+    @override
+    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+        """Return the motor of the bar, against what is held or the longest other bar there."""
+        number = made.numbers.get(begin.spot.body)
+        if number is None or begin.spot.body != end.spot.body:
+            raise UserError(f"Both ends must be corners of one drawing. {self.hint}")
+        if made.machine.shapes[number].normal is None:
+            raise UserError(
+                "This is no flat drawing. Set “Moves as” to “Bars, flat as drawn”, or draw a hinge "
+                "and give it a motor."
+            )
+        if made.machine.bar_between(number, begin.place, end.place) is None:
+            raise UserError(f"There is no bar between these corners. {self.hint}")
+        if frame_of(made.machine, number, begin.place, end.place, frozenset()) is None:
+            raise UserError("This corner hangs free. Hold it with the moving tool first.")
+        return Crank(begin=begin.spot, end=end.spot)
+
+
+class DrawPin(ErasingTool):
+    """Pins of bars that cross."""
+
+    id = "pin"
+    title = "Pin"
+    icon = "icons/pin.svg"
+    hint = "Touch the crossing of two bars of a flat drawing, and they are pinned there."
+    gesture = "tap"
+
+    @override
+    def tap(self, state: PolyhedronState, tap: Tap, context: Context) -> PolyhedronState:
+        """Pin the bars under the pen."""
+        if state.moved is not None:
+            raise UserError(AT_REST)
+        made = moving(state)
+        for body_id, number in made.numbers.items():
+            shape = made.machine.shapes[number]
+            if shape.normal is None:
+                continue
+            pixel = np.array([[tap.x, tap.y]])
+            place = tap.camera.on_plane(pixel, shape.vertices[0], shape.normal)[0]
+            crossing = _crossing(shape, place) if np.isfinite(place).all() else None
+            if crossing is not None:
+                seen = tap.camera.project(crossing[None])[0][0]
+                if float(np.linalg.norm(seen - pixel[0])) <= REACH:
+                    spot = spot_at(crossing, state.node(body_id))
+                    named = state.unused_name("Pin")
+                    return state.with_node(
+                        Pin(id=state.unused_id(), name=named, begin=spot, end=spot)
+                    )
+        raise UserError(f"No bars cross here. {self.hint}")
+
+
+class TraceCorner(ErasingTool):
+    """Paths of corners."""
+
+    id = "trace"
+    title = "Trace"
+    icon = "icons/trace.svg"
+    hint = "Touch a corner: its path is drawn while things move."
+    gesture = "tap"
+
+    @override
+    def tap(self, state: PolyhedronState, tap: Tap, context: Context) -> PolyhedronState:
+        """Add the trace of a corner, or choose the one that it has."""
+        aim = aim_at(state, moving(state), tap.camera, np.array([tap.x, tap.y]))
+        if aim is None or not aim.spot.body:
+            raise UserError("There is no corner here. Touch a corner of a body.")
+        for trace in state.of_kind(Trace):
+            if trace.at == aim.spot:
+                return state.with_node(trace)
+        name = state.unused_name("Trace")
+        return state.with_node(Trace(id=state.unused_id(), name=name, at=aim.spot))
+
+
+def _crossing(shape: Shape, place: Array) -> Array | None:
+    """Return the crossing of two bars that is nearest to a place, (3,) mm; None without any."""
+    across, up = square_to(shape.normal if shape.normal is not None else np.eye(3)[2])
+    flat = shape.vertices @ np.stack((across, up)).T
+    ends = flat[shape.edges]
+    best, away = None, np.inf
+    for one in range(len(ends)):
+        for other in range(one):
+            ways = np.column_stack((ends[one, 1] - ends[one, 0], ends[other, 0] - ends[other, 1]))
+            if abs(np.linalg.det(ways)) < 1e-12:
+                continue
+            shares = np.linalg.solve(ways, ends[other, 0] - ends[one, 0])
+            if (shares <= INSIDE).any() or (shares >= 1.0 - INSIDE).any():
+                continue
+            begin, end = shape.vertices[shape.edges[one]]
+            found = begin + shares[0] * (end - begin)
+            if np.linalg.norm(found - place) < away:
+                best, away = found, float(np.linalg.norm(found - place))
+    return best
+
+
+def _two_bodies(begin: Aim, end: Aim) -> None:
+    if not begin.spot.body and not end.spot.body:
+        raise UserError("One end must be on a body. Begin at a corner.")
+
+
+def _neighbour(state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> str:
+    """Return the id of another body with a corner on the axis; "" where none touches it."""
+    along = end.place - begin.place
+    extent = max(float(np.linalg.norm(np.ptp(s.vertices, axis=0))) for s in made.machine.shapes)
+    best, away = "", TOGETHER * extent
+    for body in state.shown(Body):
+        number = made.numbers.get(body.id)
+        if number is None or body.id == begin.spot.body:
+            continue
+        apart = made.machine.shapes[number].vertices - begin.place
+        share = np.clip(apart @ along / (along @ along), 0.0, 1.0)
+        far = float(np.linalg.norm(apart - share[:, None] * along, axis=1).min())
+        if far <= away:
+            best, away = body.id, far
+    return best

@@ -1,0 +1,190 @@
+"""Pull a mechanism with the pen; it keeps its lengths, and swings on while it plays."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke
+from bozzetto.plugin import Context, Drag, NextStep, Tap, override
+from bozzetto.view import Camera
+from bozzetto_polyhedron.mechanism.analysis import mobility_of
+from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
+from bozzetto_polyhedron.mechanism.pieces import METRE
+from bozzetto_polyhedron.mechanism.stepper import Pull
+from bozzetto_polyhedron.model.fittings import Place
+from bozzetto_polyhedron.model.state import Body, Grab, PolyhedronState
+from bozzetto_polyhedron.solve.moving import (
+    Moving,
+    corner_of,
+    is_mechanism,
+    kept,
+    moving,
+    recorded,
+)
+from bozzetto_polyhedron.solve.picking import REACH
+from bozzetto_polyhedron.solve.pipeline import solved
+from bozzetto_polyhedron.solve.spots import corner_near
+from bozzetto_polyhedron.tools.erase import ErasingTool
+from bozzetto_polyhedron.view.motion import moved_vertices
+
+PERIOD: Final = 0.12
+"""Time in which the pen's spring would swing the whole mechanism once, s: it feels direct."""
+
+SETTLING: Final = 6
+"""Samples over which pressure is averaged: a pen that has just touched down trembles."""
+
+UNMEANT: Final = 0.12
+"""Change of pressure that nobody means; the rest of it pulls along the view."""
+
+MOST_PIECES: Final = 60
+"""Pieces up to which freedoms are counted for the next step: it is asked after every change."""
+
+STRONGEST: Final = 8.0
+"""Largest force of the pen, in weights of all that moves."""
+
+
+class Move(ErasingTool):
+    """The pen as a spring between a corner and where it is.
+
+    Pressing more firmly pulls away from the eye, less firmly nearer; with a mouse Shift and Ctrl
+    do.
+    """
+
+    id = "move"
+    title = "Move"
+    icon = "icons/move.svg"
+    hint = "Touch corners to hold them, pull another one with the pen; press to pull it deeper."
+    gesture = "drag"
+    grabs = True
+    plays = True
+
+    @override
+    def tap(self, state: PolyhedronState, tap: Tap, context: Context) -> PolyhedronState:
+        """Hold the corner that is touched where it is, or let it go."""
+        made = _machine(state)
+        body, vertex = _nearest(state, made, tap.camera, np.array([tap.x, tap.y]))
+        found = solved(body, state)
+        at_rest = made.machine.shapes[made.numbers[body.id]].vertices[vertex]
+        corner = corner_of(body, found, at_rest)
+        x, y = found.graph.places[corner]
+        kept_places = tuple(p for p in body.anchors if corner_near(found, p) != corner)
+        if len(kept_places) == len(body.anchors):
+            kept_places = (*body.anchors, (float(x), float(y)))
+        return replace(state.with_node(replace(body, anchors=kept_places)), moved=None, grab=None)
+
+    @override
+    def step(
+        self, state: PolyhedronState, held: Drag | None, seconds: float, context: Context
+    ) -> PolyhedronState:
+        """Return the state a moment later, pulled by the pen where it holds something."""
+        made = _machine(state)
+        motion = made.motion(state.moved)
+        pull, grab = None, None
+        if held is not None:
+            grab = _deeper(_grabbed(state, made, held), made, held, seconds)
+            pull = _pull(made, motion, grab, held)
+        before, motion = motion.time, made.stepper.advanced(motion, seconds, pull)
+        if motion.time == before and made.is_driven:
+            raise UserError(
+                "A motor is stuck: the lengths do not let it turn any further. Let it swing to and "
+                "fro, or draw its crank shorter."
+            )
+        return replace(state, moved=kept(motion), grab=grab, recorded=recorded(state, motion))
+
+    @override
+    def next_step(self, state: PolyhedronState) -> NextStep:
+        """Return the hint; where nothing was turned yet, that."""
+        if not moving(state).numbers:
+            return NextStep("Touch a corner of a drawing to turn it into a solid.", tool="turn")
+        return NextStep(f"{_freedoms(state)}{self.hint}")
+
+
+def _freedoms(state: PolyhedronState) -> str:
+    """Return in how many ways a mechanism at rest can move, in a sentence; "" where unknown."""
+    if state.moved is not None or not is_mechanism(state):
+        return ""
+    made = moving(state)
+    if not made.numbers or len(made.machine.rest.places) > MOST_PIECES:
+        return ""
+    degrees = mobility_of(made.machine.assembly, made.machine.rest).degrees
+    if degrees == 0:
+        return "Its motor moves all of it: play. " if made.is_driven else "Nothing of it is free. "
+    return f"It can move in {degrees} way{'s' if degrees > 1 else ''}. "
+
+
+def _machine(state: PolyhedronState) -> Moving:
+    made = moving(state)
+    if not made.numbers:
+        raise UserError("There is nothing to move yet. Turn a drawing into a solid first.")
+    return made
+
+
+def _grabbed(state: PolyhedronState, made: Moving, held: Drag) -> Grab:
+    """Return what this drag holds: chosen at its beginning, and kept to its end."""
+    begin: Place = (float(held.path.x[0]), float(held.path.y[0]))
+    grab = state.grab
+    if grab is not None and grab.begin == begin and grab.body in made.numbers:
+        return grab
+    body, vertex = _nearest(state, made, held.camera, np.array(begin))
+    return Grab(begin, body.id, vertex)
+
+
+def _deeper(grab: Grab, made: Moving, held: Drag, seconds: float) -> Grab:
+    """Return the grab as far along the view as keys have taken it: Shift away, Ctrl nearer."""
+    if held.shift == held.ctrl:
+        return grab
+    way = made.extent * seconds
+    return replace(grab, depth=grab.depth + (way if held.shift else -way))
+
+
+def _pressed(path: Stroke) -> float:
+    """Return how much firmer the pen presses than when it touched down, -1 … 1."""
+    if not path.has_pressure:
+        return 0.0
+    first = float(np.median(path.pressure[:SETTLING]))
+    more = float(np.mean(path.pressure[-SETTLING:])) - first
+    return float(np.sign(more)) * max(abs(more) - UNMEANT, 0.0)
+
+
+def _nearest(
+    state: PolyhedronState, made: Moving, camera: Camera, place: Array
+) -> tuple[Body, int]:
+    """Return the corner that is seen nearest to a place, with its body."""
+    best: tuple[float, str, int] | None = None
+    for body_id in made.numbers:
+        seen = camera.project(moved_vertices(state, made, body_id))[0]
+        away = np.linalg.norm(seen - place, axis=1)
+        away = np.where(np.isfinite(away), away, np.inf)
+        number = int(np.argmin(away))
+        if best is None or away[number] < best[0]:
+            best = float(away[number]), body_id, number
+    if best is None or best[0] > 2.0 * REACH:
+        raise UserError("There is no corner here. Pull at a corner.")
+    return state.node(best[1]), best[2]
+
+
+def _pull(made: Moving, motion: Motion, grab: Grab, held: Drag) -> Pull | None:
+    number = made.numbers[grab.body]
+    holders = made.machine.holders[number]
+    if grab.vertex >= len(holders) or holders[grab.vertex] == GROUND:
+        raise UserError("This corner is held. Pull at another one, or touch it to let it go.")
+    place = made.machine.moved(number, motion)[grab.vertex]
+    target = held.camera.on_plane(held.path.points[-1:], place, held.camera.axes[2])[0]
+    if not np.isfinite(target).all():
+        raise UserError("The mechanism lies behind the eye. Turn the view and pull again.")
+    away = held.camera.axes[2] * (grab.depth + made.extent * _pressed(held.path))
+    mass = float(made.machine.assembly.masses.sum())
+    stiffness = mass * (2.0 * np.pi / PERIOD) ** 2
+    return Pull(
+        int(holders[grab.vertex]),
+        made.machine.local(number, grab.vertex),
+        (target + away) * METRE,
+        stiffness,
+        2.0 * float(np.sqrt(stiffness * mass)),
+        STRONGEST * mass * 9.81,
+    )

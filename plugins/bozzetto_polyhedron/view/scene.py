@@ -1,0 +1,137 @@
+"""The scene of a model: drawings on their sheets, solids in space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bozzetto.scene import Item, Layer, Scene
+from bozzetto_polyhedron.flat_pages import page_curves
+from bozzetto_polyhedron.model.changes import Mirror
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solve.measured_edges import edge_at
+from bozzetto_polyhedron.solve.moving import Moving, is_mechanism, moving
+from bozzetto_polyhedron.solve.picking import solids_in
+from bozzetto_polyhedron.solve.pipeline import Solved, solved
+from bozzetto_polyhedron.view.drawing_layers import (
+    finding_items,
+    ink_items,
+    ink_on_edges,
+    line_items,
+)
+from bozzetto_polyhedron.view.fittings import fitting_items, force_items, trace_items
+from bozzetto_polyhedron.view.loops import loop_items
+from bozzetto_polyhedron.view.motion import anchor_items, moved_items
+from bozzetto_polyhedron.view.solid_layers import (
+    added_items,
+    measure_item,
+    page_items,
+    solid_items,
+    wire_items,
+)
+
+LAYERS = (
+    *("solid", "added", "ink", "lines", "findings", "dimensions"),
+    *("fittings", "forces", "traces", "anchors", "page", "handles"),
+)
+"""Names of the layers in the order in which they are drawn."""
+
+HANDLES = "handles"
+"""Name of the layer that is shown with the tool that drags it."""
+
+
+def scene_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Scene:
+    """Return ink, lines, findings and solids of all bodies that are shown.
+
+    A drawing shows its lines until it is turned into a solid, by a touch; from then on its ink
+    lies on the edges. A drawing that already closes has its faces under the lines.
+    """
+    layers: dict[str, list[Item]] = {name: [] for name in LAYERS}
+    made = moving(state) if results and is_mechanism(state) else None
+    joined = {
+        other
+        for found in results.values()
+        if found.changed is not None
+        for other in found.changed.joined
+    }
+    bodies = [body for body in state.shown(Body) if body.id not in joined]
+    for body in bodies:
+        found = results.get(body.id)
+        if found is None:
+            layers["ink"] += ink_items(body)
+        elif made is not None and body.id in made.numbers:
+            _add_moving(layers, body, found, state, made)
+        elif body.choice is None:
+            _add_drawing(layers, body, found, state)
+        else:
+            _add_solid(layers, body, found, state)
+    if made is not None:
+        layers["fittings"] += fitting_items(state, made, made.motion(state.moved))
+        if state.forces:
+            layers["forces"] += force_items(state, made)
+        layers["traces"] += trace_items(state, made)
+    if state.moved is None:
+        for body in bodies:
+            if body.id in results and body.choice is not None:
+                layers[HANDLES] += loop_items(state, body)
+    layers["page"] += page_items(page_curves(state, results))
+    return Scene(
+        tuple(
+            Layer(name, tuple(items), tool="push" if name == HANDLES else "")
+            for name, items in layers.items()
+            if items
+        )
+    )
+
+
+def scene_after(state: PolyhedronState) -> Scene:
+    """Return the scene of a state that a gesture would make: solids are solved for it."""
+    return scene_of(state, {body.id: solved(body, state) for body in solids_in(state)})
+
+
+def _add_drawing(
+    layers: dict[str, list[Item]], body: Body, found: Solved, state: PolyhedronState
+) -> None:
+    layers["ink"] += ink_items(body)
+    layers["lines"] += line_items(body, found.graph)
+    layers["findings"] += finding_items(body, found.graph)
+    if found.body is not None and found.body.closed and not found.graph.health:
+        layers["solid"] += solid_items(body, found, body.id == state.selected)
+
+
+def _add_moving(
+    layers: dict[str, list[Item]],
+    body: Body,
+    found: Solved,
+    state: PolyhedronState,
+    made: Moving,
+) -> None:
+    motion = made.motion(state.moved)
+    layers["anchors"] += anchor_items(body, made, motion)
+    if state.moved is None and body.choice is None:
+        _add_drawing(layers, body, found, state)
+    elif state.moved is None:
+        _add_solid(layers, body, found, state)
+    else:
+        layers["solid"] += moved_items(body, made, motion)
+
+
+def _add_solid(
+    layers: dict[str, list[Item]], body: Body, found: Solved, state: PolyhedronState
+) -> None:
+    if found.answer is None:
+        layers["ink"] += ink_items(body)
+        layers["lines"] += line_items(body, found.graph)
+    elif found.body is None:
+        layers["solid"] += wire_items(body, found)
+    else:
+        layers["solid"] += solid_items(body, found, body.id == state.body_of_chosen())
+        layers["added"] += added_items(body, found)
+        if not any(isinstance(each, Mirror) for each in state.changes_of(body)):
+            layers["ink"] += ink_on_edges(body, found.graph, found.answer)
+        for measure in state.measures_of(body):
+            edge = edge_at(found.graph, measure.begin, measure.end)
+            if edge is not None and found.base is not None:
+                ends = found.base.vertices[list(edge)]
+                layers["dimensions"].append(measure_item(measure, ends))
+    if found.body is None or not found.body.closed:
+        layers["findings"] += finding_items(body, found.graph)

@@ -1,0 +1,1 @@
+"""Commands on curves, joints, surfaces and rough shapes."""

@@ -1,0 +1,1 @@
+"""Details on finished surfaces: pressed in, raised, cut through, buttons, and splits."""

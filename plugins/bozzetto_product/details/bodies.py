@@ -1,0 +1,300 @@
+"""Bodies with details: all that are visible, one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Flags, Index
+from bozzetto.errors import UserError
+from bozzetto.geometry import sewn
+from bozzetto.plugin import remembered
+from bozzetto.scene import Hits, Layer, Scene, Shaded, cast_rays
+from bozzetto.view import Rays
+from bozzetto_product.details.carve import Form, Near, Thickness, carved, parted
+from bozzetto_product.details.chart import Chart
+from bozzetto_product.details.course import CROSSES
+from bozzetto_product.details.ground import Ground, followed_outline
+from bozzetto_product.details.region import faces_over
+from bozzetto_product.details.ring import Ring, ring_through
+from bozzetto_product.details.shell import Owner, Shell
+from bozzetto_product.model.state import Detail, Plane
+from bozzetto_product.network.reflection import Reflection
+
+BEHIND: Final = 1e-4
+"""Share of the size behind a surface from which on its far side is sought."""
+
+THIN: Final = 1e-7
+"""Share of the size by which rays go on behind a triangle."""
+
+LAYERS: Final = 4
+"""Triangles in front of the far side that a ray may meet: those of the surface's own side, for
+triangles lie a little beside a surface."""
+
+OFF: Final = "The outline is on no surface. Draw it on a surface."
+LOST: Final = "its surface is gone. Switch the surface on again, or delete the detail."
+UNDRAWN: Final = "it has no outline. Draw it with the tool “Detail”."
+ASIDE: Final = "a surface under it is gone; it lies on those beside it."
+OPEN: Final = (
+    "its outline is open, so it only splits the surface. Draw a closed round to press it in, "
+    "raise it or cut it out."
+)
+EMPTY: Final = "its outline encloses no area, or crosses itself. Draw it again, as one round."
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedDetail:
+    """A detail of the recipe, or its mirror image.
+
+    Parameters
+    ----------
+    detail : Detail
+    mirrored : bool
+        It is the mirror image.
+    outlines : tuple of (n, 3) float
+        Polylines on the surface, mm.
+    problem : str
+        Why it is not carved, for a person; "" where it is.
+    told : str
+        What a person must know of it besides.
+    deviation : float
+        Largest distance of its floor from the true offset, mm.
+    """
+
+    detail: Detail
+    mirrored: bool
+    outlines: tuple[Array, ...] = ()
+    problem: str = ""
+    told: str = ""
+    deviation: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """Name for people and files."""
+        return f"{self.detail.name} mirrored" if self.mirrored else self.detail.name
+
+
+@dataclass(frozen=True, eq=False)
+class DetailedBodies:
+    """Surfaces with details.
+
+    Parameters
+    ----------
+    shells : tuple of Shell
+        Of surfaces that hang together; their owners count grounds and `details`.
+    details : tuple of SolvedDetail
+    plain : tuple of Shell
+        The same surfaces without details.
+    """
+
+    shells: tuple[Shell, ...] = ()
+    details: tuple[SolvedDetail, ...] = ()
+    plain: tuple[Shell, ...] = ()
+
+    @property
+    def changed(self) -> tuple[Shell, ...]:
+        """The shells that have details."""
+        pairs = zip(self.shells, self.plain, strict=True)
+        return tuple(shell for shell, plain in pairs if shell is not plain)
+
+
+def detailed_bodies(
+    grounds: Sequence[Ground],
+    details: Sequence[Detail],
+    symmetry: Plane,
+    checkpoint: Callable[[], None] = lambda: None,
+) -> DetailedBodies:
+    """Return bodies with details carved in their order; a mirror image after its detail.
+
+    What cannot be carved is left as it is and told by its `SolvedDetail.problem`.
+    """
+    plain = _shells(tuple(grounds))
+    made = DetailedBodies(plain, plain=plain)
+    for detail in details:
+        for mirrored in (False, True) if detail.mirrored else (False,):
+            checkpoint()
+            made = _with_detail(made, tuple(grounds), detail, mirrored, symmetry)
+    return made
+
+
+@remembered(limit=4, key=lambda grounds: tuple(g.fill.key for g in grounds))
+def _shells(grounds: tuple[Ground, ...]) -> tuple[Shell, ...]:
+    if not grounds:
+        return ()
+    whole = sewn([one.fill.brep for one in grounds])
+    owners = [Owner(k) for k, one in enumerate(grounds) for _ in one.fill.patches]
+    return tuple(
+        Shell(
+            whole.edges,
+            tuple(whole.faces[k] for k in piece.tolist()),
+            tuple(owners[k] for k in piece.tolist()),
+        )
+        for piece in whole.pieces
+    )
+
+
+@remembered(
+    limit=64,
+    key=lambda made, grounds, detail, mirrored, symmetry: (
+        made,
+        detail,
+        mirrored,
+        symmetry,
+        tuple((g.patch, g.mirrored, g.fill.key) for g in grounds),
+    ),
+)
+def _with_detail(
+    made: DetailedBodies,
+    grounds: tuple[Ground, ...],
+    detail: Detail,
+    mirrored: bool,
+    symmetry: Plane,
+) -> DetailedBodies:
+    number = len(made.details)
+    if detail.places is None:
+        row = SolvedDetail(detail, mirrored, problem=UNDRAWN)
+        return replace(made, details=(*made.details, row))
+    followed = followed_outline(grounds, detail.places)
+    if followed is None:
+        row = SolvedDetail(detail, mirrored, problem=LOST)
+        return replace(made, details=(*made.details, row))
+    points, normals = followed.points, followed.normals
+    if mirrored:
+        mirror = Reflection(symmetry)
+        points = mirror.points(points)
+        normals = normals - 2.0 * (normals @ mirror.normal)[:, None] * mirror.normal
+    told = ASIDE if followed.lost else ""
+    if not detail.closed and detail.kind != "split":
+        told = OPEN
+    pieces = np.split(np.arange(len(points)), detail.places.starts[1:].tolist())
+    outlines = tuple(
+        np.vstack((points[rows], points[rows[:1]])) if detail.closed else points[rows]
+        for rows in pieces
+    )
+    solved = SolvedDetail(detail, mirrored, outlines, told=told)
+    shells, problem, deviation = list(made.shells), "", 0.0
+    try:
+        chart = Chart.facing(points, normals)
+        near = _nearest_of(chart, points)
+        if detail.closed:
+            regions = _regions(chart, points, detail.places.corners > 0, pieces)
+        else:
+            regions = [[ring_through(chart.flat(points), detail.places.corners > 0, closed=False)]]
+        form = Form(detail.kind, detail.depth, float(np.radians(detail.draft)), detail.gap)
+        for region in regions:
+            which = _shell_under(shells, chart, region[0], near)
+            if which < 0:
+                under = _shell_under(made.plain, chart, region[0], near)
+                raise UserError(OFF if under < 0 else CROSSES)
+            if detail.closed:
+                done = carved(shells[which], chart, region, near, form, _thickness(grounds), number)
+            else:
+                done = parted(shells[which], chart, region[0], near, number)
+            shells[which], deviation = done.shell, max(deviation, done.deviation)
+    except UserError as error:
+        problem = str(error)
+        shells = list(made.shells)
+    row = replace(solved, problem=problem, deviation=deviation)
+    return replace(made, shells=tuple(shells), details=(*made.details, row))
+
+
+def _nearest_of(chart: Chart, points: Array) -> Near:
+    """Return what gives for a place of the chart the point of the outlines nearest to it."""
+    flat = chart.flat(points)
+    return lambda place: points[int(np.argmin(((flat - place) ** 2).sum(axis=1)))]
+
+
+def _regions(
+    chart: Chart, points: Array, corners: Flags, pieces: Sequence[Index]
+) -> list[list[Ring]]:
+    """Return outlines as regions: each the outline round it, and those of holes in it.
+
+    An outline inside an odd number of others is a hole.
+
+    Raises
+    ------
+    UserError
+        If an outline encloses no area, or outlines cross.
+    """
+    import shapely
+
+    flat = chart.flat(points)
+    rings = [ring_through(flat[rows], corners[rows]) for rows in pieces]
+    polygons = [shapely.Polygon(ring.polyline[:-1]) for ring in rings]
+    if any(not polygon.is_valid or not polygon.area > 0.0 for polygon in polygons):
+        raise UserError(EMPTY)
+    around = [
+        [k for k, other in enumerate(polygons) if k != number and other.contains(polygon)]
+        for number, polygon in enumerate(polygons)
+    ]
+    regions: dict[int, list[Ring]] = {}
+    for number, ring in enumerate(rings):
+        if len(around[number]) % 2 == 0:
+            regions[number] = [_run(ring, leftward=True)]
+    for number, ring in enumerate(rings):
+        if len(around[number]) % 2:
+            home = max(around[number], key=lambda k: len(around[k]))
+            regions[home].append(_run(ring, leftward=False))
+    for region in regions.values():
+        rows = [ring.polyline[:-1] for ring in region]
+        if not shapely.Polygon(rows[0], rows[1:]).is_valid:
+            raise UserError(EMPTY)
+    return list(regions.values())
+
+
+def _run(ring: Ring, *, leftward: bool) -> Ring:
+    import shapely
+
+    return ring if shapely.LinearRing(ring.polyline[:-1]).is_ccw == leftward else ring.reversed()
+
+
+def _shell_under(shells: Sequence[Shell], chart: Chart, ring: Ring, near: Near) -> int:
+    """Return the number of the shell that an outline lies on; −1 where there is none."""
+    place = ring.value(np.array([0.0 if ring.closed else 0.5 * ring.end]))[0]
+    point = near(place)
+    best, found = np.inf, -1
+    for number, shell in enumerate(shells):
+        for _, where in faces_over(shell, chart, place, 1.0):
+            gap = float(np.linalg.norm(where - point))
+            if gap < best:
+                best, found = gap, number
+    return found
+
+
+def _outward(grounds: Sequence[Ground], hits: Hits) -> Array:
+    """Return outward normals of triangles that rays hit, (n, 3); 0 where they hit none."""
+    made = np.zeros((len(hits.hit), 3))
+    for number, surface in enumerate(hits.surfaces):
+        rows = hits.hit & (hits.on == number)
+        mesh = grounds[surface.number].fill.mesh
+        a, b, c = mesh.vertices.astype(float)[mesh.faces[hits.faces[rows]]].transpose(1, 0, 2)
+        made[rows] = np.cross(b - a, c - a)
+    return made
+
+
+@remembered(limit=4, key=lambda grounds: tuple(g.fill.key for g in grounds))
+def _thickness(grounds: tuple[Ground, ...]) -> Thickness:
+    """Return what measures bodies behind points of their surface."""
+    scene = Scene((Layer("surfaces", tuple(Shaded(g.fill.mesh) for g in grounds)),))
+    size = max(float(np.linalg.norm(np.ptp(g.fill.mesh.bounds, axis=0))) for g in grounds)
+
+    def thickness(points: Array, normals: Array) -> Array:
+        if not len(points):
+            return np.empty(0)
+        depth = np.full(len(points), BEHIND * size)
+        going = np.arange(len(points))
+        for _ in range(LAYERS):
+            starts = points[going] - depth[going, None] * normals[going]
+            hits = cast_rays(scene, Rays(starts, -normals[going]))
+            depth[going] += np.where(hits.hit, hits.distance, np.inf)
+            entered = hits.hit & ((_outward(grounds, hits) * normals[going]).sum(axis=1) > 0.0)
+            going = going[entered]
+            depth[going] += THIN * size
+            if not len(going):
+                break
+        return depth
+
+    return thickness

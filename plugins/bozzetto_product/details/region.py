@@ -1,0 +1,351 @@
+"""Regions of a shell: cut out along their outlines, and what stands in their place."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.errors import UserError
+from bozzetto.geometry import Face, ParameterCurve, Trim
+from bozzetto_product.details.chart import Chart, parameters_at
+from bozzetto_product.details.course import CREASE, CREASED, SHORT, TURNED, Passage
+from bozzetto_product.details.face_cuts import Chord, cut_face, ring_of
+from bozzetto_product.details.joint_edges import FittedEdge, Track, fitted_edges
+from bozzetto_product.details.levels import Level, track_on_floor
+from bozzetto_product.details.ring import Ring
+from bozzetto_product.details.shell import Owner, Shell
+
+SAME_BREAK: Final = 1e-6
+"""Least difference of parameters between ends of edges of an outline."""
+
+
+@dataclass(frozen=True, eq=False)
+class OutlineEdge:
+    """A part of an outline, and of what its walls end in."""
+
+    ring: int
+    start: float
+    end: float
+    top: FittedEdge
+    bottom: FittedEdge | None
+
+
+def first_face(shell: Shell, chart: Chart, place: Array, near: Array, outward: float) -> int:
+    """Return the face of a patch over a place of the chart that is nearest to a point.
+
+    Raises
+    ------
+    UserError
+        If there is none.
+    """
+    best, found = np.inf, -1
+    for number, where in faces_over(shell, chart, place, outward):
+        gap = float(np.linalg.norm(where - near))
+        if gap < best:
+            best, found = gap, number
+    if found < 0:
+        raise UserError(TURNED)
+    return found
+
+
+def faces_over(shell: Shell, chart: Chart, place: Array, outward: float) -> list[tuple[int, Array]]:
+    """Return faces of patches over a place of the chart, with the point in space."""
+    import shapely
+
+    rows = []
+    for number, (face, owner) in enumerate(zip(shell.faces, shell.owners, strict=True)):
+        if owner.made:
+            continue
+        net = chart.flat(face.surface.control_points.reshape(-1, 3))
+        if (place < net.min(axis=0)).any() or (place > net.max(axis=0)).any():
+            continue
+        at = parameters_at(face.surface, chart, place[None], outward)
+        if not np.isfinite(at).all():
+            continue
+        polygon = shapely.Polygon(
+            ring_of(face.loops[0]), [ring_of(loop) for loop in face.loops[1:]]
+        )
+        if polygon.buffer(1e-9).contains(shapely.Point(at[0])):
+            rows.append((number, face.surface.value(*at.T)[0]))
+    return rows
+
+
+def region_faces(shell: Shell, chart: Chart, ring: Ring, first: Sequence[int]) -> tuple[int, ...]:
+    """Return faces that may lie under a region: those of its outline, and what joins smoothly."""
+    low, high = ring.polyline.min(axis=0), ring.polyline.max(axis=0)
+    found, waiting = set(first), list(first)
+    while waiting:
+        number = waiting.pop()
+        for trim in shell.faces[number].trims:
+            for other, side in shell.users[trim.edge or 0] if trim.edge is not None else ():
+                if other in found or shell.owners[other].made:
+                    continue
+                net = chart.flat(shell.faces[other].surface.control_points.reshape(-1, 3))
+                apart = (net.max(axis=0) < low).any() or (net.min(axis=0) > high).any()
+                if apart or not _is_smooth(shell, number, trim, other, side):
+                    continue
+                found.add(other)
+                waiting.append(other)
+    return tuple(sorted(found))
+
+
+def _is_smooth(shell: Shell, one: int, trim: Trim, other: int, side: Trim) -> bool:
+    at = np.array([np.mean(trim.curve.range)])
+    first = shell.faces[one].surface.normals(*trim.curve.value(at).T)[0]
+    second = shell.faces[other].surface.normals(*side.curve.value(at).T)[0]
+    return bool(first @ second >= CREASE)
+
+
+# -- outlines as edges -------------------------------------------------------------------------
+
+
+def outline_edges(
+    shell: Shell,
+    chart: Chart,
+    rings: Sequence[Ring],
+    courses: Sequence[Sequence[Passage]],
+    level: Level | None,
+    far: Sequence[Sequence[Passage]],
+) -> tuple[OutlineEdge, ...]:
+    """Return the edges of outlines, cut wherever they pass from face to face."""
+    made = []
+    for number, (ring, course) in enumerate(zip(rings, courses, strict=True)):
+        places = [float(k) for k in range(len(ring.stretches) + 1)]
+        first, last = course[0].start, course[-1].end
+        places = [place for place in places if first < place < last] + [first, last]
+        places += [p.start for p in course[1:]]
+        if far:
+            places += [p.start for p in far[number][1:]]
+        breaks = _merged(places)
+        for start, end in itertools.pairwise(breaks):
+            middle = 0.5 * (start + end)
+            tracks = [_track_over(shell, chart, ring, _at(course, middle), 1.0)]
+            if far and level is not None:
+                tracks.append(
+                    _track_over(shell, chart, level.rings[number], _at(far[number], middle), -1.0)
+                )
+            elif level is not None and level.floor is not None:
+                tracks.append(
+                    track_on_floor(
+                        level, number, len(ring.stretches), start, end, tracks[0].surface
+                    )
+                )
+            fitted = fitted_edges(tracks, start, end, shell.size)
+            made.append(
+                OutlineEdge(number, start, end, fitted[0], fitted[1] if len(fitted) > 1 else None)
+            )
+    return tuple(made)
+
+
+def _merged(places: Sequence[float]) -> list[float]:
+    row: list[float] = []
+    for place in sorted(set(places)):
+        if not row or place - row[-1] > SAME_BREAK:
+            row.append(place)
+    return row
+
+
+def _at(course: Sequence[Passage], t: float) -> int:
+    return next((p.face for p in course if p.start <= t <= p.end), course[-1].face)
+
+
+def _track_over(shell: Shell, chart: Chart, ring: Ring, face: int, outward: float) -> Track:
+    surface = shell.faces[face].surface
+
+    def parameters(t: Array) -> Array:
+        found = parameters_at(surface, chart, ring.value(t), outward)
+        if not np.isfinite(found).all():
+            raise UserError(TURNED)
+        return found
+
+    return Track(surface, parameters)
+
+
+# -- cutting -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class CutShell:
+    """A shell cut along outlines.
+
+    Parameters
+    ----------
+    shell : Shell
+        Its last edges are those of the outlines: first all at the top, then all at the far side.
+    tops, bottoms : tuple of int
+        Numbers of these edges; no bottoms without a far side.
+    inside : frozenset of int
+        Faces within the outlines, on both sides.
+    """
+
+    shell: Shell
+    tops: tuple[int, ...]
+    bottoms: tuple[int, ...]
+    inside: frozenset[int]
+
+
+def cut_shell(
+    shell: Shell,
+    edges: Sequence[OutlineEdge],
+    courses: Sequence[Sequence[Passage]],
+    far: Sequence[Sequence[Passage]],
+    *,
+    closed: bool = True,
+) -> CutShell:
+    """Return the shell with its faces cut along outlines.
+
+    Parameters
+    ----------
+    shell : Shell
+        What is cut.
+    edges : sequence of OutlineEdge
+        Along which.
+    courses, far : sequence of sequence of Passage
+        The faces under the outlines, and on the far side of the body.
+    closed : bool
+        Whether the outlines are closed; else the smaller part of the patches is inside.
+    """
+    cuts: dict[int, list[float]] = {}
+    for course in (*courses, *far):
+        for passage in course:
+            for crossing in (passage.entry, passage.leave):
+                if crossing is not None:
+                    cuts.setdefault(crossing.edge, []).append(crossing.at)
+    split, pieces = shell.with_edges_split(cuts)
+    tops = tuple(range(len(split.edges), len(split.edges) + len(edges)))
+    bottoms = tuple(range(tops[-1] + 1, tops[-1] + 1 + len(edges))) if far else ()
+    new = [edge.top.curve for edge in edges]
+    new += [edge.bottom.curve for edge in edges if edge.bottom is not None] if far else []
+    chords: dict[int, list[Chord]] = {}
+    for number, course in enumerate(courses):
+        own = [(e, k) for e, k in zip(edges, tops, strict=True) if e.ring == number]
+        _add_chords(chords, course, [(e, k, e.top.path) for e, k in own])
+    for number, course in enumerate(far):
+        own = [(e, k) for e, k in zip(edges, bottoms, strict=True) if e.ring == number]
+        _add_chords(chords, course, [(e, k, e.bottom.path) for e, k in own if e.bottom is not None])
+    faces: list[Face] = []
+    owners: list[Owner] = []
+    for number, (face, owner) in enumerate(zip(split.faces, split.owners, strict=True)):
+        row = cut_face(face, chords[number], pieces) if number in chords else (face,)
+        faces += row
+        owners += [owner] * len(row)
+    whole = Shell((*split.edges, *new), tuple(faces), tuple(owners))
+    inside = _inside(whole, set(tops), set(bottoms)) if closed else _lesser(whole, set(tops))
+    return CutShell(whole, tops, bottoms, inside)
+
+
+def _add_chords(
+    chords: dict[int, list[Chord]],
+    course: Sequence[Passage],
+    edges: Sequence[tuple[OutlineEdge, int, ParameterCurve]],
+) -> None:
+    rows = [
+        (p, [(k, path) for e, k, path in edges if p.start < 0.5 * (e.start + e.end) < p.end])
+        for p in course
+    ]
+    joined = course[0].entry is None and course[-1].leave is None
+    if joined and len(course) > 1:
+        (first, sides), (last, before) = rows[0], rows[-1]
+        merged = replace(last, leave=first.leave)
+        rows = [(merged, before + sides), *rows[1:-1]]
+    for passage, sides in rows:
+        chord = Chord(tuple(sides), passage.entry, passage.leave)
+        chords.setdefault(passage.face, []).append(chord)
+
+
+def _inside(shell: Shell, tops: set[int], bottoms: set[int]) -> frozenset[int]:
+    """Return faces on the left of outlines, as the chart sees them, and all between.
+
+    Raises
+    ------
+    UserError
+        If inside and outside hang together, or a crease lies inside.
+    """
+    found: set[int] = set()
+    outside: set[int] = set()
+    for number, face in enumerate(shell.faces):
+        for trim in face.trims:
+            if trim.edge in tops or trim.edge in bottoms:
+                left = trim.forward == (trim.edge in tops)
+                (found if left else outside).add(number)
+    found = flooded(shell, tops | bottoms, found)
+    if found & outside:
+        raise UserError(TURNED)
+    return frozenset(found)
+
+
+def _lesser(shell: Shell, tops: set[int]) -> frozenset[int]:
+    """Return the side of smaller area of patches that are parted by edges.
+
+    Raises
+    ------
+    UserError
+        If they are not parted.
+    """
+    sides: tuple[set[int], set[int]] = (set(), set())
+    for edge in tops:
+        for number, trim in shell.users[edge]:
+            sides[trim.forward].add(number)
+    for side in sides:
+        waiting = list(side)
+        while waiting:
+            number = waiting.pop()
+            for trim in shell.faces[number].trims:
+                if trim.edge is None or trim.edge in tops:
+                    continue
+                for other, _ in shell.users[trim.edge]:
+                    same = shell.owners[other].patch == shell.owners[number].patch
+                    if same and not shell.owners[other].made and other not in side:
+                        side.add(other)
+                        waiting.append(other)
+    if sides[0] & sides[1]:
+        raise UserError(SHORT)
+    return frozenset(min(sides, key=lambda side: sum(_area(shell.faces[k]) for k in side)))
+
+
+def _area(face: Face) -> float:
+    """Return about the area of a face: that of the polygons of its loops."""
+    rings = [face.surface.value(*ring_of(loop).T) for loop in face.loops]
+    crosses = [np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0) for ring in rings]
+    return 0.5 * float(np.linalg.norm(sum(crosses)))
+
+
+def flooded(shell: Shell, walls: set[int], first: Iterable[int] = ()) -> set[int]:
+    """Return faces that hang together with given ones, up to certain edges.
+
+    Parameters
+    ----------
+    shell : Shell
+        What they belong to.
+    walls : set of int
+        Edges that are not crossed.
+    first : iterable of int
+        Where to begin; by default at the pieces of patches beside these edges.
+
+    Raises
+    ------
+    UserError
+        If a crease or a detail lies between them.
+    """
+    found = set(first) or {
+        number for edge in walls for number, _ in shell.users[edge] if not shell.owners[number].made
+    }
+    waiting = list(found)
+    while waiting:
+        number = waiting.pop()
+        for trim in shell.faces[number].trims:
+            if trim.edge is None or trim.edge in walls:
+                continue
+            for other, side in shell.users[trim.edge]:
+                if other in found:
+                    continue
+                if shell.owners[other].made or not _is_smooth(shell, number, trim, other, side):
+                    raise UserError(CREASED)
+                found.add(other)
+                waiting.append(other)
+    return found

@@ -1,0 +1,183 @@
+"""Faces and edges that are changed step by step, before they become a boundary representation."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.geometry import Brep, Curve, Face, ParameterCurve, Trim
+
+SAMPLES: Final = 8
+"""Places on each span of a curved edge for its polyline."""
+
+
+@dataclass(frozen=True)
+class Owner:
+    """What a face belongs to.
+
+    Parameters
+    ----------
+    patch : int
+        Number of the solved patch.
+    detail : int
+        Number of the solved detail that made it or colours it; −1 for none.
+    made : bool
+        Whether the detail made it: a wall or a floor, not a piece of the patch.
+    """
+
+    patch: int
+    detail: int = -1
+    made: bool = False
+
+
+def group_of(owner: Owner) -> tuple[int, int]:
+    """Return what faces are listed by: pieces of patches first, then each detail's."""
+    return (0, owner.patch) if owner.detail < 0 else (1, owner.detail)
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """Edges, faces, and what each face belongs to.
+
+    Parameters
+    ----------
+    edges : tuple of Curve
+    faces : tuple of Face
+    owners : tuple of Owner
+        One for each face.
+    """
+
+    edges: tuple[Curve, ...]
+    faces: tuple[Face, ...]
+    owners: tuple[Owner, ...]
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the box round the control points of the surfaces, mm."""
+        nets = {id(f.surface): f.surface.control_points.reshape(-1, 3) for f in self.faces}
+        return float(np.linalg.norm(np.ptp(np.concatenate(list(nets.values())), axis=0)))
+
+    @cached_property
+    def users(self) -> Mapping[int, tuple[tuple[int, Trim], ...]]:
+        """The faces that run each edge, with the side that it is of them."""
+        found: dict[int, list[tuple[int, Trim]]] = {}
+        for number, face in enumerate(self.faces):
+            for trim in face.trims:
+                if trim.edge is not None:
+                    found.setdefault(trim.edge, []).append((number, trim))
+        return {edge: tuple(rows) for edge, rows in found.items()}
+
+    @cached_property
+    def _polylines(self) -> dict[int, tuple[Array, Array]]:
+        return {}
+
+    def polyline(self, edge: int) -> tuple[Array, Array]:
+        """Return parameters and places of a polyline near an edge, (n,) and (n, 3)."""
+        if edge not in self._polylines:
+            curve = self.edges[edge]
+            at = parameters_of(curve, SAMPLES if curve.degree > 1 else 1)
+            self._polylines[edge] = at, curve.value(at)
+        return self._polylines[edge]
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether each edge has two sides."""
+        return all(len(rows) == 2 for rows in self.users.values())
+
+    def brep(self, names: Sequence[str], colors: Sequence[tuple[int, int, int] | None]) -> Brep:
+        """Return the faces with names and colours, and the edges that they use."""
+        used = sorted(self.users)
+        numbers = {old: new for new, old in enumerate(used)}
+        faces = tuple(
+            replace(face, name=name, color=color, loops=_renumbered(face, numbers))
+            for face, name, color in zip(self.faces, names, colors, strict=True)
+        )
+        return Brep(tuple(self.edges[edge] for edge in used), faces)
+
+    def with_edges_split(self, cuts: Mapping[int, Iterable[float]]) -> tuple[Shell, EdgePieces]:
+        """Return the shell with edges cut at parameters, and what became of them."""
+        edges = list(self.edges)
+        pieces: EdgePieces = {}
+        for edge, places in cuts.items():
+            at = sorted(set(places))
+            if not at:
+                continue
+            parts = split_curve(self.edges[edge], at)
+            pieces[edge] = tuple(at), tuple(range(len(edges), len(edges) + len(parts)))
+            edges += parts
+        faces = tuple(_with_pieces(face, pieces) for face in self.faces)
+        return Shell(tuple(edges), faces, self.owners), pieces
+
+
+EdgePieces = dict[int, tuple[tuple[float, ...], tuple[int, ...]]]
+"""Where an edge was cut, and the numbers of its pieces, by the number of the edge."""
+
+
+def parameters_of(curve: Curve | ParameterCurve, count: int) -> Array:
+    """Return parameters at even steps of every span, a number of steps for each."""
+    breaks = np.unique(curve.knots)
+    rows = [
+        low + (high - low) * np.arange(count) / count for low, high in itertools.pairwise(breaks)
+    ]
+    return np.append(np.concatenate(rows), breaks[-1])
+
+
+def split_curve(curve: Curve, at: Sequence[float]) -> list[Curve]:
+    """Return the exact pieces of a clamped curve, cut at parameters inside its range."""
+    degree = curve.degree
+    wanted = list(curve.knots)
+    for place in at:
+        wanted += [place] * (degree - int((curve.knots == place).sum()))
+    whole = curve.with_knots(np.sort(wanted))
+    knots, points = whole.knots, whole.control_points
+    breaks = [float(knots[0]), *at, float(knots[-1])]
+    made = []
+    for low, high in itertools.pairwise(breaks):
+        first = int(np.searchsorted(knots, low, "right")) - 1
+        last = int(np.searchsorted(knots, high, "left"))
+        inner = knots[first + 1 : last]
+        start = first - degree
+        rows = slice(start, start + len(inner) + degree + 1)
+        own = np.concatenate(([low] * (degree + 1), inner, [high] * (degree + 1)))
+        weights = None if whole.weights is None else whole.weights[rows]
+        made.append(Curve(degree, own, points[rows], weights, name=curve.name, color=curve.color))
+    return made
+
+
+def _split_path(path: ParameterCurve, at: Sequence[float]) -> list[ParameterCurve]:
+    curve = Curve(path.degree, path.knots, path.in_space, path.weights)
+    return [
+        ParameterCurve(c.degree, c.knots, c.control_points[:, :2], c.weights)
+        for c in split_curve(curve, at)
+    ]
+
+
+def _with_pieces(face: Face, pieces: EdgePieces) -> Face:
+    if not any(trim.edge in pieces for trim in face.trims):
+        return face
+    loops = []
+    for loop in face.loops:
+        row: list[Trim] = []
+        for trim in loop:
+            if trim.edge is None or trim.edge not in pieces:
+                row.append(trim)
+                continue
+            at, numbers = pieces[trim.edge]
+            paths = _split_path(trim.curve, at)
+            own = [Trim(n, trim.forward, p) for n, p in zip(numbers, paths, strict=True)]
+            row += own if trim.forward else own[::-1]
+        loops.append(tuple(row))
+    return replace(face, loops=tuple(loops))
+
+
+def _renumbered(face: Face, numbers: Mapping[int, int]) -> tuple[tuple[Trim, ...], ...]:
+    return tuple(
+        tuple(t if t.edge is None else replace(t, edge=numbers[t.edge]) for t in loop)
+        for loop in face.loops
+    )

@@ -1,0 +1,316 @@
+"""The fairest surface over a domain through the sides of a loop, tangent to its normals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_product.fill.domain import cross
+from bozzetto_product.fill.half_sides import Side
+from bozzetto_product.fill.mean_curvature import (
+    BeltramiRows,
+    beltrami_rows,
+    is_folded,
+    quadratics,
+    variation,
+)
+from bozzetto_product.fill.patch_space import (
+    BENDING_RATE,
+    PLATE,
+    SIDE_NODES,
+    PatchSpace,
+    side_nodes,
+)
+from bozzetto_product.fill.quintic import DEGREE
+
+TANGENCY: Final = 1e5
+"""Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""
+
+PULL: Final = 0.1
+"""Weight of the way that a surface leaves its side: it decides the sense only."""
+
+TANGENTIAL: Final = 0.09
+"""Weight of the part of the Laplacian in the surface: it keeps parameters even."""
+
+REMAINING_ENERGY: Final = 1e-5
+"""Share of the start's energy that is kept while curvature is evened."""
+
+GAIN: Final = 0.3
+"""Share of the variation of curvature below which an evened surface is believed: profiles like
+an S lose their shape where less is gained."""
+
+PLATE_HANDICAP: Final = 3.0
+"""Factor on the variation of a plate: the rate of bending is the better start."""
+
+RIDGE: Final = 1e-11
+"""Share of the mean diagonal that is added to it, so that a matrix can be factored."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoopSides:
+    """The sides of a loop in a frame of its own, of unit size about the origin.
+
+    Parameters
+    ----------
+    sides : tuple of Side
+    controls : (10 n, 3) float
+        Control points of the polynomials nearest to the halves, in the order of `PatchSpace`.
+    normals : (n, 2, 11, 3) float
+        At the Gauss nodes of the halves; NaN where a side is a crease.
+    origin : (3,) float
+    size : float
+        Diagonal of the box of the loop, mm.
+    """
+
+    sides: tuple[Side, ...]
+    controls: Array
+    normals: Array
+    origin: Array
+    size: float
+
+    @classmethod
+    def of(cls, sides: Sequence[Side]) -> LoopSides:
+        """Bring sides into their own frame."""
+        rows = []
+        for side in sides:
+            first, second = side.polynomials
+            rows += [first, second[DEGREE - 1 : 0 : -1]]
+        controls = np.concatenate(rows)
+        origin = controls.mean(axis=0)
+        size = float(np.linalg.norm(np.ptp(controls, axis=0)))
+        size = size if size > 0.0 else 1.0
+        at = side_nodes()[0]
+        normals = np.full((len(sides), 2, SIDE_NODES, 3), np.nan)
+        for number, side in enumerate(sides):
+            for half in range(2):
+                found = side.halves[half].normals(at)
+                if found is not None:
+                    normals[number, half] = found
+        return cls(tuple(sides), (controls - origin) / size, normals, origin, size)
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Derivatives of the halves at the Gauss nodes, by their own parameters, (n, 2, 11, 3)."""
+        at = side_nodes()[0]
+        rows = [[half.value(at, 1) for half in side.halves] for side in self.sides]
+        return np.array(rows) / self.size
+
+
+@dataclass(frozen=True, eq=False)
+class FairSolution:
+    """A surface of a `PatchSpace`, without what its sides have beyond one polynomial each.
+
+    Parameters
+    ----------
+    space : PatchSpace
+        Later changes of the surface are sought in ``space.basis``.
+    loop : LoopSides
+    free : (f, 3) float
+        Free control points in the frame of the loop.
+    order : int
+        Of the energy that was least.
+    evened : bool
+        The variation of its mean curvature was reduced.
+    score : float
+        Variation of the mean curvature that no quadratic explains, times the loop's size.
+    """
+
+    space: PatchSpace
+    loop: LoopSides
+    free: Array
+    order: int
+    evened: bool = False
+    score: float = np.inf
+
+    @cached_property
+    def nets(self) -> Array:
+        """Control nets in the frame of the loop, (n, 6, 6, 3)."""
+        return self.space.nets(self.free, self.loop.controls)
+
+
+def started(space: PatchSpace, loop: LoopSides, order: int) -> FairSolution:
+    """Return the surface of least energy."""
+    stiffness, load = space.stiffness(order)
+    size = len(stiffness)
+    matrix = np.zeros((3 * size, 3 * size))
+    right = np.empty((3, size))
+    for axis in range(3):
+        part = slice(axis * size, (axis + 1) * size)
+        matrix[part, part] = stiffness
+    right[:] = -(load @ loop.controls).T
+    scale = float(np.trace(stiffness)) / size
+    _add_tangency(matrix, right, space, loop, scale)
+    _add_pull(matrix, right, space, loop, scale)
+    return _solved(matrix, right, space, loop, order, scale)
+
+
+def evened(start: FairSolution) -> FairSolution:
+    """Return the surface after one Gauss–Newton step on the variation of its mean curvature.
+
+    With L the Laplace–Beltrami operator of the surface at the start, n its normals and Q
+    orthonormal quadratics of the domain, it minimises ``|(I - Q Qᵀ) n·Lx / 2|²`` and, weakly, the
+    part of ``Lx`` in the surface and the energy of the start.
+    """
+    space, loop = start.space, start.loop
+    rows = beltrami_rows(start.nets)
+    stiffness, load = space.stiffness(start.order)
+    size = len(stiffness)
+    root = np.sqrt(np.maximum(rows.areas, 1e-14)).ravel()
+    normals = rows.normals.reshape(-1, 3)
+    laplace = (rows.operator @ space.own_basis).reshape(-1, size) * root[:, None]
+    known = (rows.operator @ (space.own_sides @ loop.controls)).reshape(-1, 3) * root[:, None]
+    ortho = np.linalg.qr(quadratics(space) * root[:, None])[0]
+    turned = (normals[:, :, None] * laplace[:, None, :]).reshape(len(normals), 3 * size)
+    explained = ortho.T @ turned
+    across = turned.T @ turned
+    along = laplace.T @ laplace
+    matrix = (1.0 - TANGENTIAL) * across - explained.T @ explained
+    height = (normals * known).sum(axis=1)
+    right = (TANGENTIAL - 1.0) * (turned.T @ height) + explained.T @ (ortho.T @ height)
+    right = right.reshape(3, size) - TANGENTIAL * (laplace.T @ known).T
+    share = REMAINING_ENERGY * TANGENTIAL * np.trace(along) / np.trace(stiffness)
+    for axis in range(3):
+        part = slice(axis * size, (axis + 1) * size)
+        matrix[part, part] += share * stiffness + TANGENTIAL * along
+    right -= share * (load @ loop.controls).T
+    scale = float(np.trace(matrix)) / (3 * size)
+    _add_tangency(matrix, right, space, loop, scale)
+    made = _solved(matrix, right, space, loop, start.order, scale)
+    return replace(made, evened=True)
+
+
+def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
+    """Return the best of two energies, evened or not, by a score that needs no true surface.
+
+    What folds is taken only if all do.
+    """
+    best: FairSolution | None = None
+    least = (True, np.inf)
+    for order, handicap in ((BENDING_RATE, 1.0), (PLATE, PLATE_HANDICAP)):
+        made = scored(started(space, loop, order))
+        even = scored(evened(made))
+        if even.score < GAIN * made.score and not is_folded(even.nets):
+            made = even
+        judged = (is_folded(made.nets), handicap * made.score)
+        if best is None or judged < least:
+            best, least = made, judged
+        if best.evened:
+            break
+    assert best is not None
+    return best
+
+
+def scored(solution: FairSolution) -> FairSolution:
+    """Return a solution with its score."""
+    rows: BeltramiRows = beltrami_rows(solution.nets)
+    return replace(solution, score=variation(rows, solution.nets, solution.space))
+
+
+def _solved(
+    matrix: Array, right: Array, space: PatchSpace, loop: LoopSides, order: int, scale: float
+) -> FairSolution:
+    from scipy.linalg import cho_factor, cho_solve
+
+    size = matrix.shape[0] // 3
+    matrix[np.diag_indices_from(matrix)] += RIDGE * scale
+    factor = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
+    found = cho_solve(factor, right.ravel(), check_finite=False).reshape(3, size).T
+    free = space.basis @ found + space.particular @ loop.controls
+    return FairSolution(space, loop, free, order)
+
+
+def _add_tangency(
+    matrix: Array, right: Array, space: PatchSpace, loop: LoopSides, scale: float
+) -> None:
+    """Add the squares of what the derivatives across the sides have along the normals."""
+    held = np.isfinite(loop.normals[..., 0])
+    if not held.any():
+        return
+    by_basis, by_sides = space.across
+    weights = np.sqrt(np.broadcast_to(side_nodes()[1], held.shape)[held])[:, None]
+    normals = loop.normals[held] * weights
+    basis = by_basis[held]
+    known = by_sides[held] @ loop.controls
+    rows = (normals[:, :, None] * basis[:, None, :]).reshape(len(normals), -1)
+    offset = -(normals * known).sum(axis=1)
+    matrix += TANGENCY * scale * (rows.T @ rows)
+    right += TANGENCY * scale * (rows.T @ offset).reshape(3, -1)
+
+
+def _add_pull(
+    matrix: Array, right: Array, space: PatchSpace, loop: LoopSides, scale: float
+) -> None:
+    """Add the squares of what the derivatives across the sides differ from likely ones."""
+    held = np.isfinite(loop.normals[..., 0])
+    if not held.any():
+        return
+    by_basis, by_sides = space.across
+    weights = np.sqrt(np.broadcast_to(side_nodes()[1], held.shape)[held])[:, None]
+    basis = by_basis[held] * weights
+    target = _likely_slopes(space, loop)[held] / DEGREE - by_sides[held] @ loop.controls
+    square, load = basis.T @ basis, (basis.T @ (weights * target)).T
+    size = basis.shape[1]
+    for axis in range(3):
+        part = slice(axis * size, (axis + 1) * size)
+        matrix[part, part] += PULL * scale * square
+    right += PULL * scale * load
+
+
+def _likely_slopes(space: PatchSpace, loop: LoopSides) -> Array:
+    """Return derivatives across the halves as the domain's own, carried to space, (n, 2, 11, 3).
+
+    Along a side they are scaled as the side is, across it as the sides beside it are at its ends.
+    """
+    domain, at = space.domain, side_nodes()[0][:, None]
+    corners, middles = domain.corners, domain.middles
+    made = np.zeros_like(loop.slopes)
+    count = len(corners)
+    speeds = np.ones((count, 2))
+    for k in range(count):
+        for half in range(2):
+            speeds[k, half] = _speed_across(space, loop, k, half)
+    for k in range(count):
+        for half in range(2):
+            corner = corners[(k + half) % count]
+            beside = middles[k - 1] if half == 0 else middles[(k + 1) % count]
+            way = middles[k] - corner
+            length = float(np.hypot(*way))
+            sense = 1.0 if half == 0 else -1.0
+            domain_across = (1 - at) * (beside - corner) + at * (domain.centre - middles[k])
+            slopes = loop.slopes[k, half]
+            inward = np.cross(loop.normals[k, half], sense * slopes)
+            inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-12)
+            speed = (1 - at) * speeds[k, half] + at * 0.5 * (speeds[k, 0] + speeds[k, 1])
+            height = sense * cross(way, domain_across)[:, None] / length
+            along = (domain_across @ way)[:, None] / length**2
+            made[k, half] = speed * height * inward + along * slopes
+    return made
+
+
+def _speed_across(space: PatchSpace, loop: LoopSides, side: int, half: int) -> float:
+    """Return how many times longer than in the domain the way across a side is at an end."""
+    domain = space.domain
+    count = len(domain.corners)
+    corner = domain.corners[(side + half) % count]
+    if half == 0:
+        other, beside = loop.sides[side - 1].halves[1], domain.middles[side - 1]
+    else:
+        after = (side + 1) % count
+        other, beside = loop.sides[after].halves[0], domain.middles[after]
+    own = loop.sides[side].halves[half]
+    tangent = own.end_slopes()[0]
+    slope = other.end_slopes()[0] / loop.size
+    straight = float(np.linalg.norm(slope)) / max(float(np.hypot(*(beside - corner))), 1e-12)
+    normal = loop.normals[side, half, 0]
+    if not np.isfinite(normal[0]):
+        return straight
+    inward = np.cross(normal, tangent if half == 0 else -tangent)
+    inward /= max(float(np.linalg.norm(inward)), 1e-300)
+    way = domain.middles[side] - corner
+    height = abs(float(cross(way, beside - corner))) / float(np.hypot(*way))
+    return max(float(slope @ inward) / max(height, 1e-12), 0.1 * straight)

@@ -1,0 +1,55 @@
+"""A fill as exact faces between the pieces of its edges and its spokes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from bozzetto.geometry import Brep, BSplineSurface, Curve, Face, ParameterCurve, Trim
+from bozzetto_product.fill.half_sides import HalfSide, Side
+from bozzetto_product.fill.quintic import DEGREE
+
+KNOTS: Final = np.repeat((0.0, 1.0), DEGREE + 1)
+"""Knots with which a B-spline of six control points is one polynomial."""
+
+
+def brep_of(
+    sides: Sequence[Side], patches: Sequence[BSplineSurface], spokes: Sequence[Curve], name: str
+) -> Brep:
+    """Return patches as faces that share their edges.
+
+    The edges are first the pieces of the loop's edges, each in the sense of its edge, then the
+    spokes, from the sides to the centre.
+    """
+    edges: list[Curve] = []
+    numbers: dict[int, int] = {}
+    for side in sides:
+        for half in side.halves:
+            for piece in half.pieces:
+                numbers[id(piece.piece)] = len(edges)
+                edges.append(piece.piece.curve)
+    count = len(sides)
+    faces = []
+    for k, patch in enumerate(patches):
+        before = len(edges) + (k - 1) % count
+        along_u = _trims(sides[k].halves[0], 0, numbers)
+        along_v = _trims(sides[k - 1].halves[1], 1, numbers)[::-1]
+        out = Trim(len(edges) + k, True, ParameterCurve.line((1, 0), (1, 1), (0.0, 1.0)))
+        back = Trim(before, False, ParameterCurve.line((0, 1), (1, 1), (0.0, 1.0)))
+        faces.append(Face(patch, ((*along_u, out, back, *along_v),)))
+    return Brep((*edges, *spokes), tuple(faces), name)
+
+
+def _trims(half: HalfSide, axis: int, numbers: dict[int, int]) -> list[Trim]:
+    """Return the pieces of a half on the side of a patch along one of its axes."""
+    made = []
+    for number, piece in enumerate(half.pieces):
+        ends = np.zeros((2, 2))
+        ends[:, axis] = half.breaks[number : number + 2]
+        if piece.forward != half.onward:
+            ends = ends[::-1]
+        path = ParameterCurve.line(ends[0], ends[1], piece.piece.curve.range)
+        made.append(Trim(numbers[id(piece.piece)], piece.forward, path))
+    return made

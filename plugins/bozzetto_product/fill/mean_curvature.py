@@ -1,0 +1,100 @@
+"""Mean curvature of patches and how it varies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_product.fill.patch_space import PatchSpace
+from bozzetto_product.fill.quintic import NODES, POINTS, WEIGHTS, bernstein
+
+FOLD_GRID: Final = 9
+"""Places along each direction of a patch at which folds are looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class BeltramiRows:
+    """The Laplace–Beltrami operator of a surface at its Gauss points.
+
+    Parameters
+    ----------
+    operator : (n, 49, 36) float
+        Rows for the control points of each patch.
+    areas : (n, 49) float
+        That each Gauss point stands for.
+    normals : (n, 49, 3) float
+        Unit normals.
+    mean : (n, 49) float
+        Mean curvature.
+    """
+
+    operator: Array
+    areas: Array
+    normals: Array
+    mean: Array
+
+
+@cache
+def _tables() -> tuple[Array, Array]:
+    """Return weights (49,) and the jets (5, 49, 36) by u, v, uu, uv, vv."""
+    values = [bernstein(NODES, order) for order in range(3)]
+    orders = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    jets = [np.einsum("ai,bj->abij", values[a], values[b]) for a, b in orders]
+    return np.outer(WEIGHTS, WEIGHTS).ravel(), np.reshape(jets, (5, len(NODES) ** 2, POINTS**2))
+
+
+def beltrami_rows(nets: Array) -> BeltramiRows:
+    """Return the operator of the surface of control nets, (n, 6, 6, 3)."""
+    weights, jets = _tables()
+    points = nets.reshape(len(nets), -1, 3)
+    by_u, by_v, by_uu, by_uv, by_vv = (jet @ points for jet in jets)
+    first, mixed, second = (
+        (a * b).sum(axis=-1) for a, b in ((by_u, by_u), (by_u, by_v), (by_v, by_v))
+    )
+    square = first * second - mixed**2
+    square = np.maximum(square, 1e-14 * (first + second) ** 2 + 1e-30)
+    a, b, c = second / square, -mixed / square, first / square
+    bend = a[..., None] * by_uu + 2 * b[..., None] * by_uv + c[..., None] * by_vv
+    along_u, along_v = (bend * by_u).sum(axis=-1), (bend * by_v).sum(axis=-1)
+    lower_u, lower_v = a * along_u + b * along_v, b * along_u + c * along_v
+    factors = np.stack((-lower_u, -lower_v, a, 2 * b, c), axis=-1)
+    operator = np.einsum("kgr,rgi->kgi", factors, jets)
+    normals = np.cross(by_u, by_v)
+    area = np.linalg.norm(normals, axis=-1)
+    normals /= np.maximum(area, 1e-15)[..., None]
+    mean = 0.5 * ((operator @ points) * normals).sum(axis=-1)
+    return BeltramiRows(operator, area * weights, normals, mean)
+
+
+def quadratics(space: PatchSpace) -> Array:
+    """Return the quadratic polynomials of the domain at the Gauss points of all patches, (m, 6)."""
+    u, v = (x.ravel() for x in np.meshgrid(NODES, NODES, indexing="ij"))
+    s, t = np.moveaxis(space.domain.places(u, v).reshape(-1, 2), 1, 0)
+    return np.column_stack((np.ones_like(s), s, t, s * s, s * t, t * t))
+
+
+def variation(rows: BeltramiRows, nets: Array, space: PatchSpace) -> float:
+    """Return the root mean square of what of the mean curvature no quadratic explains.
+
+    Per area, times the size of the loop; 0 of planes, spheres and all of constant mean curvature.
+    """
+    root = np.sqrt(np.maximum(rows.areas, 1e-14)).ravel()
+    height = rows.mean.ravel() * root
+    terms = quadratics(space) * root[:, None]
+    rest = height - terms @ np.linalg.lstsq(terms, height, rcond=None)[0]
+    return float(np.linalg.norm(rest) / np.linalg.norm(root))
+
+
+def is_folded(nets: Array) -> bool:
+    """Whether normals of places beside one another in a patch point to opposite sides."""
+    at = np.linspace(0.03, 0.97, FOLD_GRID)
+    values, slopes = bernstein(at), bernstein(at, 1)
+    by_u = np.einsum("ai,kijd,bj->kabd", slopes, nets, values, optimize=True)
+    by_v = np.einsum("ai,kijd,bj->kabd", values, nets, slopes, optimize=True)
+    normals = np.cross(by_u, by_v)
+    along = (normals[:, 1:] * normals[:, :-1]).sum(axis=-1).min()
+    return bool(min(along, (normals[:, :, 1:] * normals[:, :, :-1]).sum(axis=-1).min()) < 0.0)

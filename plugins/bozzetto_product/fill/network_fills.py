@@ -1,0 +1,114 @@
+"""The surfaces of all loops of a network."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.plugin import remembered
+from bozzetto_product.fill.edge_pieces import EdgePiece, pieces_of
+from bozzetto_product.fill.fill import Fill, fill_loop
+from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
+from bozzetto_product.fill.mirrored_fill import (
+    image_loop,
+    mirror_axis,
+    mirrored_fill,
+    with_twins,
+)
+from bozzetto_product.fill.normals import LoopNormals, edge_normals
+from bozzetto_product.network.net import HalfEdge, Loop, Net
+
+SEGMENTS: Final = 16.0
+"""Segments of the mesh along an edge of middling length."""
+
+
+def fill_net(
+    net: Net,
+    loops: Sequence[Loop],
+    *,
+    checkpoint: Callable[[], None] = lambda: None,
+) -> tuple[Fill | None, ...]:
+    """Fill loops, smooth over the smooth edges between them.
+
+    Surfaces are remembered by their curves and normals, so those that did not change cost nothing.
+
+    Parameters
+    ----------
+    net : Net
+        The network.
+    loops : sequence of Loop
+        Counter-clockwise seen from outside.
+    checkpoint : callable
+        Called before each loop.
+
+    Returns
+    -------
+    tuple of Fill or None
+        One for each loop; None where there is no surface.
+    """
+    normals = edge_normals(net, loops)
+    spacing = mesh_spacing(net, loops)
+    axis = mirror_axis(net)
+    counts = [2] * len(net.edges)
+    for loop, own in zip(loops, normals, strict=True):
+        least = piece_count(own.corners)
+        for edge, _ in loop:
+            counts[edge] = max(counts[edge], least)
+    twins = [edge.twin if edge.twin >= 0 else k for k, edge in enumerate(net.edges)]
+    counts = [max(count, counts[twin]) for count, twin in zip(counts, twins, strict=True)]
+    cut = [pieces_of(each.spline, many) for each, many in zip(net.edges, counts, strict=True)]
+    pieces = with_twins(net, cut, axis)
+    made: list[Fill | None] = []
+    known: dict[frozenset[HalfEdge], Fill] = {}
+    for loop, own in zip(loops, normals, strict=True):
+        checkpoint()
+        image = None if axis is None else image_loop(net, loop, axis)
+        other = known.get(frozenset(image or ()))
+        if image and other is not None and axis is not None and _is_run_of(image, other.loop):
+            made.append(mirrored_fill(other, net, loop, pieces, axis))
+            continue
+        fill = _filled(loop, own, tuple(pieces[edge] for edge, _ in loop), spacing)
+        made.append(fill)
+        if fill is not None:
+            known[frozenset(loop)] = fill
+    return tuple(made)
+
+
+def _is_run_of(image: Loop, loop: Loop) -> bool:
+    """Whether a loop is another one, begun anywhere."""
+    start = image.index(loop[0])
+    return image[start:] + image[:start] == loop
+
+
+def _fill_key(
+    loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
+) -> tuple[object, ...]:
+    return loop, normals.corners, normals.fields, pieces, spacing
+
+
+@remembered(limit=1024, key=_fill_key)
+def _filled(
+    loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
+) -> Fill | None:
+    """Return the fill of a loop with the pieces of its edges; None where there is no surface."""
+    by_edge = {edge: own for (edge, _), own in zip(loop, pieces, strict=True)}
+    try:
+        return fill_loop(sides_of_loop(loop, normals, by_edge), loop=loop, spacing=spacing)
+    except UserError:
+        return None
+
+
+def mesh_spacing(net: Net, loops: Sequence[Loop]) -> float:
+    """Return the length of the segments of edges in meshes, mm.
+
+    In steps of a factor of √2, so that few changes of the network change it.
+    """
+    edges = sorted({edge for loop in loops for edge, _ in loop})
+    if not edges:
+        return 1.0
+    lengths = [sum(p.length for p in pieces_of(net.edges[e].spline, 2)) for e in edges]
+    wanted = float(np.median(lengths)) / SEGMENTS
+    return float(2.0 ** (0.5 * np.round(2.0 * np.log2(max(wanted, 1e-12)))))

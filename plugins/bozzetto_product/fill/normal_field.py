@@ -1,0 +1,203 @@
+"""Normals of a surface along a curve on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.geometry import Spline
+from bozzetto.plugin import remembered
+
+STEPS: Final = 12
+"""Steps of the moving frame on every span of a curve."""
+
+SHORT: Final = 1e-9
+"""Length of a tangent, as share of the curve's size, that tells no direction."""
+
+
+@dataclass(frozen=True, eq=False)
+class NormalField:
+    """Unit normals by the parameter of a curve.
+
+    Parameters
+    ----------
+    spline : Spline
+        Open.
+    parameters : (m,) float
+        Rising, over its range.
+    normals : (m, 3) float
+        Of about unit length, across the curve.
+    """
+
+    spline: Spline
+    parameters: Array
+    normals: Array
+
+    @cached_property
+    def _curve(self) -> Any:
+        from scipy.interpolate import CubicSpline
+
+        return CubicSpline(self.parameters, self.normals)
+
+    def value(self, at: Array) -> Array:
+        """Return unit normals, exactly across the curve, (n, 3)."""
+        tangents = unit_tangents(self.spline, at)
+        return across(np.asarray(self._curve(at)), tangents)
+
+    @cached_property
+    def end_torsions(self) -> Array:
+        """The geodesic torsions at start and end, (2,), radians by mm."""
+        at = self.parameters[[0, -1]]
+        tangents = unit_tangents(self.spline, at)
+        normals = self.value(at)
+        speed = np.linalg.norm(self.spline.derivative(at), axis=1)
+        rate = (self._curve(at, 1) * np.cross(tangents, normals)).sum(axis=1)
+        return np.asarray(rate / np.where(speed > 0.0, speed, np.inf))
+
+    @cached_property
+    def length(self) -> float:
+        """Length of a chain of places on the curve, mm."""
+        places = self.spline.value(self.parameters)
+        return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+
+    def reversed_sign(self) -> NormalField:
+        """Return the field that points to the other side."""
+        return NormalField(self.spline, self.parameters, -self.normals)
+
+    def turned(self, angles: Callable[[Array], Array]) -> NormalField:
+        """Return the field turned about the curve.
+
+        Parameters
+        ----------
+        angles : callable
+            Gives radians (m,) by the shares (m,) of the curve's length.
+        """
+        tangents = unit_tangents(self.spline, self.parameters)
+        angle = angles(length_shares(self.spline, self.parameters))
+        normals = across(self.normals, tangents)
+        return NormalField(self.spline, self.parameters, rotated(normals, tangents, angle))
+
+
+def unit_tangents(spline: Spline, at: Array) -> Array:
+    """Return unit tangents of a curve; where one vanishes, that of a place beside it, (n, 3)."""
+    way = spline.derivative(at)
+    length = np.linalg.norm(way, axis=1)
+    size = float(np.linalg.norm(np.ptp(spline.control_points, axis=0)))
+    begin, end = spline.range
+    low = length <= SHORT * size / (end - begin)
+    if low.any():
+        step = 1e-3 * (end - begin)
+        here = np.asarray(at)[low]
+        way[low] = spline.value(here + step) - spline.value(here - step)
+        length = np.linalg.norm(way, axis=1)
+        still = length <= 0.0
+        way[still] = spline.value(np.array([end]))[0] - spline.value(np.array([begin]))[0]
+        way[still & (np.abs(way).max(axis=1) == 0.0)] = (1.0, 0.0, 0.0)
+        length = np.linalg.norm(way, axis=1)
+    return np.asarray(way / length[:, None])
+
+
+def across(vectors: Array, tangents: Array) -> Array:
+    """Return unit vectors across tangents; any one where a vector runs along its tangent."""
+    made = vectors - (vectors * tangents).sum(axis=-1, keepdims=True) * tangents
+    length = np.linalg.norm(made, axis=-1, keepdims=True)
+    weak = length[..., 0] <= 1e-9
+    if weak.any():
+        axes = np.eye(3)[np.argmin(np.abs(tangents), axis=-1)]
+        other = axes - (axes * tangents).sum(axis=-1, keepdims=True) * tangents
+        made = np.where(weak[..., None], other, made)
+        length = np.linalg.norm(made, axis=-1, keepdims=True)
+    return np.asarray(made / length)
+
+
+def rotated(vectors: Array, axes: Array, angles: Array) -> Array:
+    """Return vectors turned about unit axes across them, (n, 3)."""
+    cosine, sine = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    return np.asarray(cosine * vectors + sine * np.cross(axes, vectors))
+
+
+def length_shares(spline: Spline, at: Array) -> Array:
+    """Return the shares of a chain's length through places on a curve, 0 … 1."""
+    steps = np.linalg.norm(np.diff(spline.value(at), axis=0), axis=1)
+    arc = np.concatenate(((0.0,), np.cumsum(steps)))
+    if arc[-1] <= 0.0:
+        return np.linspace(0.0, 1.0, len(at))
+    return np.asarray(arc / arc[-1])
+
+
+def frame_parameters(spline: Spline) -> Array:
+    """Return the parameters at which a frame is carried along a curve."""
+    begin, end = spline.range
+    breaks = np.unique(np.concatenate(((begin, end), spline.knots)))
+    breaks = breaks[(breaks >= begin) & (breaks <= end)]
+    steps = max(STEPS, -(-32 // (len(breaks) - 1)))
+    inner = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(steps) / steps
+    return np.append(inner.ravel(), end)
+
+
+def frame_of(spline: Spline, first: Array) -> NormalField:
+    """Return normals that do not turn about a curve.
+
+    The rotation-minimising frame by double reflection (Wang et al. 2008, "Computation of rotation
+    minimizing frames").
+
+    Parameters
+    ----------
+    spline : Spline
+        Open.
+    first : (3,) float
+        Normal at its start.
+    """
+    at = frame_parameters(spline)
+    places, tangents = spline.value(at), unit_tangents(spline, at)
+    normals = np.empty_like(places)
+    normals[0] = across(np.asarray(first, float)[None], tangents[:1])[0]
+    for k in range(len(at) - 1):
+        normals[k + 1] = _reflected(
+            normals[k], tangents[k], places[k + 1] - places[k], tangents[k + 1]
+        )
+    return NormalField(spline, at, across(normals, tangents))
+
+
+@remembered(limit=4000, key=lambda spline, first, last: (spline, first.tobytes(), last.tobytes()))
+def carried(spline: Spline, first: Array, last: Array) -> NormalField:
+    """Return normals that turn evenly, and as little as possible, between two given ones.
+
+    Parameters
+    ----------
+    spline : Spline
+        Open.
+    first, last : (3,) float
+        Normals at its ends.
+    """
+    frame = frame_of(spline, first)
+    tangent = unit_tangents(spline, frame.parameters[-1:])
+    end = across(np.asarray(last, float)[None], tangent)[0]
+    angle = angle_about(tangent[0], frame.normals[-1], end)
+    return frame.turned(lambda shares: angle * shares)
+
+
+def angle_about(axis: Array, one: Array, other: Array) -> float:
+    """Return the angle from one vector to another about a unit axis, radians."""
+    return float(
+        np.arctan2(np.cross(one, other) @ axis, one @ other - (one @ axis) * (other @ axis))
+    )
+
+
+def _reflected(normal: Array, tangent: Array, step: Array, tangent_after: Array) -> Array:
+    """Return a normal carried one step by two reflections."""
+    square = float(step @ step)
+    if square == 0.0:
+        return normal
+    one = normal - 2.0 / square * float(step @ normal) * step
+    way = tangent - 2.0 / square * float(step @ tangent) * step
+    bend = tangent_after - way
+    square = float(bend @ bend)
+    if square < 1e-24:
+        return one
+    return np.asarray(one - 2.0 / square * float(bend @ one) * bend)

@@ -1,0 +1,118 @@
+"""How fast normals turn about edges at corners, so that two edges agree on one surface.
+
+At a corner both edges tell the mixed entry of the surface's second fundamental form. With e the
+unit tangents that leave the corner, θ the angle between them, κ their normal curvatures and τ the
+geodesic torsions (Do Carmo 1976, *Differential Geometry of Curves and Surfaces*, section 3-2), they
+agree if
+
+    τ_a + τ_b = (κ_b - κ_a) cot θ.
+
+Where they do not, no surface with a continuous twist is tangent to both fields of normals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.plugin import remembered
+from bozzetto_product.fill.normal_field import NormalField
+
+MOST_CHANGE: Final = 1.5
+"""Most that the torsion at an end changes, in radians by the edge's length: drawn curves may be
+hooked at their ends, and tell curvatures there that no one meant."""
+
+EdgeEnd = tuple[int, int]
+"""An edge and one of its ends: 0 where it starts, 1 where it ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class TwistCorner:
+    """A corner at which two edges with normals meet.
+
+    Parameters
+    ----------
+    leave, enter : EdgeEnd
+        Of the edge that the loop takes on from the corner, and of the one it comes by.
+    out, back : (3,) float
+        Unit tangents that leave the corner along both.
+    normal : (3,) float
+        Unit, of the plane of both.
+    """
+
+    leave: EdgeEnd
+    enter: EdgeEnd
+    out: Array
+    back: Array
+    normal: Array
+
+    def wanted(self, fields: Mapping[int, NormalField]) -> float:
+        """Return the sum of both torsions that agrees with both curvatures, radians by mm."""
+        cosine = float(self.out @ self.back)
+        sine = float(np.cross(self.out, self.back) @ self.normal)
+        bends = [
+            float(end_curvature(fields[edge], end) @ self.normal)
+            for edge, end in (self.leave, self.enter)
+        ]
+        return (bends[1] - bends[0]) * cosine / sine
+
+
+def end_curvature(field: NormalField, end: int) -> Array:
+    """Return the curvature vector of a field's curve at its start or end, (3,), by mm."""
+    at = field.parameters[[0, -1]][end : end + 1]
+    way, bend = field.spline.derivative(at)[0], field.spline.derivative(at, 2)[0]
+    square = float(way @ way)
+    if square <= 0.0:
+        return np.zeros(3)
+    return np.asarray((bend - (bend @ way) / square * way) / square)
+
+
+@remembered(limit=4000, key=lambda field, changes: (field, changes.tobytes()))
+def with_torsions(field: NormalField, changes: Array) -> NormalField:
+    """Return a field whose torsions at start and end are changed, (2,); its end normals stay.
+
+    In between it turns about its curve by the cubic polynomial of the length of these slopes.
+    """
+    if not changes.any():
+        return field
+    length = field.length
+
+    def angles(share: Array) -> Array:
+        rest = 1.0 - share
+        return np.asarray(length * share * rest * (changes[0] * rest - changes[1] * share))
+
+    return field.turned(angles)
+
+
+def agreeing(
+    fields: Mapping[int, NormalField], fans: Iterable[list[TwistCorner]]
+) -> dict[int, NormalField]:
+    """Return fields of edges of which the torsions agree at corners, with least changes.
+
+    Parameters
+    ----------
+    fields : mapping of int to NormalField
+        Of each edge.
+    fans : iterable of list of TwistCorner
+        Corners that edges with normals link; each list is solved alone.
+    """
+    torsions = {edge: field.end_torsions for edge, field in fields.items()}
+    changes = {edge: np.zeros(2) for edge in fields}
+    for fan in fans:
+        ends = sorted({end for corner in fan for end in (corner.leave, corner.enter)})
+        column = {end: number for number, end in enumerate(ends)}
+        rows = np.zeros((len(fan), len(ends)))
+        lacks = np.empty(len(fan))
+        for number, corner in enumerate(fan):
+            rows[number, column[corner.leave]] += 1.0
+            rows[number, column[corner.enter]] += 1.0
+            held = sum(torsions[edge][end] for edge, end in (corner.leave, corner.enter))
+            lacks[number] = corner.wanted(fields) - held
+        for (edge, end), change in zip(ends, np.linalg.pinv(rows, rcond=1e-9) @ lacks, strict=True):
+            most = MOST_CHANGE / max(fields[edge].length, 1e-300)
+            changes[edge][end] = np.clip(change, -most, most)
+    return {edge: with_torsions(field, changes[edge]) for edge, field in fields.items()}

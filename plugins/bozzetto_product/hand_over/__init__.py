@@ -1,0 +1,1 @@
+"""Products as other programs have them: files of networks in, shapes out."""

@@ -1,0 +1,149 @@
+"""Details in files: plain values, read carefully, laid on the surfaces of a product."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final, get_args
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.errors import UserError
+from bozzetto.plugin import Job
+from bozzetto_product.details.outline_places import (
+    laid_flat,
+    places_of_points,
+    polygon_corners,
+)
+from bozzetto_product.hand_over.checked_values import (
+    a_list,
+    a_number,
+    a_point,
+    an_object,
+    point_rows,
+)
+from bozzetto_product.model.state import Detail, DetailKind, ProductState
+from bozzetto_product.solve.solver import grounds_of, solve_product
+
+KEYS: Final = (
+    "name", "kind", "depth", "draft", "gap", "mirrored", "color", "open",
+    "outlines", "flat", "at", "up", "width",
+)  # fmt: skip
+"""The keys of a detail."""
+
+MOST_DETAILS: Final = 200
+
+MOST_OUTLINES: Final = 200
+"""Outlines of one detail."""
+
+BOUNDS: Final = {"depth": (1e-3, 1e4), "draft": (0.0, 60.0), "gap": (1e-3, 1e4)}
+"""Least and greatest numbers, mm and degrees."""
+
+
+def with_details(state: ProductState, given: object, scale: float) -> ProductState:
+    """Return the state with the details that a file describes.
+
+    Parameters
+    ----------
+    state : ProductState
+        With its surfaces.
+    given : object
+        The value of “network.details”.
+    scale : float
+        Millimetres in a unit of the file.
+
+    Raises
+    ------
+    UserError
+        If something is missing, of the wrong kind, or not on a surface; the message names the key.
+    """
+    rows = a_list(given, "network.details", MOST_DETAILS)
+    if not rows:
+        return state
+    grounds = grounds_of(solve_product(state, Job()).patches)
+    for number, row in enumerate(rows):
+        where = f"network.details[{number}]"
+        values = an_object(row, where)
+        unknown = sorted(set(map(str, values)) - set(KEYS))
+        if unknown:
+            raise UserError(f"{where} has a key “{unknown[0][:40]}”. Known are {', '.join(KEYS)}.")
+        detail = _form(values, where, scale)
+        name = detail.name or state.unused_name("Detail")
+        outlines = _outlines(values, where, scale, grounds)
+        corners = [polygon_corners(outline) for outline in outlines]
+        places = places_of_points(outlines, corners, grounds, name)
+        made = replace(detail, id=state.unused_id(), name=name, places=places)
+        state = state.with_node(made)
+    return state
+
+
+def _form(values: Mapping[str, Any], where: str, scale: float) -> Detail:
+    """Return kind and sizes of a detail."""
+    kind = values.get("kind", "in")
+    if kind not in get_args(DetailKind):
+        raise UserError(f"“{where}.kind” is one of {', '.join(get_args(DetailKind))}.")
+    name = values.get("name", "")
+    if not isinstance(name, str) or len(name) > 200:
+        raise UserError(f"“{where}.name” is a text.")
+    flags = {key: values.get(key, False) for key in ("mirrored", "open")}
+    for key, flag in flags.items():
+        if not isinstance(flag, bool):
+            raise UserError(f"“{where}.{key}” is true or false.")
+    usual = Detail(kind=kind, name=name, mirrored=flags["mirrored"], closed=not flags["open"])
+    sizes = {}
+    for key, (least, greatest) in BOUNDS.items():
+        if key in values:
+            unit = 1.0 if key == "draft" else scale
+            sizes[key] = unit * a_number(
+                values[key], f"{where}.{key}", least / unit, greatest / unit
+            )
+    color = None
+    if values.get("color") is not None:
+        row = a_list(values["color"], f"{where}.color", 3)
+        if len(row) != 3:
+            raise UserError(f"“{where}.color” is [red, green, blue].")
+        parts = [round(a_number(part, f"{where}.color", 0, 255)) for part in row]
+        color = (parts[0], parts[1], parts[2])
+    return replace(
+        usual,
+        color=color,
+        depth=sizes.get("depth", usual.depth),
+        draft=sizes.get("draft", usual.draft),
+        gap=sizes.get("gap", usual.gap),
+    )
+
+
+def _outlines(
+    values: Mapping[str, Any], where: str, scale: float, grounds: Sequence[Any]
+) -> list[Array]:
+    """Return outlines in space, mm: given there, or flat ones laid on a surface."""
+    if ("outlines" in values) == ("flat" in values):
+        raise UserError(f"{where} needs either “outlines” in space, or “flat” ones.")
+    if "outlines" in values:
+        rows = a_list(values["outlines"], f"{where}.outlines", MOST_OUTLINES)
+        return [
+            _open_ended(point_rows(row, f"{where}.outlines[{k}]", 3) * scale)
+            for k, row in enumerate(rows or [None])
+        ]
+    rows = a_list(values["flat"], f"{where}.flat", MOST_OUTLINES)
+    flat = [
+        _open_ended(point_rows(row, f"{where}.flat[{k}]", 2))
+        for k, row in enumerate(rows or [None])
+    ]
+    at = a_point(values.get("at"), f"{where}.at") * scale
+    up = a_point(values.get("up", [0, 0, 1]), f"{where}.up")
+    width = a_number(values.get("width"), f"{where}.width", 1e-6, 1e6) * scale
+    if not np.linalg.norm(up) > 0.0 or not np.ptp(np.concatenate(flat)[:, 0]) > 0.0:
+        raise UserError(f"“{where}” has a direction “up” of no length, or outlines of no width.")
+    return laid_flat(flat, at, up, width, grounds)
+
+
+def _open_ended(points: Array) -> Array:
+    """Return points without repetitions: a closed outline does not repeat its first."""
+    kept = points[np.concatenate(([True], (np.diff(points, axis=0) != 0.0).any(axis=1)))]
+    if len(kept) > 1 and (kept[0] == kept[-1]).all():
+        kept = kept[:-1]
+    if len(kept) < 3:
+        raise UserError("An outline of a detail needs at least three points that differ.")
+    return np.asarray(kept)

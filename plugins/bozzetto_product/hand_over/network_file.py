@@ -1,0 +1,204 @@
+"""Networks of curves in files: plain values, read carefully, become a recipe."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.errors import UserError
+from bozzetto.geometry import Spline
+from bozzetto_product.hand_over.checked_values import (
+    FARTHEST,
+    a_list,
+    a_number,
+    an_object,
+    point_rows,
+)
+from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
+from bozzetto_product.hand_over.point_joints import joints_of
+from bozzetto_product.model.state import Curve, EdgeKind, ProductState
+from bozzetto_product.operations.settling import settled_state
+
+KEYS: Final = ("curves", "loops", "creases", "pressure", "details")
+"""The keys of a network."""
+
+UNITS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+"""Millimetres in a unit of length."""
+
+MOST_CURVES: Final = 2000
+"""Curves of a network; the largest of the chapter has 107."""
+
+FIT: Final = 1e-4
+"""Tolerance of the fit of a curve to its points, as share of the diagonal of the network."""
+
+SAME: Final = 1e-9
+"""Distance of neighbours below which they are one point, as share of the diagonal."""
+
+SEAM: Final = np.radians(25.0)
+"""A curve that ends where it began, and turns there by more than this, has a corner there."""
+
+
+@dataclass(frozen=True)
+class Network:
+    """A network as a file gives it.
+
+    Parameters
+    ----------
+    state : ProductState
+        Curves and joints; no surfaces yet.
+    loops : tuple of tuple of str
+        Names of the curves or pieces round each surface; None where they are to be found.
+    pressure : mapping of frozenset of str to float
+        By the names of the curves round a surface.
+    tolerance : float
+        Greatest distance of a point of the file from its curve, mm.
+    details : object
+        As the file gives them; see `with_details`.
+    scale : float
+        Millimetres in a unit of the file.
+    """
+
+    state: ProductState
+    loops: tuple[tuple[str, ...], ...] | None
+    pressure: Mapping[frozenset[str], float]
+    tolerance: float
+    details: object = ()
+    scale: float = 1.0
+
+
+def network_of(facts: Mapping[str, Any]) -> Network:
+    """Return the network that a file describes.
+
+    Raises
+    ------
+    UserError
+        If something is missing, or of the wrong kind or size; the message names the key.
+    """
+    given = an_object(facts.get("network"), "network")
+    unknown = sorted(set(map(str, given)) - set(KEYS))
+    if unknown:
+        raise UserError(f"“network” has a key “{unknown[0][:40]}”. Known are {', '.join(KEYS)}.")
+    unit = facts.get("unit", "mm")
+    if not isinstance(unit, str) or unit not in UNITS:
+        raise UserError(f"“unit” is one of {', '.join(UNITS)}.")
+    rows = _rows(given.get("curves"), UNITS[unit])
+    size = float(np.linalg.norm(np.ptp(np.vstack(list(rows.values())), axis=0)))
+    creases = _numbers(given.get("creases", {}), "creases", rows)
+    splines: list[Spline] = []
+    for name, points in rows.items():
+        splines.append(_spline(points, name, size))
+    joints = joints_of(splines, size)
+    curves = tuple(
+        _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
+        for number, (name, spline) in enumerate(zip(rows, splines, strict=True), 1)
+    )
+    # Curves meet within the tolerance of their fit so far; settled, they meet exactly.
+    state = settled_state(ProductState(nodes=curves, joints=joints), {})
+    loops = None if given.get("loops") is None else _loops(given["loops"], rows)
+    return Network(
+        state,
+        loops,
+        _pressures(given.get("pressure", {}), rows),
+        FIT * size,
+        given.get("details", ()),
+        UNITS[unit],
+    )
+
+
+def _rows(value: object, scale: float) -> dict[str, Array]:
+    entries = a_list(value, "network.curves", MOST_CURVES)
+    if not entries:
+        raise UserError("“network.curves” is empty. Give at least one curve with its points.")
+    rows: dict[str, Array] = {}
+    for number, entry in enumerate(entries):
+        where = f"network.curves[{number}]"
+        curve = an_object(entry, where)
+        unknown = sorted(set(map(str, curve)) - {"name", "points"})
+        if unknown:
+            raise UserError(f"{where} has a key “{unknown[0][:40]}”. Known are name, points.")
+        name = curve.get("name", f"c{number + 1}")
+        if not isinstance(name, str) or not 1 <= len(name) <= 200 or "/" in name or " " in name:
+            raise UserError(f"{where}.name is a text without spaces and “/”.")
+        if name in rows:
+            raise UserError(f"Two curves are called “{name}”. Give each its own name.")
+        rows[name] = _points(curve.get("points"), f"{where}.points", scale)
+    return rows
+
+
+def _points(value: object, where: str, scale: float) -> Array:
+    points = point_rows(value, where, 3) * scale
+    if not (np.abs(points) <= FARTHEST).all():
+        raise UserError(f"“{where}” reaches further than {FARTHEST:g} mm.")
+    return points
+
+
+def _spline(points: Array, name: str, size: float) -> Spline:
+    """Return the spline through the points of a curve; closed where it returns smoothly."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    kept = points[np.concatenate(([True], steps > SAME * size))]
+    if len(kept) < 2 or not size > 0.0:
+        raise UserError(f"All points of the curve “{name}” lie in one place. Spread them out.")
+    # The end stays the very number of the file: ends that coincide there do so here.
+    kept = np.vstack((kept[:-1], points[-1:]))
+    is_ring = len(kept) > 5 and np.linalg.norm(kept[-1] - kept[0]) <= SAME * size
+    if is_ring and not _has_corner(kept):
+        return closed_spline_through(kept[:-1], FIT * size)
+    return spline_through(kept, FIT * size)
+
+
+def _has_corner(ring: Array) -> bool:
+    """Whether a ring of points turns sharply at its seam, more than near by."""
+    into, out = ring[-1] - ring[-2], ring[1] - ring[0]
+    lengths = np.linalg.norm(into) * np.linalg.norm(out)
+    turn = float(np.arccos(np.clip(into @ out / lengths, -1.0, 1.0)))
+    inner = np.diff(ring, axis=0)
+    inner /= np.linalg.norm(inner, axis=1, keepdims=True)
+    turns = np.arccos(np.clip((inner[1:] * inner[:-1]).sum(axis=1), -1.0, 1.0))
+    return bool(turn > max(SEAM, 1.5 * float(np.max(turns[[0, -1]]))))
+
+
+def _creased(curve: Curve, crease: float | None) -> Curve:
+    if crease is None:
+        return curve
+    kinds: dict[float, EdgeKind] = {0.0: "smooth", 1.0: "crease"}
+    return replace(curve, edge=kinds.get(crease, "between"), crease=crease)
+
+
+def _loops(value: object, rows: Mapping[str, Array]) -> tuple[tuple[str, ...], ...]:
+    loops = []
+    for number, entry in enumerate(a_list(value, "network.loops", 4 * MOST_CURVES)):
+        where = f"network.loops[{number}]"
+        names = a_list(entry, where, MOST_CURVES)
+        if not names:
+            raise UserError(f"“{where}” is empty. Name the curves round the surface.")
+        for name in names:
+            _known(name, where, rows)
+        loops.append(tuple(names))
+    return tuple(loops)
+
+
+def _known(name: object, where: str, rows: Mapping[str, Array]) -> None:
+    if not isinstance(name, str) or name.partition("/")[0] not in rows:
+        raise UserError(f"“{where}” names a curve “{str(name)[:40]}” that is not there.")
+
+
+def _numbers(value: object, where: str, rows: Mapping[str, Array]) -> dict[str, float]:
+    made = {}
+    for name, number in an_object(value, f"network.{where}").items():
+        _known(name, f"network.{where}", rows)
+        made[str(name)] = a_number(number, f"network.{where}.{name}", 0.0, 1.0)
+    return made
+
+
+def _pressures(value: object, rows: Mapping[str, Array]) -> dict[frozenset[str], float]:
+    made = {}
+    for names, number in an_object(value, "network.pressure").items():
+        for name in str(names).split():
+            _known(name, "network.pressure", rows)
+        where = f"network.pressure.{str(names)[:40]}"
+        made[frozenset(str(names).split())] = a_number(number, where, -2.0, 2.0)
+    return made

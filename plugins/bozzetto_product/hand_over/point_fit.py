@@ -1,0 +1,156 @@
+"""Splines through rows of points, within a tolerance."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.geometry import DEGREE, Spline
+
+COUNTS: Final = (4, 5, 6, 7, 8, 10, 12, 16, 20, 26, 34, 44, 60)
+"""Numbers of control points that are tried, one after the other: a curve of few spans is fairer,
+and its surfaces are quicker."""
+
+CORRECTIONS: Final = 5
+"""Rounds in which the parameters of the points are corrected (Hoschek 1988)."""
+
+FOOT_STEPS: Final = 3
+"""Newton steps to the foot of each point, which is near where it was in the round before."""
+
+HOPELESS: Final = 6.0
+"""Distance, in tolerances, from which no correction of parameters helps enough."""
+
+
+def spline_through(points: Array, tolerance: float) -> Spline:
+    """Fit a clamped cubic spline to a row of points: its ends are the first and last, exactly.
+
+    The fewest control points of `COUNTS` that keep to the tolerance are taken; where none do, the
+    spline goes through every point.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        At least two, no two neighbours the same, mm.
+    tolerance : float
+        Greatest distance of a point from the curve, mm.
+    """
+    if len(points) == 2:
+        share = np.linspace(0.0, 1.0, DEGREE + 1)[:, None]
+        straight = (1.0 - share) * points[0] + share * points[1]
+        return _with_ends(Spline.uniform(straight), points)
+    along = _shares(points)
+    for count in COUNTS:
+        if count > max(len(points), DEGREE + 1):
+            break
+        at = along
+        for _ in range(CORRECTIONS):
+            spline = _least_squares(points, at, count)
+            feet = spline.foot_points(points, at, steps=FOOT_STEPS)
+            worst = float(np.linalg.norm(spline.value(feet) - points, axis=1).max())
+            if worst <= tolerance:
+                return spline
+            if worst > HOPELESS * tolerance:
+                break
+            at = _ordered(feet, at)
+    return _interpolated(points, along)
+
+
+def closed_spline_through(points: Array, tolerance: float) -> Spline:
+    """Fit a closed cubic spline to points round a ring, the first one not repeated.
+
+    As `spline_through`, with knots at equal steps; at least four points.
+    """
+    ring = np.vstack((points, points[:1]))
+    along = _shares(ring)[:-1]
+    for count in (*COUNTS, len(points)):
+        if not 6 <= count <= len(points):
+            continue
+        at = along
+        for _ in range(CORRECTIONS):
+            basis = _closed_basis(at, count)
+            found, *_ = np.linalg.lstsq(basis, points, rcond=None)
+            spline = Spline.uniform(found, closed=True)
+            at = spline.foot_points(points, at, steps=FOOT_STEPS)
+            worst = float(np.linalg.norm(spline.value(at) - points, axis=1).max())
+            if worst <= tolerance:
+                return spline
+            if worst > HOPELESS * tolerance:
+                break
+    return _closed_interpolated(points, along)
+
+
+def _shares(points: Array) -> Array:
+    """Return the length up to each point as share of the whole."""
+    run = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+    return np.asarray(run / run[-1])
+
+
+def _with_ends(spline: Spline, points: Array) -> Spline:
+    """Return the spline with its ends set to the very numbers of the first and last point."""
+    control = spline.control_points.copy()
+    control[0], control[-1] = points[0], points[-1]
+    return Spline(spline.knots, control)
+
+
+def _least_squares(points: Array, at: Array, count: int) -> Spline:
+    """Fit the inner control points; knots lie where the points do (Piegl & Tiller 1997, 9.68)."""
+    from scipy.interpolate import BSpline
+
+    step = (len(points)) / (count - DEGREE)
+    places = step * np.arange(1, count - DEGREE)
+    row = places.astype(int).clip(1, len(points) - 1)
+    share = places - row
+    inner = (1.0 - share) * at[row - 1] + share * at[row]
+    knots = np.concatenate((np.zeros(4), np.sort(inner.clip(1e-6, 1.0 - 1e-6)), np.ones(4)))
+    basis = BSpline.design_matrix(at.clip(0.0, 1.0), knots, DEGREE).toarray()
+    rest = points - np.outer(basis[:, 0], points[0]) - np.outer(basis[:, -1], points[-1])
+    # Few points leave some freedom: of the curves that fit, the one with the least second
+    # differences of its control points is taken.
+    second = np.diff(np.eye(count), 2, axis=0)
+    small = 1e-7 * second
+    fixed = np.outer(second[:, 0], points[0]) + np.outer(second[:, -1], points[-1])
+    rows = np.vstack((basis[:, 1:-1], small[:, 1:-1]))
+    found, *_ = np.linalg.lstsq(rows, np.vstack((rest, -1e-7 * fixed)), rcond=None)
+    return Spline(knots, np.vstack((points[:1], found, points[-1:])))
+
+
+def _ordered(at: Array, before: Array) -> Array:
+    """Return corrected parameters, or those of before where the order would be lost."""
+    at = at.copy()
+    at[0], at[-1] = 0.0, 1.0
+    return at if (np.diff(at) > 0.0).all() else before
+
+
+def _interpolated(points: Array, along: Array) -> Spline:
+    from scipy.interpolate import make_interp_spline
+
+    if len(points) == 3:
+        first, middle, last = points
+        share = along[1]
+        bend = (middle - (1 - share) ** 2 * first - share**2 * last) / (2 * share * (1 - share))
+        control = (first, (first + 2.0 * bend) / 3.0, (last + 2.0 * bend) / 3.0, last)
+        return _with_ends(Spline.uniform(np.array(control)), points)
+    made = make_interp_spline(along, points, DEGREE)
+    return _with_ends(Spline(made.t, made.c), points)
+
+
+def _closed_basis(at: Array, count: int) -> Array:
+    """Return the values of the periodic basis functions at parameters, (n, count)."""
+    unit = np.eye(count)
+    return np.column_stack(
+        [
+            Spline.uniform(np.column_stack((row, row, row)), closed=True).value(at)[:, 0]
+            for row in unit
+        ]
+    )
+
+
+def _closed_interpolated(points: Array, along: Array) -> Spline:
+    from scipy.interpolate import make_interp_spline
+
+    made = make_interp_spline(
+        np.append(along, 1.0), np.vstack((points, points[:1])), DEGREE, bc_type="periodic"
+    )
+    return Spline(made.t, made.c, closed=True)

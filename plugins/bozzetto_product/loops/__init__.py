@@ -1,0 +1,1 @@
+"""Loops of a net: found, oriented alike, named by curves and joints."""

@@ -1,0 +1,129 @@
+"""Loops found by themselves, around what a person confirmed and rejected."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bozzetto.arrays import Index
+from bozzetto_product.loops.candidates import Halves, candidate_loops, edges_of, mirror_image
+from bozzetto_product.loops.choice import MOST_LOOPS, SIDE_GAIN, choose_loops
+from bozzetto_product.loops.closing import flat_lids
+from bozzetto_product.loops.costs import loop_costs
+from bozzetto_product.loops.sampling import SampledNet
+from bozzetto_product.network.half_edges import half_edges, loop_of_half_edges
+from bozzetto_product.network.net import Loop, Net
+
+
+@dataclass(frozen=True, eq=False)
+class FoundLoops:
+    """Loops of a net, and what else could be.
+
+    Parameters
+    ----------
+    loops : tuple of Loop
+        Those that were fixed come first, as they were given; then those found.
+    costs : (n,) float
+        What speaks against each loop less what speaks for it: below 0 for one that was found.
+    likely_open : tuple of bool
+        Whether it may well be an opening that the person left, as it runs without a corner along
+        the rims of others: told, so that it can be shown.
+    candidates : tuple of Loop
+        All loops that may be meant, those rejected included, the best first.
+    candidate_costs : (k,) float
+    """
+
+    loops: tuple[Loop, ...]
+    costs: tuple[float, ...]
+    likely_open: tuple[bool, ...]
+    candidates: tuple[Loop, ...]
+    candidate_costs: tuple[float, ...]
+
+
+def find_loops(
+    net: Net,
+    *,
+    fixed: Sequence[Loop] = (),
+    rejected: Sequence[Loop] = (),
+    checkpoint: Callable[[], None] = lambda: None,
+) -> FoundLoops:
+    """Find the loops of a net that are meant to be surfaces.
+
+    Parameters
+    ----------
+    net : Net
+        Open or closed, of any number of pieces.
+    fixed : sequence of Loop
+        These are in, whatever speaks against them, and stay as they are.
+    rejected : sequence of Loop
+        These, and their mirror images, are not found again.
+    checkpoint : callable
+        Called between steps; may raise to stop.
+
+    Returns
+    -------
+    FoundLoops
+        With a loop its mirror image is there. None closes a flat sheet. No edge has more than two
+        loops, unless those that are fixed give it more.
+    """
+    sampled = SampledNet.of(net)
+    checkpoint()
+    loops = candidate_loops(sampled)
+    checkpoint()
+    rated = loop_costs(sampled, loops)
+    costs = rated.costs - SIDE_GAIN * rated.sides
+    checkpoint()
+    fixed_halves = [half_edges(loop) for loop in fixed]
+    taken = _usage(len(net.edges), fixed_halves)
+    barred = _barred(sampled, fixed_halves, [half_edges(loop) for loop in rejected])
+    free = [number for number, loop in enumerate(loops) if edges_of(loop) not in barred]
+    pairs = _mirror_pairs(sampled, loops, free)
+    chosen = np.flatnonzero(choose_loops(loops, -costs, np.maximum(0, MOST_LOOPS - taken), pairs))
+    chosen = chosen[np.argsort(costs[chosen], kind="stable")]
+    every = [*fixed, *(loop_of_half_edges(loops[number]) for number in chosen)]
+    chosen = chosen[~flat_lids(net, every, len(fixed))[len(fixed) :]]
+    order = np.argsort(costs, kind="stable")
+    of_fixed = loop_costs(sampled, fixed_halves)
+    shared = taken + _usage(len(net.edges), [loops[number] for number in chosen]) > 1
+    likely_open = [
+        bool(rated.corners[number] == 0 and shared[[half // 2 for half in loops[number]]].all())
+        for number in chosen
+    ]
+    return FoundLoops(
+        (*fixed, *(loop_of_half_edges(loops[number]) for number in chosen)),
+        (*(of_fixed.costs - SIDE_GAIN * of_fixed.sides).tolist(), *costs[chosen].tolist()),
+        (*(False for _ in fixed), *likely_open),
+        tuple(loop_of_half_edges(loops[number]) for number in order),
+        tuple(costs[order].tolist()),
+    )
+
+
+def _barred(
+    sampled: SampledNet, fixed: Sequence[Halves], rejected: Sequence[Halves]
+) -> set[frozenset[int]]:
+    """Return the edges of loops that are not chosen: they are in already, or are to stay out."""
+    barred = {edges_of(loop) for loop in fixed}
+    for loop in rejected:
+        barred |= {edges_of(loop), edges_of(mirror_image(sampled, loop) or loop)}
+    return barred
+
+
+def _usage(edges: int, loops: Sequence[Halves]) -> Index:
+    """Return how many of the loops each edge has."""
+    halves = [half // 2 for loop in loops for half in loop]
+    return np.bincount(np.array(halves, dtype=int), minlength=edges)
+
+
+def _mirror_pairs(
+    sampled: SampledNet, loops: Sequence[Halves], free: Sequence[int]
+) -> list[tuple[int, ...]]:
+    """Return the loops that may be chosen, each with its mirror image."""
+    number_of = {edges_of(loops[number]): number for number in free}
+    pairs: set[tuple[int, ...]] = set()
+    for number in free:
+        image = mirror_image(sampled, loops[number])
+        other = number_of.get(edges_of(image), number) if image is not None else number
+        pairs.add(tuple(sorted({number, other})))
+    return sorted(pairs)

@@ -1,0 +1,123 @@
+"""The loop that a touch means, and what is left open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bozzetto.arrays import Array
+from bozzetto_product.loops.finding import FoundLoops
+from bozzetto_product.loops.sampling import SampledNet
+from bozzetto_product.network.half_edges import half_edges
+from bozzetto_product.network.net import Loop, Net
+
+BEHIND: Final = 4.0
+"""What a loop costs for lying one diagonal of the net behind the first that a ray meets: a better
+loop right behind a poor one is meant, one at the back of the body is not."""
+
+
+def loops_at(
+    net: Net, found: FoundLoops, origin: ArrayLike, direction: ArrayLike
+) -> tuple[Loop, ...]:
+    """Return the loops that a touch may mean, the likeliest first.
+
+    Parameters
+    ----------
+    net : Net
+        Where the loops were found.
+    found : FoundLoops
+        Fixed loops and candidates are looked at.
+    origin, direction : (3,) array_like
+        The ray from the eye through the touch, mm.
+
+    Returns
+    -------
+    tuple of Loop
+        All whose inside, as the cone over their centre, the ray meets: by cost and depth. The
+        next touch at the same place may take the next one. Empty beside all loops.
+    """
+    start, ahead = np.asarray(origin, float), np.asarray(direction, float)
+    length = float(np.linalg.norm(ahead))
+    if not (np.isfinite(start).all() and 0.0 < length < np.inf):
+        return ()
+    costs = dict(zip(found.candidates, found.candidate_costs, strict=True))
+    costs = {**dict(zip(found.loops, found.costs, strict=True)), **costs}
+    sampled = SampledNet.of(net)
+    hits: dict[frozenset[int], tuple[float, float, Loop]] = {}
+    for loop, cost in costs.items():
+        depth = _depth(_ring(sampled, loop), start, ahead / length)
+        if depth is not None:
+            hits.setdefault(frozenset(edge for edge, _ in loop), (depth, cost, loop))
+    if not hits:
+        return ()
+    first = min(depth for depth, _, _ in hits.values())
+    behind = BEHIND / max(sampled.size, 1e-300)
+    ranked = sorted(hits.values(), key=lambda hit: hit[1] + behind * (hit[0] - first))
+    return tuple(loop for _, _, loop in ranked)
+
+
+def _ring(sampled: SampledNet, loop: Loop) -> Array:
+    lines = [sampled.lines[half // 2][:: 1 - 2 * (half % 2)][:-1] for half in half_edges(loop)]
+    return np.vstack(lines)
+
+
+def _depth(ring: Array, origin: Array, direction: Array) -> float | None:
+    """Return how far along a ray it first meets the cone over a ring's centre; None if it does not.
+
+    Möller & Trumbore 1997, for all triangles at once.
+    """
+    apex = ring.mean(axis=0)
+    first, second = ring - apex, np.roll(ring, -1, axis=0) - apex
+    across = np.cross(direction, second)
+    volume = (first * across).sum(axis=1)
+    scale = np.where(np.abs(volume) > 0, volume, np.inf)
+    to_origin = origin - apex
+    u = across @ to_origin / scale
+    other = np.cross(to_origin, first)
+    v = other @ direction / scale
+    depth = (second * other).sum(axis=1) / scale
+    met = (np.abs(volume) > 0) & (u >= 0) & (v >= 0) & (u + v <= 1) & (depth > 0)
+    return float(depth[met].min()) if met.any() else None
+
+
+@dataclass(frozen=True)
+class OpenEnds:
+    """What keeps loops from closing a body.
+
+    Parameters
+    ----------
+    free_ends : tuple of int
+        Nodes where one edge ends and nothing goes on.
+    open_edges : tuple of int
+        Edges with one loop only.
+    bare_edges : tuple of int
+        Edges without a loop.
+    """
+
+    free_ends: tuple[int, ...]
+    open_edges: tuple[int, ...]
+    bare_edges: tuple[int, ...]
+
+
+def open_ends(net: Net, loops: tuple[Loop, ...]) -> OpenEnds:
+    """Find free ends, and edges with fewer than two loops.
+
+    Parameters
+    ----------
+    net : Net
+        Where the loops are.
+    loops : tuple of Loop
+        Those that are surfaces.
+    """
+    ends = np.array([end for edge in net.edges for end in (edge.start, edge.end)], dtype=int)
+    degree = np.bincount(ends[ends >= 0], minlength=len(net.nodes))
+    used = np.array([edge for loop in loops for edge, _ in loop], dtype=int)
+    count = np.bincount(used, minlength=len(net.edges))
+    return OpenEnds(
+        tuple(np.flatnonzero(degree == 1).tolist()),
+        tuple(np.flatnonzero(count == 1).tolist()),
+        tuple(np.flatnonzero(count == 0).tolist()),
+    )

@@ -1,0 +1,1 @@
+"""The recipe: values that a document keeps."""

@@ -1,0 +1,1 @@
+"""The network as geometry: curves cut where they meet, mirror images among them."""

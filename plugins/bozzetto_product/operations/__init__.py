@@ -1,0 +1,1 @@
+"""Changes of curves: each a pure function from a network to a network."""

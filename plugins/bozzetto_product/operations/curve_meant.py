@@ -1,0 +1,136 @@
+"""The curve that ink, or a hovering pen, is meant for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bozzetto.arrays import Array
+from bozzetto.ink import Stroke, distances_to_polyline, nearest_curve
+from bozzetto.view import Camera
+from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.projection.planes import mirror_image
+from bozzetto_product.projection.views import seen_at
+
+PIECES: Final = 24
+"""Segments of an image for each span of the spline: within a tenth of a pixel of it."""
+
+REACH: Final = 120.0
+"""Mean distance, px, beyond which ink is meant for no curve."""
+
+CHOSEN: Final = 0.6
+"""The chosen curve seems nearer than it is by this factor: a person goes on with it."""
+
+
+@dataclass(frozen=True)
+class CurveMeant:
+    """A curve, or its mirror image, near the pen.
+
+    Attributes
+    ----------
+    curve : str
+        Its id.
+    mirrored : bool
+        The mirror image is nearer.
+    distance : float
+        px.
+    """
+
+    curve: str
+    mirrored: bool
+    distance: float
+
+
+def curve_meant(
+    state: ProductState, strokes: Sequence[Stroke], *, reach: float = REACH
+) -> CurveMeant | None:
+    """Find the curve that strokes are drawn over: the least mean distance on the sheet.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    strokes : sequence of Stroke
+        Drawn in one view.
+    reach : float
+        Largest mean distance, px.
+
+    Returns
+    -------
+    CurveMeant or None
+    """
+    if not strokes:
+        return None
+    images = _images(state, strokes[0].camera)
+    ink = np.vstack([stroke.points for stroke in strokes]).astype(float)
+    chosen = [image for image in images if image[0] == state.selected]
+    best: CurveMeant | None = None
+    for group, factor in ((images, 1.0), (chosen, CHOSEN)):
+        found = _nearest(group, strokes, ink)
+        if found is not None and (best is None or factor * found.distance <= best.distance):
+            best = found
+    return best if best is not None and best.distance <= reach else None
+
+
+def curve_under(
+    state: ProductState, camera: Camera, pixel: ArrayLike, *, reach: float = 12.0
+) -> CurveMeant | None:
+    """Find the curve under a hovering pen.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    camera : Camera
+        Of the view.
+    pixel : (2,) array_like
+        Place of the pen, px.
+    reach : float
+        Largest distance, px.
+    """
+    place = np.asarray(pixel, float).reshape(1, 2)
+    found = [
+        CurveMeant(name, mirrored, float(distances_to_polyline(place, path)[0]))
+        for name, mirrored, path in _images(state, camera)
+        if len(path)
+    ]
+    best = min(found, key=lambda one: one.distance, default=None)
+    return best if best is not None and best.distance <= reach else None
+
+
+_Image = tuple[str, bool, Array]
+
+
+def _images(state: ProductState, camera: Camera) -> list[_Image]:
+    """Return the images of all visible curves: id, whether mirrored, and places, px."""
+    found: list[_Image] = []
+    for curve in state.shown(Curve):
+        if curve.spline is None:
+            continue
+        points = curve.spline.sampled(PIECES * len(curve.spline.control_points))
+        for mirrored in (False, True) if curve.mirrored else (False,):
+            image = mirror_image(points, state.symmetry) if mirrored else points
+            path = seen_at(camera, image)
+            found.append((curve.id, mirrored, path[np.isfinite(path).all(axis=1)]))
+    return found
+
+
+def _nearest(images: Sequence[_Image], strokes: Sequence[Stroke], ink: Array) -> CurveMeant | None:
+    paths = [path for _, _, path in images]
+    if len(strokes) == 1:
+        found = nearest_curve(paths, ink)
+        if found is None:
+            return None
+        name, mirrored, _ = images[found.index]
+        return CurveMeant(name, mirrored, found.distance)
+    means = [
+        float(distances_to_polyline(ink, path).mean()) if len(path) else np.inf for path in paths
+    ]
+    if not means or not np.isfinite(min(means)):
+        return None
+    best = int(np.argmin(means))
+    return CurveMeant(images[best][0], images[best][1], means[best])

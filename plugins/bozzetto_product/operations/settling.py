@@ -1,0 +1,195 @@
+"""Curves brought to where their joints are, so that what is joined follows.
+
+A joint is held where it is said to be; or it is carried by a curve that it is on the inside of; or
+it stays. Every curve whose ends are to be elsewhere is moved as a whole from where it was. As a
+curve that is moved may carry further joints, this is repeated until nothing changes any more; it
+always starts from the curves as they were, so the outcome does not depend on any order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.geometry import Spline
+from bozzetto_product.model.state import Curve, Joint, Meeting, Plane, ProductState
+from bozzetto_product.operations.end_moves import moved_to_ends
+from bozzetto_product.operations.meetings import (
+    is_end,
+    meeting_place,
+    parameter_at,
+    splines_of,
+    with_splines,
+)
+from bozzetto_product.projection.planes import in_plane, mirror_image
+from bozzetto_product.projection.spline_basis import basis, free_controls, with_controls
+
+ROUNDS: Final = 60
+"""Most rounds. Chains of curves that carry one another need as many as they are long; two that
+carry each other come nearer by their bend in each."""
+
+TOUCHING: Final = 1e-12
+"""Distance from a place, as a share of the size of the curves, at which it is reached."""
+
+
+def settled(
+    splines: Mapping[str, Spline],
+    joints: Sequence[Joint],
+    symmetry: Plane,
+    *,
+    pinned: Mapping[str, Array] | None = None,
+    planes: Mapping[str, Plane] | None = None,
+) -> dict[str, Spline]:
+    """Return all curves with their ends where their joints are.
+
+    Parameters
+    ----------
+    splines : mapping of str to Spline
+        Curves as they are, by id, mm.
+    joints : sequence of Joint
+        Meetings with curves that are not there count for nothing.
+    symmetry : Plane
+        In which mirror images are.
+    pinned : mapping of str to (3,) array, optional
+        Where joints are to be, by id.
+    planes : mapping of str to Plane, optional
+        In which curves stay.
+
+    Returns
+    -------
+    dict of str to Spline
+    """
+    pins = dict(pinned or {})
+    held = dict(planes or {})
+    known = [
+        (joint, tuple(meet for meet in joint.meetings if meet.curve in splines)) for joint in joints
+    ]
+    now = dict(splines)
+    for _ in range(ROUNDS):
+        goals = _goals(now, splines, known, symmetry, pins)
+        new = {
+            name: _brought(name, spline, goals.get(name, ()), held.get(name))
+            for name, spline in splines.items()
+        }
+        if all(_same(new[name], now[name]) for name in new):
+            return new
+        now = new
+    return now
+
+
+def settled_state(
+    state: ProductState,
+    splines: Mapping[str, Spline],
+    pinned: Mapping[str, Array] | None = None,
+) -> ProductState:
+    """Return a state in which some curves are exchanged, and what is joined follows.
+
+    Joints at the ends of the curves that are exchanged go where these ends are.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    splines : mapping of str to Spline
+        New courses of curves, by id.
+    pinned : mapping of str to (3,) array, optional
+        Where joints are to be, by id.
+    """
+    whole = {**splines_of(state), **splines}
+    pins = dict(pinned or {})
+    for joint in state.joints:
+        ends = [meet for meet in joint.meetings if meet.curve in splines and is_end(whole, meet)]
+        if ends and joint.id not in pins:
+            place = meeting_place(whole, ends[0], state.symmetry)
+            pins[joint.id] = in_plane(place, state.symmetry) if joint.in_plane else place
+    new = settled(whole, state.joints, state.symmetry, pinned=pins, planes=planes_of(state))
+    return with_splines(state, new)
+
+
+def planes_of(state: ProductState) -> dict[str, Plane]:
+    """Return the planes that curves stay in, by the ids of the curves."""
+    return {curve.id: curve.plane for curve in state.of_kind(Curve) if curve.plane is not None}
+
+
+_Goal = tuple[Meeting, Array]
+"""A place of a curve, and where it is to be, mm; the mirror image is resolved."""
+
+
+def _goals(
+    now: Mapping[str, Spline],
+    before: Mapping[str, Spline],
+    joints: Sequence[tuple[Joint, tuple[Meeting, ...]]],
+    symmetry: Plane,
+    pins: Mapping[str, Array],
+) -> dict[str, list[_Goal]]:
+    """Return what every curve has to reach, by its id."""
+    goals: dict[str, list[_Goal]] = {}
+    for joint, meetings in joints:
+        if not meetings:
+            continue
+        inner = [meet for meet in meetings if not is_end(before, meet)]
+        carrier = inner[0] if inner and joint.id not in pins else None
+        if carrier is not None:
+            place = meeting_place(now, carrier, symmetry)
+        elif joint.id in pins:
+            place = pins[joint.id]
+        else:
+            place = meeting_place(before, meetings[0], symmetry)
+        if joint.in_plane:
+            place = in_plane(place, symmetry)
+        for meet in meetings:
+            if meet is carrier and not joint.in_plane:
+                continue
+            here = mirror_image(place, symmetry) if meet.mirrored else place
+            goals.setdefault(meet.curve, []).append((meet, here))
+    return goals
+
+
+def _brought(name: str, spline: Spline, goals: Sequence[_Goal], plane: Plane | None) -> Spline:
+    """Return a curve with all its meetings where they are to be."""
+    if not goals:
+        return spline
+    made = spline
+    if not spline.closed:
+        ends = {meet.at: place for meet, place in goals if meet.at in (0.0, 1.0)}
+        first = ends.get(0.0, spline.control_points[0])
+        last = ends.get(1.0, spline.control_points[-1])
+        made = moved_to_ends(spline, first, last)
+        if plane is not None and made is not spline:
+            flat = in_plane(made.control_points, plane)
+            flat[0], flat[-1] = first, last
+            made = Spline(made.knots, flat)
+    inner = [(meet.at, place) for meet, place in goals if spline.closed or 0.0 < meet.at < 1.0]
+    return passing(made, inner) if inner else made
+
+
+def passing(spline: Spline, places: Sequence[tuple[float, Array]]) -> Spline:
+    """Return a curve that passes places, with the least change of its control points.
+
+    The ends of an open curve stay.
+
+    Parameters
+    ----------
+    spline : Spline
+        In space, mm.
+    places : sequence of (float, (3,) array)
+        Shares of the range, and where the curve is to be there.
+    """
+    at = np.array([parameter_at(spline, share) for share, _ in places])
+    wanted = np.array([place for _, place in places])
+    way = wanted - spline.value(at)
+    size = max(1e-300, float(np.ptp(spline.control_points, axis=0).max()))
+    if np.abs(way).max() <= TOUCHING * size:
+        return spline
+    rows = basis(spline, at)
+    if not spline.closed:
+        rows[:, [0, -1]] = 0.0
+    change = np.linalg.lstsq(rows, way, rcond=1e-9)[0]
+    return with_controls(spline, free_controls(spline) + change)
+
+
+def _same(one: Spline, other: Spline) -> bool:
+    return one is other or bool((one.control_points == other.control_points).all())

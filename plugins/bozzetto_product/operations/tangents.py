@@ -1,0 +1,122 @@
+"""Directions of curves at their ends, and curves that run into one another without a kink."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.errors import UserError
+from bozzetto.geometry import Spline
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.operations.meetings import curve_of, is_end, joint_of, splines_of
+from bozzetto_product.operations.settling import settled_state
+from bozzetto_product.projection.planes import mirror_image
+
+NO_LENGTH: Final = 1e-12
+"""Length, as a share of the size of a curve, that gives no direction."""
+
+
+def end_direction(spline: Spline, at: float) -> Array:
+    """Return the unit vector from an end of an open curve into it.
+
+    Raises
+    ------
+    UserError
+        If the curve has no direction there.
+    """
+    points = spline.control_points if at == 0.0 else spline.control_points[::-1]
+    size = float(np.ptp(points, axis=0).max())
+    for point in points[1:]:
+        way = point - points[0]
+        length = float(np.linalg.norm(way))
+        if length > NO_LENGTH * size:
+            return np.asarray(way / length)
+    raise UserError("The curve has no direction at this end. Draw it anew.")
+
+
+def with_end_direction(spline: Spline, at: float, direction: Array) -> Spline:
+    """Return an open curve with another direction at an end; the end itself stays.
+
+    The control point beside the end is turned, as far away as it was.
+
+    Parameters
+    ----------
+    spline : Spline
+        In space, mm.
+    at : {0, 1}
+        Which end.
+    direction : (3,) float
+        Unit vector from the end into the curve.
+    """
+    points = np.array(spline.control_points)
+    end, beside = (0, 1) if at == 0.0 else (-1, -2)
+    reach = float(np.linalg.norm(points[beside] - points[end]))
+    points[beside] = points[end] + reach * direction
+    return Spline(spline.knots, points)
+
+
+def match_tangents(
+    state: ProductState, joint_id: str, first: str, second: str, *, lead: str = ""
+) -> ProductState:
+    """Return the network with two curves that run into one another at a joint without a kink.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    joint_id : str
+        Id of the joint.
+    first, second : str
+        Ids of the curves, which end there.
+    lead : str
+        Id of the one that keeps its direction; default both give way.
+
+    Raises
+    ------
+    UserError
+        If the curves do not both end there, or run back over one another.
+    """
+    joint, splines = joint_of(state, joint_id), splines_of(state)
+    ends = {
+        meet.curve: meet
+        for meet in joint.meetings
+        if meet.curve in (first, second) and meet.curve in splines and is_end(splines, meet)
+    }
+    if len(ends) < 2:
+        raise UserError("Two curves that end in one joint can be matched. Choose two of them.")
+    ways = {}
+    for name, meet in ends.items():
+        way = end_direction(splines[name], meet.at)
+        ways[name] = _across(way, state) if meet.mirrored else way
+    one, other = ways[first], ways[second]
+    if float(one @ other) > 0.999:
+        raise UserError("These curves run back over one another. Move one of them first.")
+    along = one - other
+    along = along / np.linalg.norm(along)
+    if lead == first:
+        along = one
+    elif lead == second:
+        along = -other
+    new = {}
+    for name, way in ((first, along), (second, -along)):
+        if name == lead:
+            continue
+        inward = _across(way, state) if ends[name].mirrored else way
+        curve = curve_of(state, name)
+        if curve.plane is not None:
+            normal = np.asarray(curve.plane.normal)
+            inward = inward - (inward @ normal) * normal
+            length = float(np.linalg.norm(inward))
+            if not length > NO_LENGTH:
+                raise UserError("One curve stays in its plane, and the other runs across it.")
+            inward = inward / length
+        new[name] = with_end_direction(splines[name], ends[name].at, inward)
+    return settled_state(state, new)
+
+
+def _across(direction: Array, state: ProductState) -> Array:
+    """Return the mirror image of a direction."""
+    point = np.asarray(state.symmetry.point)
+    return np.asarray(mirror_image(point + direction, state.symmetry) - point)

@@ -1,0 +1,386 @@
+"""Trim: ends of curves that nearly meet are joined, and joints are kept.
+
+Kara & Shimada, book chapter, section 13.2.2, merge ends that are close to one another. Here an end
+may also be joined to the inside of a curve, which then carries it, and to the mirror plane. The
+outcome does not depend on the order of the curves. What is farther apart is proposed, not done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_product.model.state import Curve, Joint, Meeting, Plane, Point, ProductState
+from bozzetto_product.operations.clusters import Cluster, End, clusters_of, target_of
+from bozzetto_product.operations.crossings import crossings_of
+from bozzetto_product.operations.meetings import (
+    is_end,
+    meeting_place,
+    share_at,
+    splines_of,
+    unused_joint_ids,
+)
+from bozzetto_product.operations.settling import settled_state
+from bozzetto_product.projection.planes import heights, in_plane, mirror_image
+from bozzetto_product.projection.spline_basis import chord_length
+
+GAP: Final = 0.02
+"""Largest gap that is closed, as a share of the diagonal of all curves."""
+
+SHORT: Final = 0.25
+"""Largest gap as a share of the length of the curve: details are smaller than the model."""
+
+ASKED: Final = 3.0
+"""Largest gap, in gaps that are closed, that is proposed."""
+
+FLAT: Final = 1e-9
+"""Distance from the symmetry plane, as a share of the size of a curve, at which it lies in it."""
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A gap that is too wide to be closed without asking.
+
+    Attributes
+    ----------
+    meetings : tuple of Meeting
+        What would be joined: the free end first, and what it would meet; nothing else for the
+        mirror plane.
+    place : (x, y, z)
+        Where they would meet, mm.
+    distance : float
+        Width of the gap, mm.
+    """
+
+    meetings: tuple[Meeting, ...]
+    place: Point
+    distance: float
+
+
+@dataclass(frozen=True)
+class Trimmed:
+    """A network after ends were joined.
+
+    Attributes
+    ----------
+    state : ProductState
+        The same object where nothing was joined.
+    joined : tuple of str
+        Ids of joints that are new or have become larger.
+    proposals : tuple of Proposal
+        Wider gaps, nearest first.
+    """
+
+    state: ProductState
+    joined: tuple[str, ...] = ()
+    proposals: tuple[Proposal, ...] = ()
+
+
+def trim(
+    state: ProductState, *, gap: float | None = None, only: Collection[str] | None = None
+) -> Trimmed:
+    """Join the free ends of curves to what they nearly meet, and curves where they cross.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    gap : float, optional
+        Largest gap that is closed, mm; of short curves a quarter of their length. Default 2 % of
+        the diagonal of all curves.
+    only : collection of str, optional
+        Ids of curves: only joints that have to do with one of them are made.
+
+    Returns
+    -------
+    Trimmed
+    """
+    splines = splines_of(state)
+    width = default_gap(state) if gap is None else gap
+    if not splines or not np.isfinite(width) or not width > 0.0:
+        return Trimmed(state)
+    ended, joined = _with_ends_joined(state, width, only)
+    crossed, more = _with_crossings_joined(ended, width, only)
+    return Trimmed(crossed, (*joined, *more), proposals_of(crossed, width, only))
+
+
+def _with_ends_joined(
+    state: ProductState, width: float, only: Collection[str] | None
+) -> tuple[ProductState, tuple[str, ...]]:
+    """Return the network with free ends joined, and the ids of the joints."""
+    ends = network_ends(state, width)
+    made: list[tuple[Joint, Array | None]] = []
+    old = {joint.id: joint for joint in state.joints}
+    for cluster in clusters_of(ends, state.symmetry):
+        made.extend(_joints_of(cluster, ends, state, old))
+    if only is not None:
+        made = [one for one in made if any(meet.curve in only for meet in one[0].meetings)]
+    if not made:
+        return state, ()
+    fresh = iter(unused_joint_ids(state.joints, len(made)))
+    named = [(joint if joint.id else replace(joint, id=next(fresh)), at) for joint, at in made]
+    changed = {joint.id: joint for joint, _ in named}
+    joints = [changed.pop(joint.id, joint) for joint in state.joints]
+    whole = replace(state, joints=(*joints, *changed.values()))
+    pins = {joint.id: place for joint, place in named if place is not None}
+    return settled_state(whole, {}, pins), tuple(joint.id for joint, _ in named)
+
+
+def _with_crossings_joined(
+    state: ProductState, width: float, only: Collection[str] | None
+) -> tuple[ProductState, tuple[str, ...]]:
+    """Return the network with curves joined where their insides cross."""
+    found = crossings_of(state, width, only)
+    if not found:
+        return state, ()
+    names = tuple(unused_joint_ids(state.joints, len(found)))
+    fresh = [Joint(name, one.meetings) for name, one in zip(names, found, strict=True)]
+    pins = {name: one.place for name, one in zip(names, found, strict=True)}
+    return settled_state(replace(state, joints=(*state.joints, *fresh)), {}, pins), names
+
+
+def accept(state: ProductState, proposal: Proposal) -> ProductState:
+    """Join what was proposed; the same state if one of its curves is gone or joined by now."""
+    splines = splines_of(state)
+    first = proposal.meetings[0]
+    taken = {(meet.curve, meet.at) for joint in state.joints for meet in joint.meetings}
+    if any(meet.curve not in splines for meet in proposal.meetings):
+        return state
+    if (first.curve, first.at) in taken:
+        return state
+    flat = len(proposal.meetings) == 1
+    for joint in state.joints:
+        known = [(meet.curve, meet.at) for meet in joint.meetings]
+        if not flat and (proposal.meetings[1].curve, proposal.meetings[1].at) in known:
+            other = next(
+                meet
+                for meet in joint.meetings
+                if (meet.curve, meet.at) == (proposal.meetings[1].curve, proposal.meetings[1].at)
+            )
+            across = other.mirrored ^ proposal.meetings[1].mirrored
+            added = replace(first, mirrored=across)
+            larger = replace(joint, meetings=(*joint.meetings, added))
+            joints = tuple(larger if one.id == joint.id else one for one in state.joints)
+            return settled_state(replace(state, joints=joints), {})
+    (name,) = unused_joint_ids(state.joints, 1)
+    fresh = Joint(name, proposal.meetings, flat)
+    place = np.asarray(proposal.place)
+    carried = not flat and not is_end(splines, proposal.meetings[1])
+    pins = {} if carried else {name: in_plane(place, state.symmetry) if flat else place}
+    return settled_state(replace(state, joints=(*state.joints, fresh)), {}, pins)
+
+
+def default_gap(state: ProductState) -> float:
+    """Return the gap that is closed by default, mm; 0 without curves."""
+    splines = splines_of(state)
+    if not splines:
+        return 0.0
+    points = np.vstack([spline.sampled(33) for spline in splines.values()])
+    return GAP * float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def network_ends(state: ProductState, gap: float) -> list[End]:
+    """Return the free ends of all curves and the joints, in an order that names do not change."""
+    splines = splines_of(state)
+    curves = {curve.id: curve for curve in state.of_kind(Curve)}
+    found: list[End] = []
+    joined = {(meet.curve, meet.at) for joint in state.joints for meet in joint.meetings}
+    for name, spline in splines.items():
+        if spline.closed:
+            continue
+        length = chord_length(spline)
+        for at in (0.0, 1.0):
+            if (name, at) in joined:
+                continue
+            place = np.array(spline.control_points[0 if at == 0.0 else -1])
+            flat = lies_in(curves[name], state.symmetry)
+            image = curves[name].mirrored
+            found.append(End(place, min(gap, SHORT * length), length, image, flat, name, at))
+    for joint in state.joints:
+        meetings = [meet for meet in joint.meetings if meet.curve in splines]
+        if meetings:
+            place = meeting_place(splines, meetings[0], state.symmetry)
+            lengths = [chord_length(splines[meet.curve]) for meet in meetings]
+            image = all(curves[meet.curve].mirrored for meet in meetings) and not joint.in_plane
+            width = min(gap, SHORT * min(lengths))
+            weight = float(np.sum(lengths))
+            found.append(End(place, width, weight, image, joint.in_plane, joint=joint.id))
+    return sorted(found, key=lambda end: (*end.place.tolist(), end.weight, end.at))
+
+
+def lies_in(curve: Curve, plane: Plane) -> bool:
+    """Whether a curve lies in a plane."""
+    if curve.spline is None:
+        return False
+    if curve.plane == plane:
+        return True
+    points = curve.spline.control_points
+    size = float(np.ptp(points, axis=0).max())
+    return bool(np.abs(heights(points, plane)).max() <= FLAT * size)
+
+
+def _joints_of(
+    cluster: Cluster, ends: Sequence[End], state: ProductState, old: dict[str, Joint]
+) -> list[tuple[Joint, Array | None]]:
+    """Return the joints that a cluster makes, and where they are; None where a curve tells."""
+    known = next((ends[k].joint for k, _ in cluster.members if ends[k].joint), "")
+    target = target_of(cluster, ends, state.symmetry)
+    free = [(number, across) for number, across in cluster.members if not ends[number].joint]
+    busy = {ends[number].curve for number, _ in free}
+    width = min((ends[number].gap for number, _ in cluster.members), default=0.0)
+    joint = old.get(known)
+    if joint is not None:
+        busy |= {meet.curve for meet in joint.meetings}
+    carried = joint is not None and any(not is_end(splines_of(state), m) for m in joint.meetings)
+    carrier = None if carried else nearest_inside(state, target, width, busy, cluster.flat)
+    at_plane = cluster.flat and any(ends[number].image for number, _ in free)
+    if carrier is None and not at_plane and len(cluster.members) < 2:
+        return []
+    if joint is not None and not free and carrier is None:
+        return []
+    side = next((across for k, across in cluster.members if ends[k].joint), False)
+    if cluster.flat:
+        meetings = tuple(Meeting(ends[k].curve, ends[k].at) for k, _ in free)
+        base = joint or Joint("", (), True)
+        more = () if carrier is None else (carrier[0],)
+        place = in_plane(target, state.symmetry) if carrier is None and joint is None else None
+        return [(replace(base, meetings=(*base.meetings, *meetings, *more), in_plane=True), place)]
+    return _sided(free, ends, state, target, joint, side, carrier)
+
+
+def _sided(
+    free: Sequence[tuple[int, bool]],
+    ends: Sequence[End],
+    state: ProductState,
+    target: Array,
+    joint: Joint | None,
+    side: bool,
+    carrier: tuple[Meeting, float] | None,
+) -> list[tuple[Joint, Array | None]]:
+    """Return the joints of a cluster beside the symmetry plane: one, or one on each side.
+
+    A curve without a mirror image meets on its own side only. Where there are such curves on both
+    sides, both joints are kept.
+    """
+    lone = {across for number, across in free if not ends[number].image}
+    sides = sorted(lone) if lone else [side]
+    if joint is not None:
+        sides = [side, *(one for one in sides if one != side)]
+    made: list[tuple[Joint, Array | None]] = []
+    for here in sides:
+        meetings = tuple(
+            Meeting(ends[number].curve, ends[number].at, across != here)
+            for number, across in free
+            if across == here or ends[number].image
+        )
+        base = joint if joint is not None and here == side else Joint("", ())
+        more: tuple[Meeting, ...] = ()
+        if carrier is not None:
+            meet = carrier[0]
+            more = (replace(meet, mirrored=meet.mirrored ^ here),)
+        place = mirror_image(target, state.symmetry) if here else target
+        pinned = None if carrier is not None or base.id else place
+        made.append((replace(base, meetings=(*base.meetings, *meetings, *more)), pinned))
+    return made
+
+
+def nearest_inside(
+    state: ProductState, place: Array, reach: float, busy: Collection[str], flat: bool
+) -> tuple[Meeting, float] | None:
+    """Return the nearest place inside a curve, or its mirror image, within a distance.
+
+    Curves of which an end is within that distance do not count.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    place : (3,) float
+        mm.
+    reach : float
+        mm.
+    busy : collection of str
+        Ids of curves that do not count.
+    flat : bool
+        Only curves in the symmetry plane count.
+    """
+    best: tuple[float, tuple[float, ...], Meeting] | None = None
+    for curve in state.of_kind(Curve):
+        spline = curve.spline
+        if spline is None or curve.id in busy or (flat and not lies_in(curve, state.symmetry)):
+            continue
+        low, high = spline.control_points.min(axis=0), spline.control_points.max(axis=0)
+        for mirrored in (False, True) if curve.mirrored else (False,):
+            here = mirror_image(place, state.symmetry) if mirrored else place
+            if (np.maximum(low - here, here - high) > reach).any():
+                continue
+            ends = np.linalg.norm(spline.control_points[[0, -1]] - here, axis=1)
+            if not spline.closed and ends.min() <= reach:
+                continue  # it is the end that is meant
+            at = float(spline.foot_points(here[None])[0])
+            foot = spline.value([at])[0]
+            distance = float(np.linalg.norm(foot - here))
+            share = share_at(spline, at)
+            if distance > reach or not (spline.closed or 0.0 < share < 1.0):
+                continue
+            found = (distance, tuple(foot.tolist()), Meeting(curve.id, share, mirrored))
+            if best is None or found[:2] < best[:2]:
+                best = found
+    return None if best is None else (best[2], best[0])
+
+
+def proposals_of(
+    state: ProductState, gap: float, only: Collection[str] | None = None
+) -> tuple[Proposal, ...]:
+    """Return gaps that are wider than those that are closed, nearest first."""
+    found: dict[tuple[tuple[str, float], ...], Proposal] = {}
+    ends = network_ends(state, ASKED * gap)
+    for end in ends:
+        if end.joint or (only is not None and end.curve not in only):
+            continue
+        proposal = nearest_gap(end, ends, state)
+        if proposal is not None:
+            key = tuple(sorted((meet.curve, meet.at) for meet in proposal.meetings))
+            found.setdefault(key, proposal)
+    return tuple(sorted(found.values(), key=lambda one: (one.distance, one.place)))
+
+
+def nearest_gap(end: End, ends: Sequence[End], state: ProductState) -> Proposal | None:
+    """Return the nearest place to which a free end could be joined."""
+    splines = splines_of(state)
+    mine = Meeting(end.curve, end.at)
+    found: list[tuple[float, tuple[Meeting, ...], Array]] = []
+    for other in ends:
+        if other is end:
+            continue
+        for mirrored in (False, True) if end.image or other.image else (False,):
+            place = mirror_image(other.place, state.symmetry) if mirrored else other.place
+            distance = float(np.linalg.norm(place - end.place))
+            if distance > min(end.gap, other.gap):
+                continue
+            if other.joint:
+                joint = next(one for one in state.joints if one.id == other.joint)
+                known = next(meet for meet in joint.meetings if meet.curve in splines)
+                meet = replace(known, mirrored=known.mirrored ^ mirrored)
+                found.append((distance, (mine, meet), place))
+            else:
+                meet = Meeting(other.curve, other.at, mirrored)
+                share = other.weight / max(other.weight + end.weight, 1e-300)
+                found.append((distance, (mine, meet), end.place + share * (place - end.place)))
+    inside = nearest_inside(state, end.place, end.gap, {end.curve}, end.flat)
+    if inside is not None:
+        found.append(
+            (inside[1], (mine, inside[0]), meeting_place(splines, inside[0], state.symmetry))
+        )
+    height = abs(float(heights(end.place, state.symmetry)))
+    if end.image and height <= end.gap:
+        found.append((height, (mine,), in_plane(end.place, state.symmetry)))
+    if not found:
+        return None
+    distance, meetings, place = min(found, key=lambda one: (one[0], len(one[1])))
+    x, y, z = (float(value) for value in place)
+    return Proposal(meetings, (x, y, z), distance)

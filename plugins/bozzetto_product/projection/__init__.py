@@ -1,0 +1,1 @@
+"""From ink to curves in space: order, fit, depth."""

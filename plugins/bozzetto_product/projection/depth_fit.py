@@ -1,0 +1,207 @@
+"""A curve in space that is seen as a curve on the sheet, at the depth of a surface.
+
+Its image is held and its depth is fitted with the curve's own control points: where the ink is
+on the surface by how squarely that is seen, beside the surface hardly at all, and with as
+little bending as that allows. The depth of a round body falls steeply towards its silhouette, and
+a curve that followed it there would bend back sharply; weights of squared cosines avoid that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Flags
+from bozzetto.geometry import Spline
+from bozzetto.scene import Hits, Scene, cast_rays, depth_breaks, unbroken_runs
+from bozzetto.view import Camera, Rays
+from bozzetto_product.projection.spline_basis import basis, with_controls
+
+SAMPLES: Final = 241
+"""Places along the curve at which the surface is asked for."""
+
+BESIDE: Final = 1e-3
+"""Weight of the last depth where the ink is beside the surface."""
+
+BENDING: Final = 1e-5
+"""Weight of the squared second derivative of the depth by the parameter (0 … 1)."""
+
+IMAGE: Final = 1e4
+"""Weight of a mm across the sight against a mm of depth: the image is held."""
+
+ROUNDS: Final = 4
+"""Rounds in which the places of the ink on the curve are sought anew. A view in perspective
+moves them along the curve."""
+
+STEP: Final = 0.02
+"""Longest step of a place along the curve in one round, as a share of the range."""
+
+STEEPEST: Final = 4.0
+"""Change of depth per length across the sight from which two stretches are not one surface."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """What is seen along a curve on the sheet.
+
+    Attributes
+    ----------
+    rays : Rays
+        Through places at equal steps of the parameter.
+    hits : Hits
+        What they meet.
+    on : (n,) bool
+        Rays whose hit counts: those on the surface that most of the ink is on.
+    apart : bool
+        Some of the ink is over another surface, far before or behind it.
+    """
+
+    rays: Rays
+    hits: Hits
+    on: Flags
+    apart: bool
+
+
+def look_along(spline: Spline, camera: Camera, scene: Scene) -> Sight:
+    """Cast rays through a curve on the sheet, and choose the surface that it is drawn on.
+
+    Parameters
+    ----------
+    spline : Spline
+        On the sheet, px.
+    camera : Camera
+        Of the view.
+    scene : Scene
+        What is visible.
+
+    Returns
+    -------
+    Sight
+    """
+    rays = camera.rays(spline.sampled(SAMPLES))
+    hits = cast_rays(scene, rays)
+    broken = depth_breaks(hits.points, hits.normals, rays.directions)
+    runs = unbroken_runs(hits.hit, broken)
+    on = np.zeros(SAMPLES, bool)
+    if not runs:
+        return Sight(rays, hits, on, False)
+    first = max(range(len(runs)), key=lambda k: len(runs[k]))
+    on[runs[first]] = True
+    for order in (range(first + 1, len(runs)), range(first - 1, -1, -1)):
+        edge = runs[first]
+        for number in order:
+            run = runs[number]
+            here, there = (edge[-1], run[0]) if number > first else (edge[0], run[-1])
+            if _leads_to(hits.points[there] - hits.points[here], rays.directions[here]):
+                on[run] = True
+                edge = run
+    return Sight(rays, hits, on, bool((hits.hit & ~on).any()))
+
+
+def _leads_to(way: Array, sight: Array) -> bool:
+    """Whether a surface could lead over a gap."""
+    depth = float(way @ sight)
+    return abs(depth) <= STEEPEST * float(np.linalg.norm(way - depth * sight))
+
+
+def at_depth(sheet: Spline, camera: Camera, sight: Sight) -> Spline:
+    """Return the curve in space that is seen where the ink is, at the depth of the surface.
+
+    Parameters
+    ----------
+    sheet : Spline
+        On the sheet, px.
+    camera : Camera
+        Of the view.
+    sight : Sight
+        At least one of its hits counts.
+
+    Returns
+    -------
+    Spline
+        mm, over the knots of the curve on the sheet.
+    """
+    origins, directions = sight.rays
+    at = np.linspace(*sheet.range, SAMPLES)
+    depth, weight = _depths(sight, sheet.closed)
+    across = _across(directions)
+    curve = with_controls(sheet, np.zeros((basis(sheet, at[:1]).shape[1], 3)))
+    places = at
+    for step in range(ROUNDS):
+        curve = _solved(curve, places, origins, directions, across, depth, weight)
+        if camera.kind == "orthographic":
+            break  # the image is that of the sheet, exactly
+        if step + 1 < ROUNDS:
+            places = _sought(curve, places, origins, across)
+    return curve
+
+
+def _depths(sight: Sight, closed: bool) -> tuple[Array, Array]:
+    """Return depth along each ray, mm, and its weight; the last one beside the surface."""
+    origins, directions = sight.rays
+    known = np.flatnonzero(sight.on)
+    number = np.arange(SAMPLES)
+    apart = np.abs(number[:, None] - known)
+    if closed:
+        apart = np.minimum(apart, SAMPLES - 1 - apart)
+    nearest = known[np.argmin(apart, axis=1)]
+    hit = np.where(sight.on[:, None], sight.hits.points, 0.0)
+    along = np.einsum("nk,nk->n", hit - origins, directions)
+    normals = np.where(sight.on[:, None], sight.hits.normals, 0.0)
+    cosine = np.einsum("nk,nk->n", normals, directions)
+    return along[nearest], np.where(sight.on, np.maximum(cosine**2, BESIDE), BESIDE)
+
+
+def _across(directions: Array) -> Array:
+    """Return two unit vectors across each ray, (n, 2, 3)."""
+    least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
+    first = np.cross(directions, least)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack((first, np.cross(directions, first)), axis=1)
+
+
+def _sought(curve: Spline, places: Array, origins: Array, across: Array) -> Array:
+    """Return where the curve passes the rays, by one step of Newton's method each."""
+    away = np.einsum("nak,nk->na", across, curve.value(places) - origins)
+    slope = np.einsum("nak,nk->na", across, curve.derivative(places))
+    speed = (slope**2).sum(axis=1)
+    begin, end = curve.range
+    reach = STEP * (end - begin)
+    step = np.divide(-(away * slope).sum(axis=1), speed, out=np.zeros(len(places)), where=speed > 0)
+    moved = places + np.clip(step, -reach, reach)
+    if not curve.closed:
+        moved = np.maximum.accumulate(np.clip(moved, begin, end))
+        moved[[0, -1]] = begin, end
+    return np.asarray(moved)
+
+
+def _solved(
+    curve: Spline,
+    places: Array,
+    origins: Array,
+    directions: Array,
+    across: Array,
+    depth: Array,
+    weight: Array,
+) -> Spline:
+    """Solve for the control points: image, depth, and bending of the depth."""
+    rows, bending = basis(curve, places), basis(curve, places, 2)
+    count = rows.shape[1]
+    span = curve.range[1] - curve.range[0]
+    pieces = [(across[:, 0], np.full(len(rows), IMAGE)), (across[:, 1], np.full(len(rows), IMAGE))]
+    system = [
+        np.sqrt(say)[:, None] * (rows[:, :, None] * axis[:, None]).reshape(len(rows), -1)
+        for axis, say in (*pieces, (directions, weight))
+    ]
+    system.append(
+        np.sqrt(BENDING)
+        * span**2
+        * (bending[:, :, None] * directions[:, None]).reshape(len(rows), -1)
+    )
+    goal = [np.sqrt(say) * np.einsum("nk,nk->n", axis, origins) for axis, say in pieces]
+    goal.append(np.sqrt(weight) * (np.einsum("nk,nk->n", directions, origins) + depth))
+    goal.append(np.zeros(len(rows)))
+    found = np.linalg.lstsq(np.vstack(system), np.concatenate(goal), rcond=None)[0]
+    return with_controls(curve, found.reshape(count, 3))

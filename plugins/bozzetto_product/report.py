@@ -1,0 +1,284 @@
+"""The report on a product: plain values, mm, and cautions in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index
+from bozzetto.geometry import Mesh
+from bozzetto.plugin import Caution, Figure, remembered
+from bozzetto_product.details.bodies import SolvedDetail
+from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.fill_mesh import radius_ratios
+from bozzetto_product.hand_over.names import loop_names, piece_names
+from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.solve.result import ProductResult, SolvedPatch
+
+MEASURED: Final = 33
+"""Places on each piece of an edge at which the surfaces on both sides are compared."""
+
+FIGURES: Final[Mapping[str, Figure]] = {
+    "curves": Figure("Curves", "Of the network; mirror images are not counted"),
+    "joints": Figure("Joints", "Places where curves meet"),
+    "loops": Figure(""),
+    "closed": Figure("Closed", "Whether the surfaces enclose a volume"),
+    "open_edges": Figure(""),
+    "quality_min": Figure(
+        "Worst triangle", "Twice the inner over the outer radius: 1 is equilateral", digits=2
+    ),
+    "quality_p5": Figure(
+        "Triangles", "The same, of the worst but a twentieth", digits=2, good=0.5, bad=0.2
+    ),
+    "boundary_error": Figure(
+        "Off the curves",
+        "Greatest distance of the surface's border from its curves",
+        "mm",
+        digits=6,
+        good=1e-3,
+        bad=0.1,
+    ),
+    "area": Figure("Area", "Of the triangles of the surface", "mm²", digits=0),
+    "g1": Figure(
+        "Off smooth",
+        "Greatest angle between neighbours over an edge that is to be smooth",
+        "°",
+        digits=3,
+        good=0.05,
+        bad=1.0,
+    ),
+    "edges": Figure(""),
+    "kind": Figure("Kind", "What becomes of the area inside"),
+    "carved": Figure("Carved", "Whether the surface has this detail"),
+    "floor_error": Figure(
+        "Off the depth",
+        "Greatest distance of the floor from the true offset of the surface",
+        "mm",
+        digits=6,
+        good=1e-2,
+        bad=0.2,
+    ),
+    "vertices": Figure("Vertices", "Of the triangles of the surface"),
+    "walls": Figure(""),
+    "thinnest": Figure("Thinnest wall", "Least distance of both sides of a wall", "mm", digits=3),
+    "thickest": Figure(
+        "Thickest wall", "Greatest distance of a place on its far side", "mm", digits=3
+    ),
+    "gap": Figure("Gap", "Greatest distance of ends that are joined", "mm", digits=6),
+}
+"""The words of the report; `Modeler.figures`."""
+
+
+def report_of(state: ProductState, result: ProductResult) -> dict[str, Any]:
+    """Report curves, joints, loops, surfaces and what is open.
+
+    Returns
+    -------
+    dict
+        ``"loops"``: names of the curves or pieces of curves round each surface; ``"patches"``:
+        for each ``"name"``, ``"curves"``, ``"vertices"``, ``"quality_min"`` and ``"quality_p5"``
+        (2 r / R of its triangles), ``"boundary_error_mm"``, ``"area_mm2"``, ``"g1_deg"``;
+        ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``
+        and ``"angle_deg"``, the greatest; ``"joints"``: how many;
+        ``"details"``: for each ``"name"``, ``"kind"``, ``"carved"`` and ``"floor_error_mm"``, how
+        far its floor is from the true offset; ``"walls"``: for each part with walls
+        ``"thinnest_mm"`` and ``"thickest_mm"``; ``"closed"``; ``"open_edges"``: names;
+        ``"warnings"``.
+    """
+    names = piece_names(result.net, result.curves)
+    joints = {joint for joint, _ in result.net.joints if joint}
+    edges = list(_shared_edges(result, names))
+    return {
+        "curves": len([curve for curve in result.curves if curve.spline is not None]),
+        "joints": len(joints),
+        "loops": [loop_names(one.loop, names) for one in result.patches],
+        "patches": [_patch(one, result, names, edges) for one in result.filled],
+        "edges": edges,
+        "details": [_detail(one) for one in result.detailed.details],
+        "closed": result.is_closed,
+        "walls": [
+            {"thinnest_mm": body.wall.thinnest, "thickest_mm": body.wall.thickest}
+            for body in result.walls
+            if body.wall is not None
+        ],
+        "open_edges": [names[edge] for edge in result.open_edges],
+        "warnings": [caution.message for caution in cautions_of(state, result)],
+        "unit": "mm",
+    }
+
+
+def _patch(
+    one: SolvedPatch,
+    result: ProductResult,
+    names: tuple[str, ...],
+    edges: Sequence[Mapping[str, Any]],
+) -> dict[str, Any]:
+    assert one.fill is not None
+    mesh = one.fill.mesh
+    quality = radius_ratios(mesh)
+    return {
+        "name": one.name,
+        "curves": loop_names(one.loop, names),
+        "vertices": len(mesh.vertices),
+        "quality_min": float(quality.min()),
+        "quality_p5": float(np.quantile(quality, 0.05)),
+        "boundary_error_mm": boundary_error(one, result),
+        "area_mm2": float(np.linalg.norm(_across(mesh), axis=1).sum() / 2.0),
+        "g1_deg": max(
+            (edge["angle_deg"] for edge in edges if one.name in edge["patches"] and edge["smooth"]),
+            default=0.0,
+        ),
+    }
+
+
+def _detail(one: SolvedDetail) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "kind": one.detail.kind,
+        "carved": not one.problem,
+        "floor_error_mm": one.deviation,
+    }
+
+
+def _shared_edges(result: ProductResult, names: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """Yield each edge between two surfaces, with the greatest angle at which they meet there.
+
+    Their exact normals are compared. Where the surfaces are to be
+    smooth stands in `Fill.g1_degrees`, which is NaN at creases.
+    """
+    at_edge: dict[int, list[tuple[SolvedPatch, int]]] = {}
+    for one in result.filled:
+        for place, (edge, _) in enumerate(one.loop):
+            at_edge.setdefault(edge, []).append((one, place))
+    for edge, uses in sorted(at_edge.items()):
+        if len(uses) != 2:
+            continue
+        (first, here), (second, there) = uses
+        assert first.fill is not None
+        assert second.fill is not None
+        told = (first.fill.g1_degrees[here], second.fill.g1_degrees[there])
+        yield {
+            "curve": names[edge],
+            "patches": [first.name, second.name],
+            "smooth": bool(np.isfinite(told).all()),
+            "angle_deg": meeting_angle(first.fill, here, second.fill, there),
+        }
+
+
+@remembered(limit=4096)
+def meeting_angle(first: Fill, here: int, second: Fill, there: int) -> float:
+    """Return the greatest angle between two surfaces along an edge, its ends included, degrees.
+
+    Parameters
+    ----------
+    first, second : Fill
+        On both sides of the edge.
+    here, there : int
+        Which half edge of their loops it is.
+    """
+    a, b = first.normals_along(here, MEASURED), second.normals_along(there, MEASURED)
+    sine = np.linalg.norm(np.cross(a, b), axis=1)
+    return float(np.degrees(np.arctan2(sine, (a * b).sum(axis=1)).max()))
+
+
+@remembered(limit=1024, key=lambda mesh: mesh)
+def border_of(mesh: Mesh) -> Index:
+    """Return the numbers of the vertices on the border of a mesh."""
+    sides = np.sort(np.concatenate([mesh.faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
+    pairs, times = np.unique(sides, axis=0, return_counts=True)
+    return np.unique(pairs[times == 1])
+
+
+def _across(mesh: Mesh) -> Array:
+    a, b, c = mesh.vertices.astype(float)[mesh.faces].transpose(1, 0, 2)
+    return np.cross(b - a, c - a)
+
+
+@remembered(limit=1024, key=lambda one, result: (one.fill, one.loop))
+def boundary_error(one: SolvedPatch, result: ProductResult) -> float:
+    """Return the greatest distance of the border of a patch's mesh from its curves, mm."""
+    assert one.fill is not None
+    mesh = one.fill.mesh
+    border = border_of(mesh)
+    if not len(border):
+        return 0.0
+    points = mesh.vertices[border].astype(float)
+    gaps = np.full(len(points), np.inf)
+    for edge, _ in one.loop:
+        spline = result.net.edges[edge].spline
+        feet = spline.value(spline.foot_points(points))
+        gaps = np.minimum(gaps, np.linalg.norm(feet - points, axis=1))
+    return float(gaps.max())
+
+
+def cautions_of(state: ProductState, result: ProductResult) -> tuple[Caution, ...]:
+    """Return what of the chosen curve was guessed, surfaces that are missing, and what is open."""
+    told = (*_of_chosen(state), *_sentences(result), *_of_walls(state, result))
+    return tuple(Caution(sentence) for sentence in told)
+
+
+def _of_chosen(state: ProductState) -> Iterator[str]:
+    """Yield how the chosen curve was laid in space, where it may be meant otherwise."""
+    curve = state.chosen_of(Curve)
+    if curve is not None:
+        yield from (f"{curve.name}: {sentence}" for sentence in curve.told)
+
+
+def _of_walls(state: ProductState, result: ProductResult) -> Iterator[str]:
+    bodies = [body.wall for body in result.walls]
+    if None in bodies:
+        yield (
+            f"Walls of {state.wall:g} mm do not fit, so the product is handed over without. "
+            "Make them thinner, or the product larger."
+        )
+    elif bodies and any(not detail.problem for detail in result.detailed.details):
+        yield "Walls leave details out. Set the wall to 0 to hand the details over."
+    found = [wall for wall in bodies if wall is not None]
+    if any(wall.rounded for wall in found):
+        yield (
+            "Walls run into one another, or are thicker than the surfaces' bends: the edges of "
+            "their far side are rounded off. Make them thinner to keep edges sharp."
+        )
+    if found:
+        yield (
+            "The far sides of walls are triangles: print files hold them, STEP, IGES and 3DM get "
+            "the curves. Set the wall to 0 to hand the surfaces over exactly."
+        )
+
+
+def _sentences(result: ProductResult) -> Iterator[str]:
+    for one in result.patches:
+        if one.fill is None:
+            yield f"{one.name} has no surface: {one.problem}"
+        elif one.limited:
+            yield (
+                f"{one.name} holds less than its pressure asks for, or it would come off its "
+                "smooth edges. Lower the pressure, or make an edge a crease."
+            )
+        if one.pull_problem:
+            yield f"{one.name} stays: {one.pull_problem}"
+    for group in result.kept:
+        yield (
+            f"Not all curves of {group} were let go: its surfaces have no single outline, fold as "
+            "one, or meet in creases only. Group surfaces that lie side by side."
+        )
+    for detail in result.detailed.details:
+        if detail.problem:
+            yield f"{detail.name} is not carved: {detail.problem}"
+        elif detail.told:
+            yield f"{detail.name}: {detail.told}"
+    for patch in result.lost:
+        yield f"{patch.name} has lost a curve or a joint. Join its curves again, or delete it."
+    if result.filled and not result.is_closed:
+        names = piece_names(result.net, result.curves)
+        row = [names[edge] for edge in result.open_edges]
+        shown = ", ".join(row[:6]) + (" …" if len(row) > 6 else "")
+        if row:
+            yield (
+                f"The surfaces do not close: {len(row)} edges are open ({shown}). Draw what is "
+                "missing, or touch the open areas with the tool “Loop”."
+            )
+        else:
+            yield "Three or more surfaces meet at an edge, so the product is no solid."

@@ -1,0 +1,1 @@
+"""Rough shapes to draw on, by formulas."""

@@ -1,0 +1,1 @@
+"""Surfaces pressed out and in: their linear space searched for a volume."""

@@ -1,0 +1,256 @@
+"""A surface pulled to a stroke: seen from there, its contour follows what was drawn.
+
+Through each place of the stroke goes a ray. Across the stroke, in the plane of the ray, the surface
+reaches farthest in one place; a bump of the clamped plate, the change that bends least, brings that
+place to the ray. As the bump moves the contour, this is repeated. The boundary stays as it is, and
+so do tangent planes along smooth edges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Flags, Index
+from bozzetto.ink import Stroke, resample
+from bozzetto_product.fill.exact_patches import exact_patches
+from bozzetto_product.fill.fair_solution import RIDGE, TANGENCY
+from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.patch_space import PLATE, side_nodes
+from bozzetto_product.fill.quintic import bernstein
+from bozzetto_product.network.reflection import Reflection
+
+PLACES: Final = 48
+"""Places along a stroke."""
+
+GRID: Final = 24
+"""Cells along each direction of a patch in which contours are sought."""
+
+ROUNDS: Final = 6
+"""Most times that the contour is sought anew."""
+
+FIRM: Final = 3000.0
+"""Weight of the stroke against the bending of the change: it is followed within a hair, and the
+shake of a hand is not."""
+
+SETTLED: Final = 1e-4
+"""Change, as share of the loop's size, at which no further round is worth it."""
+
+BORDER: Final = 0.12
+"""Distance from the border, as share of a patch, within which the stroke says less and less."""
+
+TIE: Final = 0.02
+"""Height, as share of the loop's size, that a place at the border is worth less than one in the
+middle: of what is seen on edge, the middle is taken."""
+
+FEWEST: Final = 4
+"""Places of a stroke over a surface from which on it means it."""
+
+MOST_TURN: Final = 1.0
+"""Degrees by which a pull may turn a surface along a smooth edge."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pulled:
+    """A surface after a pull.
+
+    Parameters
+    ----------
+    fill : Fill
+    problem : str
+        Why it is as before, for a person; "" where it followed.
+    """
+
+    fill: Fill
+    problem: str = ""
+
+
+_BESIDE: Final = (
+    "a stroke over it does not run along its contour. Turn the view until you see the surface from "
+    "the side, and draw where its contour is to be."
+)
+_FOLDS: Final = "a stroke pulls it so far that it would fold or leave its smooth edges. Pull less."
+
+
+def pulled(
+    fill: Fill,
+    stroke: Stroke,
+    mirror: Reflection | None = None,
+    *,
+    checkpoint: Callable[[], None] = lambda: None,
+) -> Pulled:
+    """Return a surface whose contour follows a stroke.
+
+    Parameters
+    ----------
+    fill : Fill
+        As it is without this stroke.
+    stroke : Stroke
+        In the view through which the contour is meant.
+    mirror : Reflection, optional
+        In which the stroke's mirror image is meant instead.
+    checkpoint : callable
+        Called between the rounds.
+    """
+    sights = _Sights.of(stroke, mirror)
+    if sights is None:
+        return Pulled(fill, _BESIDE)
+    made = fill
+    tie = TIE * fill.solution.loop.size
+    sense, on_edge = sights.sense(fill, tie)
+    for _ in range(ROUNDS):
+        checkpoint()
+        tie, on_edge = tie if on_edge else TIE * tie, False
+        contour = sights.contour(made, sense, tie)
+        if contour is None:
+            return Pulled(fill, _BESIDE)
+        moved = _moved(fill, made, contour)
+        step = float(np.abs(moved.solution.free - made.solution.free).max())
+        made = moved
+        if step < SETTLED:
+            break
+    turned = np.nanmax([0.0, *made.g1_degrees]) - np.nanmax([0.0, *fill.g1_degrees])
+    if made.folded or turned > MOST_TURN:
+        return Pulled(fill, _FOLDS)
+    return Pulled(made)
+
+
+@dataclass(frozen=True, eq=False)
+class _Contour:
+    """Places of a fill that are to move, and by how much, across the line of sight."""
+
+    patches: Index
+    parameters: Array
+    ways: Array
+    heights: Array
+    weights: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Sights:
+    """Rays through a stroke; a plane along the stroke and one across it through each."""
+
+    origins: Array
+    upward: Array
+    along: Array
+
+    @classmethod
+    def of(cls, stroke: Stroke, mirror: Reflection | None) -> _Sights | None:
+        chord = stroke.points[-1] - stroke.points[0]
+        length = float(np.linalg.norm(chord))
+        if not np.isfinite(length) or length <= 0.0:
+            return None
+        rays = stroke.camera.rays(resample(stroke.points, count=PLACES))
+        right, up, _ = stroke.camera.axes
+        way = (chord[0] * right - chord[1] * up) / length
+        origins, directions = rays.origins, rays.directions
+        if mirror is not None:
+            origins = mirror.points(origins)
+            directions = directions - 2.0 * (directions @ mirror.normal)[:, None] * mirror.normal
+            way = way - 2.0 * float(way @ mirror.normal) * mirror.normal
+        upward = np.cross(directions, way)
+        upward /= np.maximum(np.linalg.norm(upward, axis=1, keepdims=True), 1e-300)
+        return cls(origins, upward, np.cross(upward, directions))
+
+    def sense(self, fill: Fill, tie: float) -> tuple[float, bool]:
+        """Return to which side the contour is farthest that the stroke is near, and if on edge.
+
+        What is seen on edge has both at one place; it bulges to where it is pulled.
+        """
+        both = [self.contour(fill, sense, tie) for sense in (1.0, -1.0)]
+        found = [each for each in both if each is not None]
+        if len(found) < len(both):
+            return (-1.0 if both[0] is None else 1.0), False
+        up, down = (float(np.abs(each.heights).mean()) for each in found)
+        if abs(up - down) <= 2.0 * tie:
+            above = found[0].heights.mean() + found[1].heights.mean() > 0.0
+            return (-1.0 if above else 1.0), True
+        return (1.0 if up < down else -1.0), False
+
+    def contour(self, fill: Fill, sense: float, tie: float) -> _Contour | None:
+        """Return the places that reach farthest across the stroke; None where it runs beside."""
+        places, cells, parameters, inside = _grid(fill)
+        start, end = cells.T
+        best: list[tuple[int, int, float, float]] = []
+        for number, (origin, up, along) in enumerate(
+            zip(self.origins, self.upward, self.along, strict=True)
+        ):
+            off, height = (places - origin) @ along, (places - origin) @ up
+            crossed = np.flatnonzero((off[start] > 0.0) != (off[end] > 0.0))
+            if not len(crossed):
+                continue
+            one, two = off[start[crossed]], off[end[crossed]]
+            share = one / (one - two)
+            reach = (1.0 - share) * height[start[crossed]] + share * height[end[crossed]]
+            deep = (1.0 - share) * inside[start[crossed]] + share * inside[end[crossed]]
+            top = int(np.argmax(sense * reach + tie * deep))
+            best.append((number, int(crossed[top]), float(share[top]), float(reach[top])))
+        if len(best) < FEWEST:
+            return None
+        rays = np.array([row[0] for row in best])
+        lines = np.array([row[1] for row in best])
+        share = np.array([row[2] for row in best])[:, None]
+        at = (1.0 - share) * parameters[start[lines]] + share * parameters[end[lines]]
+        weights = np.clip(at.min(axis=1) / BORDER, 0.0, 1.0) ** 2
+        if (weights > 0.5).sum() < FEWEST:
+            return None
+        heights = np.array([row[3] for row in best])
+        patches = start[lines] // (GRID + 1) ** 2
+        return _Contour(patches, at, self.upward[rays], heights, weights)
+
+
+def _grid(fill: Fill) -> tuple[Array, Index, Array, Array]:
+    """Return places, lines between neighbours, parameters, and how far inside places are."""
+    at = np.linspace(0.0, 1.0, GRID + 1)
+    u, v = (part.ravel() for part in np.meshgrid(at, at, indexing="ij"))
+    places = np.concatenate([patch.value(u, v) for patch in fill.patches])
+    numbers = np.arange(len(u)).reshape(GRID + 1, GRID + 1)
+    own = np.concatenate(
+        (
+            np.column_stack((numbers[:-1].ravel(), numbers[1:].ravel())),
+            np.column_stack((numbers[:, :-1].ravel(), numbers[:, 1:].ravel())),
+        )
+    )
+    count = len(fill.patches)
+    lines = (own + len(u) * np.arange(count)[:, None, None]).reshape(-1, 2)
+    parameters = np.tile(np.column_stack((u, v)), (count, 1))
+    return places, lines, parameters, parameters.min(axis=1)
+
+
+def _moved(fill: Fill, made: Fill, contour: _Contour) -> Fill:
+    """Return a fill changed by the bump that bends least and brings a contour to its rays.
+
+    The contour is that of the fill as changed so far.
+    """
+    from scipy.linalg import cho_factor, cho_solve
+
+    solution = fill.solution
+    space, loop = solution.space, solution.loop
+    stiffness, _ = space.stiffness(PLATE)
+    size = len(stiffness)
+    scale = float(np.trace(stiffness)) / size
+    values = np.einsum(
+        "ki,kj->kij", bernstein(contour.parameters[:, 0]), bernstein(contour.parameters[:, 1])
+    ).reshape(len(contour.patches), 1, -1)
+    basis = (values @ space.own_basis[contour.patches])[:, 0]
+    matrix = np.kron(np.eye(3), stiffness)
+    held: Flags = np.isfinite(loop.normals[..., 0])
+    if held.any():
+        weights = np.sqrt(np.broadcast_to(side_nodes()[1], held.shape)[held])[:, None]
+        normals = loop.normals[held] * weights
+        rows = (normals[:, :, None] * space.across[0][held][:, None, :]).reshape(len(normals), -1)
+        matrix += TANGENCY * scale * (rows.T @ rows)
+    rows = (contour.ways[:, :, None] * basis[:, None, :]).reshape(len(basis), -1)
+    weighted = FIRM * scale * contour.weights[:, None] / len(rows)
+    matrix += rows.T @ (weighted * rows)
+    matrix[np.diag_indices_from(matrix)] += RIDGE * scale
+    so_far = space.basis.T @ (made.solution.free - solution.free)
+    wanted = rows @ so_far.T.ravel() - contour.heights / loop.size
+    right = (weighted * rows).T @ wanted
+    factor = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
+    found = cho_solve(factor, right, check_finite=False).reshape(3, size).T
+    changed = replace(solution, free=solution.free + space.basis @ found)
+    return replace(fill, solution=changed, patches=exact_patches(changed))

@@ -1,0 +1,340 @@
+"""Walls of even thickness: closed bodies become hollow, open sheets become plates.
+
+Each surface and its offset bound a slab, and wedges go between slabs that gape at creases. A body
+without them is its hollow; open sheets are their union. What comes of it is measured, and where a
+slab ran into itself the offset is taken from the field of distances instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index, frozen
+from bozzetto.geometry import Mesh
+from bozzetto.plugin import remembered
+from bozzetto_product.shaping.wall_field import SAMPLES_PER_WALL, offset_by_field, places_on
+from bozzetto_product.shaping.wall_slabs import Sheets, Slab, slabs_of, wedges_of
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+THIN: Final = 0.97
+"""Share of the thickness asked for below which a wall is not what slabs promise: chords of the
+meshes and arcs about creases cost less than that."""
+
+MOST_BENT: Final = 8000
+"""Triangles of slabs that are turned, of open sheets, up to which they are made of prisms."""
+
+LEAST_HOLLOW: Final = 0.01
+"""Volume of a hollow, in cubes of the thickness, below which it is left full."""
+
+SLIVER: Final = 1e-5
+"""Length, as share of the size, of edges that are drawn together: above what single precision
+tells apart, below anything seen."""
+
+ROUNDING: Final = 1e-9
+"""Share of the size below which a coordinate is nought."""
+
+TOUCHING: Final = 1e-8
+"""Distance, as share of the size, within which corners are at one place."""
+
+APART: Final = 2e-6
+"""Length, as share of the size, by which corners that only touch are moved apart."""
+
+MOST_APART: Final = 6
+"""Rounds in which that is tried, each time by more."""
+
+TURN: Final = frozen(
+    np.array(((2, 3, 6), (3, -6, 2), (6, 2, -3)))
+    / 7.0
+    @ ((0.8, -0.6, 0), (0.6, 0.8, 0), (0, 0, 1)),
+    np.float64,
+)
+"""A rotation: bodies are combined in a frame in which no wall lies across an axis. manifold3d takes
+those whose boxes only touch for apart, and does not join them."""
+
+NOBODY: Final = -1
+"""Number of the surface of triangles that belong to none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """A body of walls.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Closed: the surfaces that were given, their offsets, and rims between them.
+    groups : tuple of (int, bool, int)
+        Triangles that follow one another: the number of their surface, `NOBODY` where they belong
+        to none; whether they are that surface, or else its offset or a rim; and how many.
+    rounded : bool
+        The offset is from the field of distances: its creases are rounded off.
+    thinnest, thickest : float
+        Least and greatest distance of the offset from the surfaces, mm.
+    """
+
+    mesh: Mesh
+    groups: tuple[tuple[int, bool, int], ...]
+    rounded: bool
+    thinnest: float
+    thickest: float
+
+    @property
+    def offset(self) -> Mesh:
+        """The triangles that are not the given surfaces."""
+        own = np.concatenate([np.full(count, own) for _, own, count in self.groups])
+        return Mesh(self.mesh.vertices, self.mesh.faces[~own])
+
+
+def _key(
+    meshes: Sequence[Mesh], thickness: float, outward: bool, checkpoint: Callable[[], None]
+) -> tuple[object, ...]:
+    return tuple(meshes), thickness, outward
+
+
+@remembered(limit=16, key=_key)
+def walled(
+    meshes: Sequence[Mesh],
+    thickness: float,
+    outward: bool = False,
+    checkpoint: Callable[[], None] = lambda: None,
+) -> Wall | None:
+    """Give surfaces that hang together a wall.
+
+    Parameters
+    ----------
+    meshes : sequence of Mesh
+        With normals, turned alike, and with vertices at the very same places on common edges. They
+        look outward where they are closed.
+    thickness : float
+        mm, positive.
+    outward : bool
+        To the side of the normals.
+    checkpoint : callable
+        Called between the steps.
+
+    Returns
+    -------
+    Wall or None
+        None where the wall is too thick: nothing is left hollow, or an open sheet bends too much
+        for it.
+    """
+    sheets = Sheets.of(meshes, TURN)
+    body, numbers = _body(sheets)
+    closed = body.status().name == "NoError" and body.num_tri() > 0
+    offset = thickness if outward else -thickness
+    slabs = slabs_of(sheets, offset, lean=not closed)
+    checkpoint()
+    bent = sum(len(slab.faces) for slab in slabs if slab.is_turned)
+    if closed and bent:
+        return _by_field(body, numbers, thickness, outward, checkpoint)
+    if bent > MOST_BENT:
+        return None
+    added, tags = _united(slabs, wedges_of(sheets, offset))
+    checkpoint()
+    tags |= numbers
+    if not closed:
+        return _plate(added, tags, thickness)
+    made = _sharp(body, added, tags, thickness, outward)
+    return made or _by_field(body, tags, thickness, outward, checkpoint)
+
+
+Tags = dict[int, tuple[int, bool]]
+"""Number and kind of surface of triangles, by the id that manifold3d keeps for them."""
+
+
+def _body(sheets: Sheets) -> tuple[Manifold, Tags]:
+    """Return the body within the surfaces, if they are closed, and what its triangles are."""
+    _, first, same = np.unique(
+        np.concatenate(sheets.places), return_index=True, return_inverse=True
+    )
+    vertices = np.concatenate(sheets.vertices)[first]
+    starts = np.cumsum([0, *map(len, sheets.vertices[:-1])])
+    rows = [same.ravel()[f + start] for f, start in zip(sheets.faces, starts, strict=True)]
+    sound = [(r != np.roll(r, 1, axis=1)).all(axis=1) for r in rows]
+    rows = [r[s] for r, s in zip(rows, sound, strict=True)]
+    return _manifold(
+        vertices, np.concatenate(rows), [(n, True, len(r)) for n, r in enumerate(rows)]
+    )
+
+
+def _manifold(
+    vertices: Array, faces: Index, groups: Sequence[tuple[int, bool, int]]
+) -> tuple[Manifold, Tags]:
+    from manifold3d import Manifold, Mesh64
+
+    first = Manifold.reserve_ids(len(groups))
+    ends = 3 * np.cumsum([0, *(count for *_, count in groups)])
+    mesh = Mesh64(
+        np.array(vertices, order="C"),
+        np.ascontiguousarray(faces, dtype=np.uint64),
+        run_index=ends.astype(np.uint64),
+        run_original_id=(first + np.arange(len(groups))).astype(np.uint32),
+    )
+    tags = {first + k: (number, own) for k, (number, own, _) in enumerate(groups)}
+    return Manifold(mesh), tags
+
+
+def _united(slabs: Sequence[Slab], wedges: Sequence[Array]) -> tuple[Manifold, Tags]:
+    from manifold3d import Manifold, OpType
+
+    tags: Tags = {}
+    parts = []
+    for number, slab in enumerate(slabs):
+        if slab.is_turned:
+            for prism in slab.prisms():
+                part, own = _prism(prism, number)
+                tags |= own
+                parts.append(part)
+            continue
+        rest = len(slab.faces) - slab.kept
+        groups = [(number, True, slab.kept), (number, False, rest)]
+        part, own = _manifold(slab.vertices, slab.faces, groups)
+        tags |= own
+        parts.append(part)
+    parts += [Manifold.hull_points(np.ascontiguousarray(wedge)) for wedge in wedges]
+    return Manifold.batch_boolean(parts, OpType.Add), tags
+
+
+def _prism(corners: Array, number: int) -> tuple[Manifold, Tags]:
+    """Return the hull of a triangle of a surface, the first three corners, and of its offset."""
+    from manifold3d import Manifold
+
+    hull = Manifold.hull_points(np.ascontiguousarray(corners))
+    if hull.is_empty():
+        return hull, {}
+    mesh = hull.to_mesh64()
+    places, faces = mesh.vert_properties[:, :3], mesh.tri_verts.astype(np.intp)
+    first = (places[:, None] == corners[:3]).all(axis=2).any(axis=1)
+    own = first[faces].all(axis=1)
+    groups = [(number, True, int(own.sum())), (number, False, int((~own).sum()))]
+    return _manifold(
+        places, faces[np.argsort(~own, kind="stable")], [each for each in groups if each[2]]
+    )
+
+
+def _sharp(
+    body: Manifold, added: Manifold, tags: Tags, thickness: float, outward: bool
+) -> Wall | None:
+    """Return the body less its hollow, or a coat about it; None where slabs ran into themselves."""
+    from manifold3d import Manifold, OpType
+
+    if outward:
+        limit = Manifold.batch_boolean([body, added], OpType.Add)
+        parts = [part for part in limit.decompose() if part.volume() > thickness**3]
+    else:
+        limit = body - added
+        parts = [part for part in limit.decompose() if part.volume() > _least(thickness)]
+        if abs(limit.volume()) <= _least(thickness):
+            return None
+    if not parts:
+        return None
+    return _between(body, Manifold.compose(parts), tags, thickness, outward, rounded=False)
+
+
+def _least(thickness: float) -> float:
+    return float(LEAST_HOLLOW * thickness**3)
+
+
+def _by_field(
+    body: Manifold,
+    tags: Tags,
+    thickness: float,
+    outward: bool,
+    checkpoint: Callable[[], None],
+) -> Wall | None:
+    from manifold3d import Manifold
+
+    own = body.to_mesh64()
+    mesh = Mesh(own.vert_properties[:, :3].astype(np.float32), own.tri_verts.astype(np.int32))
+    vertices, faces = offset_by_field(mesh, thickness, outward, checkpoint)
+    if not len(faces):
+        return None
+    limit, found = _manifold(vertices, faces, [(NOBODY, False, len(faces))])
+    parts = [part for part in limit.decompose() if part.volume() > _least(thickness)]
+    if not parts:
+        return None
+    whole = Manifold.compose(parts)
+    return _between(body, whole, tags | found, thickness, outward, rounded=True)
+
+
+def _between(
+    body: Manifold, limit: Manifold, tags: Tags, thickness: float, outward: bool, *, rounded: bool
+) -> Wall | None:
+    """Return what is between a body and its offset, if the offset keeps its distance."""
+    from scipy.spatial import cKDTree
+
+    size = _size(body)
+    vertices, faces, groups = _taken(body, tags)
+    other, inner, more = _taken(limit.simplify(SLIVER * size), tags)
+    mesh = Mesh(vertices.astype(np.float32), faces.astype(np.int32))
+    tree = cKDTree(places_on(mesh, thickness / SAMPLES_PER_WALL))
+    away = np.asarray(tree.query(other)[0])
+    if not rounded and away.min() < THIN * thickness:
+        return None
+    if outward:
+        faces = faces[:, ::-1]
+    else:
+        inner = inner[:, ::-1]
+    whole = _mesh(
+        np.concatenate((vertices, other)), np.concatenate((faces, inner + len(vertices))), size
+    )
+    more = [(number, False, count) for number, _, count in more]
+    return Wall(whole, (*groups, *more), rounded, float(away.min()), float(away.max()))
+
+
+def _size(part: Manifold) -> float:
+    return float(np.linalg.norm(np.ptp(np.reshape(part.bounding_box(), (2, 3)), axis=0)))
+
+
+def _mesh(vertices: Array, faces: Index, size: float) -> Mesh:
+    """Return triangles turned back, of which those that only touch share no place.
+
+    A file of triangles without numbers would join what touches along an edge, and bound nothing.
+    """
+    places = (vertices @ TURN).astype(np.float32)
+    places[np.abs(places) < ROUNDING * size] = 0.0
+    mesh = Mesh(places, faces.astype(np.int32))
+    for number in range(1, MOST_APART):
+        near = np.round(mesh.vertices.astype(float) / (TOUCHING * size))
+        _, same, times = np.unique(near, axis=0, return_inverse=True, return_counts=True)
+        touching = times[same.ravel()] > 1
+        if not touching.any():
+            break
+        places = mesh.vertices.astype(float)
+        step = number * APART * size * mesh.vertex_normals()[touching]
+        places[touching] -= step
+        mesh = Mesh(places.astype(np.float32), mesh.faces)
+    return mesh
+
+
+def _plate(added: Manifold, tags: Tags, thickness: float) -> Wall | None:
+    """Return open surfaces as a plate."""
+    size = _size(added)
+    vertices, faces, groups = _taken(added.simplify(SLIVER * size), tags)
+    if not len(faces):
+        return None
+    return Wall(_mesh(vertices, faces, size), tuple(groups), False, thickness, thickness)
+
+
+def _taken(part: Manifold, tags: Tags) -> tuple[Array, Index, list[tuple[int, bool, int]]]:
+    """Return vertices and faces, those of one surface after another."""
+    mesh = part.to_mesh64()
+    faces = mesh.tri_verts.astype(np.intp)
+    counts = np.diff(mesh.run_index) // 3
+    which = [tags.get(int(each), (NOBODY, False)) for each in mesh.run_original_id]
+    label = np.repeat(np.arange(len(which)), counts.astype(np.intp))
+    order: list[Index] = [np.empty(0, np.intp)]
+    groups: list[tuple[int, bool, int]] = []
+    for number, own in sorted(set(which)):
+        runs = [k for k, each in enumerate(which) if each == (number, own)]
+        rows = np.flatnonzero(np.isin(label, runs))
+        if len(rows):
+            order.append(rows)
+            groups.append((number, own, len(rows)))
+    return mesh.vert_properties[:, :3], faces[np.concatenate(order)], groups

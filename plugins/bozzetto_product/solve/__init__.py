@@ -1,0 +1,1 @@
+"""From the recipe to nets, loops and surfaces."""

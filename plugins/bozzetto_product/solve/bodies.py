@@ -1,0 +1,130 @@
+"""Surfaces that hang together, as bodies: turned outward, and given walls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index
+from bozzetto.geometry import FaceGroup, Mesh
+from bozzetto.plugin import Job, remembered
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.shaping.wall import Wall, walled
+from bozzetto_product.solve.result import SolvedPatch, WalledBody
+
+
+@dataclass(frozen=True, eq=False)
+class JoinedPatches:
+    """Patches that share edges, as one mesh.
+
+    Parameters
+    ----------
+    patches : tuple of SolvedPatch
+    mesh : Mesh
+        Vertices at the very same place are one; outward where it is closed.
+    groups : tuple of FaceGroup
+        The triangles of each patch.
+    closed : bool
+        Whether it bounds a volume.
+    turned_over : bool
+        Its triangles run against those of the fills.
+    """
+
+    patches: tuple[SolvedPatch, ...]
+    mesh: Mesh
+    groups: tuple[FaceGroup, ...]
+    closed: bool
+    turned_over: bool
+
+
+@remembered(limit=4, key=lambda patches: tuple(patches))
+def joined_patches(patches: Sequence[SolvedPatch]) -> tuple[JoinedPatches, ...]:
+    """Return the parts that hang together by shared edges, in their order."""
+    made = []
+    for part in _connected(patches):
+        mesh, groups = _joined(part)
+        uses = [edge for one in part for edge, _ in one.loop]
+        closed = all(uses.count(edge) == 2 for edge in set(uses)) and is_closed_mesh(mesh)
+        over = closed and _volume(mesh) < 0.0
+        if over:
+            mesh = replace(mesh, faces=mesh.faces[:, ::-1])
+        made.append(JoinedPatches(tuple(part), mesh, groups, closed, over))
+    return tuple(made)
+
+
+def walled_bodies(
+    state: ProductState, patches: Sequence[SolvedPatch], job: Job
+) -> tuple[WalledBody, ...]:
+    """Return a body of walls for each part; none without a thickness, and in a preview."""
+    if state.wall <= 0.0 or job.quality != "final":
+        return ()
+    outward = state.wall_side == "outside"
+    made = []
+    for part in joined_patches(tuple(patches)):
+        meshes = tuple(one.fill.mesh for one in part.patches if one.fill is not None)
+        turned = tuple(_turned_over(mesh) for mesh in meshes) if part.turned_over else meshes
+        wall: Wall | None = walled(
+            turned, state.wall, outward, lambda: job.checkpoint(0.95, "Walls")
+        )
+        made.append(WalledBody(part.patches, wall))
+    return tuple(made)
+
+
+@remembered(limit=1024, key=lambda mesh: mesh)
+def _turned_over(mesh: Mesh) -> Mesh:
+    return Mesh(mesh.vertices, mesh.faces[:, ::-1], -mesh.vertex_normals())
+
+
+def _connected(patches: Sequence[SolvedPatch]) -> Iterator[list[SolvedPatch]]:
+    """Yield patches that hang together by shared edges, in their order."""
+    from scipy.cluster.hierarchy import DisjointSet
+
+    sets = DisjointSet(range(len(patches)))
+    first: dict[int, int] = {}
+    for number, one in enumerate(patches):
+        for edge, _ in one.loop:
+            sets.merge(number, first.setdefault(edge, number))
+    for group in sorted(sorted(subset) for subset in sets.subsets()):
+        yield [patches[number] for number in group]
+
+
+def _joined(part: Sequence[SolvedPatch]) -> tuple[Mesh, tuple[FaceGroup, ...]]:
+    """Return one mesh, in which vertices at the very same place are one, and its groups."""
+    meshes = [one.fill.mesh for one in part if one.fill is not None]
+    vertices = np.concatenate([mesh.vertices for mesh in meshes])
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    faces = np.concatenate([m.faces + start for m, start in zip(meshes, starts, strict=True)])
+    _, first, same = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first, kind="stable")
+    rank = np.empty(len(order), int)
+    rank[order] = np.arange(len(order))
+    rows = rank[same.ravel()][faces]
+    sound = _is_triangle(rows)
+    groups = []
+    begin = 0
+    for one, mesh in zip(part, meshes, strict=True):
+        kept = int(sound[begin : begin + len(mesh.faces)].sum())
+        groups.append(FaceGroup(one.name, kept, one.patch.color, one.patch.finish))
+        begin += len(mesh.faces)
+    return Mesh(vertices[first[order]], rows[sound].astype(np.int32)), tuple(groups)
+
+
+def _is_triangle(rows: Index) -> Array:
+    a, b, c = rows.T
+    return np.asarray((a != b) & (b != c) & (c != a))
+
+
+def is_closed_mesh(mesh: Mesh) -> bool:
+    """Whether every edge is run once each way."""
+    forth = np.concatenate([mesh.faces[:, [k, (k + 1) % 3]] for k in range(3)]).astype(np.int64)
+    count = np.int64(len(mesh.vertices))
+    keys, times = np.unique(forth[:, 0] * count + forth[:, 1], return_counts=True)
+    back = (keys % count) * count + keys // count
+    return bool((times == 1).all() and np.isin(back, keys).all())
+
+
+def _volume(mesh: Mesh) -> float:
+    corners = (mesh.vertices - mesh.vertices[:1])[mesh.faces].astype(np.float64)
+    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)

@@ -1,0 +1,84 @@
+"""What curves are drawn on: rough shapes, and the surfaces of other models."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index
+from bozzetto.geometry import Mesh, Shapes, meshed
+from bozzetto.plugin import remembered
+from bozzetto_product.model.state import FollowedShape, ProductState, RoughShape
+from bozzetto_product.rough_shapes.shapes import rough_mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Canvas:
+    """A surface to draw on.
+
+    Parameters
+    ----------
+    part : RoughShape or FollowedShape
+        Hidden parts have one, too, for curves follow them.
+    mesh : Mesh
+        In the frame of the model, mm; without faces where there is nothing.
+    """
+
+    part: RoughShape | FollowedShape
+    mesh: Mesh
+
+
+def canvases_of(state: ProductState, sources: Mapping[str, Shapes]) -> tuple[Canvas, ...]:
+    """Return what the curves of a product are drawn on, in the order of its parts.
+
+    Parameters
+    ----------
+    state : ProductState
+        The recipe.
+    sources : mapping of str to Shapes
+        What other models hand over, by id; see `bozzetto.plugin.Job.sources`.
+    """
+    made = []
+    for part in state.nodes:
+        if isinstance(part, RoughShape):
+            made.append(Canvas(part, mesh_of_rough_shape(part)))
+        elif isinstance(part, FollowedShape) and part.source in sources:
+            made.append(Canvas(part, mesh_of_shapes(sources[part.source])))
+    return tuple(made)
+
+
+@remembered(
+    limit=64, key=lambda part: (part.kind, part.centre, part.length, part.width, part.height)
+)
+def mesh_of_rough_shape(part: RoughShape) -> Mesh:
+    """Return the triangles of a rough shape where it stands."""
+    return rough_mesh(part)
+
+
+def mesh_of_shapes(shapes: Shapes) -> Mesh:
+    """Return all surfaces of some shapes as one mesh; empty where there are curves only."""
+    return _joined(list(_meshes(shapes)))
+
+
+def _meshes(shapes: Shapes) -> Iterator[Mesh]:
+    for part in meshed(shapes).meshes():
+        yield part.mesh
+
+
+def _joined(meshes: list[Mesh]) -> Mesh:
+    vertices: list[Array] = [np.zeros((0, 3))]
+    faces: list[Index] = [np.zeros((0, 3), int)]
+    normals: list[Array] = [np.zeros((0, 3))]
+    first = 0
+    for mesh in meshes:
+        vertices.append(mesh.vertices.astype(float))
+        faces.append(mesh.faces.astype(int) + first)
+        normals.append(mesh.vertex_normals().astype(float))
+        first += len(mesh.vertices)
+    return Mesh(
+        np.concatenate(vertices).astype(np.float32),
+        np.concatenate(faces).astype(np.int32),
+        np.concatenate(normals).astype(np.float32),
+    )

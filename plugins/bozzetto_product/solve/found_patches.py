@@ -1,0 +1,162 @@
+"""Patches of a recipe: loops that were found become parts, and are switched on and off."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from bozzetto_product.loops.boundaries import boundary_of, loop_of, mirrored_boundary
+from bozzetto_product.loops.finding import FoundLoops, find_loops
+from bozzetto_product.loops.orientation import orient_loops
+from bozzetto_product.model.state import Boundary, Patch, ProductState
+from bozzetto_product.network.half_edges import half_edge_images, half_edges
+from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.solve.solver import loops_of_patch, net_of_state
+
+Edges = frozenset[int]
+
+
+def edges_of(loop: Loop) -> Edges:
+    """Return the edges of a loop, which tell it from any other."""
+    return frozenset(edge for edge, _ in loop)
+
+
+def with_patches_found(state: ProductState) -> ProductState:
+    """Return the state with a patch for every loop that its network has.
+
+    Patches that a person confirmed stay, those rejected stay away; all others are as the network
+    is now. A loop that was there keeps its patch, and one that takes the place of another its
+    name, colour and pressure.
+    """
+    net = net_of_state(state)
+    patches = state.of_kind(Patch)
+    known = [(patch, loops_of_patch(net, patch)) for patch in patches]
+    fixed = [loop for patch, loops in known if patch.confirmed for loop in loops]
+    found = find_loops(net, fixed=fixed, rejected=_rejected(net, state.rejected))
+    return _with_loops(state, net, found.loops)
+
+
+def found_loops(state: ProductState, net: Net) -> FoundLoops:
+    """Return all loops that may be meant, around those that are confirmed."""
+    known = [(patch, loops_of_patch(net, patch)) for patch in state.of_kind(Patch)]
+    fixed = [loop for patch, loops in known if patch.confirmed for loop in loops]
+    return find_loops(net, fixed=fixed)
+
+
+def _rejected(net: Net, boundaries: Sequence[Boundary]) -> list[Loop]:
+    loops = (loop_of(net, boundary) for boundary in boundaries)
+    return [loop for loop in loops if loop is not None]
+
+
+def _with_loops(state: ProductState, net: Net, loops: Sequence[Loop]) -> ProductState:
+    """Return the state with exactly these loops as patches; what was said of them stays."""
+    old: dict[Edges, Patch] = {}
+    for patch in state.of_kind(Patch):
+        for loop in loops_of_patch(net, patch):
+            old.setdefault(edges_of(loop), patch)
+    wanted = _with_images(net, orient_loops(net, loops).loops)
+    kept: dict[str, Patch] = {}
+    fresh: list[tuple[Loop, bool]] = []
+    for loop, mirrored in wanted:
+        own = old.get(edges_of(loop))
+        if own is not None and own.id not in kept:
+            same = own.mirrored == mirrored
+            kept[own.id] = own if same else replace(own, mirrored=mirrored)
+        else:
+            fresh.append((loop, mirrored))
+    gone = [patch for patch in state.of_kind(Patch) if patch.id not in kept and not patch.confirmed]
+    heirs = [(patch, _union(loops_of_patch(net, patch))) for patch in gone]
+    lost = {patch.id for patch in gone}
+    nodes = tuple(kept.get(node.id, node) for node in state.nodes if node.id not in lost)
+    chosen = state.selected
+    state = replace(state, nodes=nodes)
+    new: list[tuple[Loop, bool]] = []
+    for loop, mirrored in fresh:
+        heir = max(heirs, key=lambda one: len(one[1] & edges_of(loop)), default=None)
+        if heir is not None and 2 * len(heir[1] & edges_of(loop)) >= len(heir[1]) > 0:
+            heirs.remove(heir)
+            patch = replace(heir[0], boundary=boundary_of(net, loop), mirrored=mirrored)
+            state = replace(state, nodes=(*state.nodes, patch))
+        else:
+            new.append((loop, mirrored))
+    for loop, mirrored in new:  # last, for what is inherited keeps its id and name
+        patch = _patch(state, boundary_of(net, loop), mirrored)
+        state = replace(state, nodes=(*state.nodes, patch))
+    ids = {node.id for node in state.nodes}
+    return replace(state, selected=chosen if chosen in ids else "")
+
+
+def _patch(state: ProductState, boundary: Boundary, mirrored: bool) -> Patch:
+    name = state.unused_name("Surface")
+    return Patch(state.unused_id(), name, boundary=boundary, mirrored=mirrored)
+
+
+def _union(loops: Sequence[Loop]) -> Edges:
+    return frozenset(edge for loop in loops for edge, _ in loop)
+
+
+def _with_images(net: Net, loops: Sequence[Loop]) -> list[tuple[Loop, bool]]:
+    """Return loops, each with whether its mirror image is among them; the image itself is not."""
+    images = half_edge_images(net)
+    there = {edges_of(loop) for loop in loops}
+    taken: set[Edges] = set()
+    kept = []
+    for loop in loops:
+        image = [int(images[half]) for half in half_edges(loop)]
+        image_edges = frozenset(half // 2 for half in image) if min(image) >= 0 else frozenset()
+        if edges_of(loop) in taken:
+            continue
+        pair = bool(image_edges) and image_edges in there and image_edges != edges_of(loop)
+        if pair:
+            if sum(net.edges[e].mirrored for e in edges_of(loop)) > sum(
+                net.edges[e].mirrored for e in image_edges
+            ):
+                continue
+            taken.add(image_edges)
+        kept.append((loop, pair))
+    return kept
+
+
+def switched(state: ProductState, net: Net, loop: Loop) -> ProductState:
+    """Return the state with a loop switched: on where it has no patch, off where it has one."""
+    edges = edges_of(loop)
+    for patch in state.of_kind(Patch):
+        if any(edges_of(own) == edges for own in loops_of_patch(net, patch)):
+            return without_patch(state, patch)
+    rejected = tuple(
+        other
+        for other in state.rejected
+        if (own := loop_of(net, other)) is None or not _same_or_image(net, own, edges)
+    )
+    oriented = orient_loops(net, [*_loops(state, net), loop]).loops[-1]
+    ((kept, mirrored),) = _with_images(net, [oriented, *_image(net, oriented)])[:1]
+    patch = replace(_patch(state, boundary_of(net, kept), mirrored), confirmed=True)
+    return replace(state, rejected=rejected).with_node(patch)
+
+
+def without_patch(state: ProductState, patch: Patch) -> ProductState:
+    """Return the state with a patch switched off: its loop is not found again."""
+    state = state.without_nodes(patch.id)
+    return replace(state, rejected=(*state.rejected, patch.boundary))
+
+
+def _loops(state: ProductState, net: Net) -> list[Loop]:
+    return [loop for patch in state.of_kind(Patch) for loop in loops_of_patch(net, patch)]
+
+
+def _image(net: Net, loop: Loop) -> list[Loop]:
+    """Return the mirror image of a loop, where there is another one."""
+    found = loop_of(net, mirrored_boundary(boundary_of(net, loop)))
+    return [] if found is None or edges_of(found) == edges_of(loop) else [found]
+
+
+def _same_or_image(net: Net, own: Loop, edges: Edges) -> bool:
+    return edges_of(own) == edges or any(edges_of(one) == edges for one in _image(net, own))
+
+
+def confirmed(state: ProductState) -> ProductState:
+    """Return the state with all patches confirmed: finding loops takes none of them away."""
+    nodes = tuple(
+        replace(node, confirmed=True) if isinstance(node, Patch) else node for node in state.nodes
+    )
+    return replace(state, nodes=nodes)

@@ -1,0 +1,134 @@
+"""The solved product."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bozzetto_product.details.bodies import DetailedBodies
+from bozzetto_product.fill.fill import Fill
+from bozzetto_product.model.state import Curve, Patch
+from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.shaping.wall import Wall
+from bozzetto_product.solve.canvas import Canvas
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedPatch:
+    """A patch of the recipe, or its mirror image, with its surface.
+
+    Parameters
+    ----------
+    patch : Patch
+    mirrored : bool
+        It is the mirror image.
+    loop : Loop
+        In the net, counter-clockwise seen from outside.
+    fill : Fill, optional
+        None where there is no sound surface.
+    problem : str
+        Why there is none, for a person.
+    limited : bool
+        It holds less than its pressure asks for, or it would come off its smooth edges.
+    pull_problem : str
+        Why it does not follow a stroke that pulls it, for a person.
+    """
+
+    patch: Patch
+    mirrored: bool
+    loop: Loop
+    fill: Fill | None
+    problem: str = ""
+    limited: bool = False
+    pull_problem: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name for people and files."""
+        return f"{self.patch.name} mirrored" if self.mirrored else self.patch.name
+
+
+@dataclass(frozen=True, eq=False)
+class WalledBody:
+    """Patches that hang together, and the body of walls that they make.
+
+    Parameters
+    ----------
+    patches : tuple of SolvedPatch
+    wall : Wall, optional
+        None where the wall is too thick.
+    """
+
+    patches: tuple[SolvedPatch, ...]
+    wall: Wall | None
+
+
+@dataclass(frozen=True, eq=False)
+class ProductResult:
+    """Curves cut at their joints, and the surfaces between them.
+
+    Parameters
+    ----------
+    curves : tuple of Curve
+        Where they are now, for they may follow other models.
+    canvases : tuple of Canvas
+        What is drawn on.
+    net : Net
+    patches : tuple of SolvedPatch
+        Those that are shown, in the order of the parts; a mirror image after its patch.
+    lost : tuple of Patch
+        Of which curves or joints are gone, or do not close.
+    walls : tuple of WalledBody
+        One for each part that hangs together; none where no walls are asked for, or in a preview.
+    let_go : frozenset of str
+        Ids of curves that gave way to a fair surface; they were drawn elsewhere.
+    kept : tuple of str
+        Names of groups of which the curves could not, or not all, be let go.
+    detailed : DetailedBodies
+        The surfaces with details; its grounds are `filled`, in that order. No shells where there
+        are no details.
+    """
+
+    curves: tuple[Curve, ...]
+    canvases: tuple[Canvas, ...]
+    net: Net
+    patches: tuple[SolvedPatch, ...]
+    lost: tuple[Patch, ...] = ()
+    walls: tuple[WalledBody, ...] = ()
+    let_go: frozenset[str] = frozenset()
+    kept: tuple[str, ...] = ()
+    detailed: DetailedBodies = DetailedBodies()
+
+    @property
+    def filled(self) -> tuple[SolvedPatch, ...]:
+        """The patches that have a surface."""
+        return tuple(one for one in self.patches if one.fill is not None)
+
+    @cached_property
+    def uses(self) -> tuple[int, ...]:
+        """How many surfaces each edge of the net has."""
+        counts = np.zeros(len(self.net.edges), int)
+        for one in self.filled:
+            for edge, _ in one.loop:
+                counts[edge] += 1
+        return tuple(counts.tolist())
+
+    @property
+    def open_edges(self) -> tuple[int, ...]:
+        """Edges with one surface only."""
+        return tuple(number for number, count in enumerate(self.uses) if count == 1)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the surfaces enclose a volume: every edge of them has two."""
+        return bool(self.filled) and all(count in (0, 2) for count in self.uses)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the curves, mm; 1 where there are none."""
+        points = [c.spline.control_points for c in self.curves if c.spline is not None]
+        if not points:
+            return 1.0
+        return float(np.linalg.norm(np.ptp(np.vstack(points), axis=0))) or 1.0

@@ -1,0 +1,20 @@
+"""All tools, most used first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from bozzetto.plugin import Tool
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.tools.detail import DrawDetail
+from bozzetto_product.tools.draw_curve import DrawCurve
+from bozzetto_product.tools.erase import Erase
+from bozzetto_product.tools.loop import SwitchLoop
+from bozzetto_product.tools.modify import Modify
+from bozzetto_product.tools.move import Move
+from bozzetto_product.tools.pull import Pull
+
+
+def all_tools() -> Sequence[Tool[ProductState]]:
+    """Return the tools of the pen, most used first."""
+    return DrawCurve(), Modify(), SwitchLoop(), Move(), Erase(), DrawDetail(), Pull()

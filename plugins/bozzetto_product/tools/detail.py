@@ -1,0 +1,80 @@
+"""Detail: a round on a finished surface is pressed in, raised, cut out, or told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.plugin import Context, Ink, Job, NextStep, override
+from bozzetto_product.details.outline_places import NO_SURFACE, places_of_ink
+from bozzetto_product.model.state import Detail, Patch, ProductState
+from bozzetto_product.solve.solver import grounds_of, solve_product
+from bozzetto_product.tools.product_tool import ProductTool
+
+DEPTH: Final = 0.02
+"""Depth of the first detail, as share of the size of the product."""
+
+GAP: Final = 0.006
+"""Gap round the first button, as share of the size of the product."""
+
+
+class DrawDetail(ProductTool):
+    """Draws the outline of a detail on the surface under the pen.
+
+    A detail takes kind, depth, draft angle and gap from the chosen detail, or else the last one.
+    """
+
+    id = "detail"
+    title = "Detail"
+    icon = "icons/detail.svg"
+    hint = "Draw a round on a surface: the area inside is pressed in."
+
+    @override
+    def next_step(self, state: ProductState) -> NextStep:
+        """Return the gesture, and where to choose what becomes of the area."""
+        if not state.of_kind(Patch):
+            return NextStep(NO_SURFACE)
+        if state.chosen_of(Detail) is not None:
+            return NextStep(
+                "Choose kind, depth and draft angle in the panel, or draw another round."
+            )
+        return NextStep(self.hint)
+
+    @override
+    def draw(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
+        """Add a detail.
+
+        Raises
+        ------
+        UserError
+            If the ink is not on surfaces, or too small.
+        """
+        return with_detail_drawn(state, ink.strokes)
+
+
+def with_detail_drawn(state: ProductState, strokes: Sequence[Stroke]) -> ProductState:
+    """Return the state with one more detail, the outline of which is ink on a surface."""
+    result = solve_product(replace(state, nodes=_without_details(state)), Job())
+    places, closed = places_of_ink(strokes, grounds_of(result.patches))
+    model = state.chosen_of(Detail) or next(reversed(state.of_kind(Detail)), None)
+    if model is None:
+        depth, gap = (float(f"{share * result.size:.2g}") for share in (DEPTH, GAP))
+        model = Detail(depth=depth, gap=gap, mirrored=False)
+    detail = replace(
+        model,
+        id=state.unused_id(),
+        name=state.unused_name("Detail"),
+        visible=True,
+        within="",
+        strokes=Strokes(strokes),
+        places=places,
+        closed=closed,
+        kind=model.kind if closed else "split",
+    )
+    return replace(state.with_node(detail), selected=detail.id)
+
+
+def _without_details(state: ProductState) -> tuple[Any, ...]:
+    return tuple(node for node in state.nodes if not isinstance(node, Detail))

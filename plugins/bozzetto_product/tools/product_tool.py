@@ -1,0 +1,100 @@
+"""Common to all tools: the eraser's end, and the state after the network has changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke, distances_to_polyline, resample
+from bozzetto.plugin import Context, Ink, Tool, override
+from bozzetto.view import Camera
+from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.network.reflection import Reflection
+from bozzetto_product.operations.pieces import delete_curves
+from bozzetto_product.solve.found_patches import with_patches_found
+from bozzetto_product.view.scene import polyline
+
+REACH: Final = 9.0
+"""Half the width of the eraser, px."""
+
+MOST: Final = 0.4
+"""Share of a curve that must be rubbed over for it to go."""
+
+MOST_ALONG: Final = 0.6
+"""Share of a path along a curve from which that curve is meant, however little of it."""
+
+ALONG: Final = 0.5
+"""Share of the path over a curve, against the curve it covers most, from which it is meant too."""
+
+LOOKS: Final = 64
+"""Places of a path that are looked at."""
+
+
+class ProductTool(Tool[ProductState]):
+    """A tool of the modeler: the eraser does the same with all of them."""
+
+    @override
+    def erase(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
+        """Take away the curves that the eraser's path runs along."""
+        return erased(state, ink.strokes[-1])
+
+
+def erased(state: ProductState, path: Stroke) -> ProductState:
+    """Return the state without the curves that a path runs along.
+
+    Raises
+    ------
+    UserError
+        If there is no curve under it.
+    """
+    meant = curves_along(state, path)
+    if not meant:
+        raise UserError("There is no curve here. Rub along the curve that is to go.")
+    return changed(state, lambda before: delete_curves(before, *meant))
+
+
+def changed(state: ProductState, operation: Callable[[ProductState], ProductState]) -> ProductState:
+    """Return the state after an operation on its curves, with the patches of the network now."""
+    after = operation(state)
+    return after if after is state else with_patches_found(after)
+
+
+def images_of(state: ProductState, camera: Camera) -> list[tuple[Curve, bool, Array]]:
+    """Return how visible curves and mirror images are seen: places (n, 2) px, none behind."""
+    mirror = Reflection(state.symmetry)
+    found = []
+    for curve in state.shown(Curve):
+        if curve.spline is None:
+            continue
+        points = polyline(curve.spline)
+        for mirrored in (False, True) if curve.mirrored else (False,):
+            pixels = camera.project(mirror.points(points) if mirrored else points)[0]
+            seen = np.asarray(pixels[np.isfinite(pixels).all(axis=1)])
+            if len(seen) > 1:
+                found.append((curve, mirrored, seen))
+    return found
+
+
+def curves_along(state: ProductState, path: Stroke) -> tuple[str, ...]:
+    """Return the ids of the curves that an eraser's path runs along, and not only across."""
+    if len(path.points) < 2 or not np.ptp(path.points, axis=0).max() > 0.0:
+        places = np.asarray(path.points[:1], float)
+    else:
+        places = resample(path.points, count=LOOKS)
+    best: dict[str, tuple[int, float]] = {}
+    for curve, _, pixels in images_of(state, path.camera):
+        near = int((distances_to_polyline(places, pixels) <= REACH).sum())
+        rubbed = (distances_to_polyline(pixels, places) <= REACH).mean() if len(places) > 1 else 0.0
+        if near > best.get(curve.id, (0, 0.0))[0]:
+            best[curve.id] = near, float(rubbed)
+    most = max((near for near, _ in best.values()), default=0)
+    return tuple(
+        name
+        for name, (near, rubbed) in best.items()
+        if near >= max(1, ALONG * most)
+        and (rubbed >= MOST or len(places) == 1 or near >= MOST_ALONG * len(places))
+    )

@@ -1,0 +1,1 @@
+"""A product as it is shown."""

@@ -1,0 +1,132 @@
+"""From strokes of a simulated hand to exact solids.
+
+    python -m tests.plugins.polyhedron.figures_end_to_end [--count 200] [--first 50000]
+
+Solids that nothing was tuned on are drawn in one view with 1 % of jitter, hidden edges lightly.
+What comes out is right if its corners are those of the solid and not of its mirror image, its faces
+are the faces of the solid, its planes are exact, and its triangles bound one volume.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.exchange.mesh.manifold_check import check_solid
+from bozzetto.geometry import Solid
+from bozzetto_polyhedron.graph.build import graph_of
+from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.reconstruction.answer import Answer
+from bozzetto_polyhedron.reconstruction.answers import answers_of
+from bozzetto_polyhedron.solid.exact import exact_body
+from bozzetto_polyhedron.solid.hand_over import mesh_of
+from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
+from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
+from tests.plugins.polyhedron.objects import CAMERA, View, in_eye_frame, is_right, made, view
+
+UPRIGHT = np.array((1.0, -1.0))
+"""From a picture with y up, as objects are seen, to a canvas."""
+
+EXACT = 1e-9
+"""Distance of a vertex from its planes, as share of the size."""
+
+NOISE = 0.01
+
+
+@dataclass
+class Outcome:
+    """How the drawing of one solid went."""
+
+    orthogonal: bool
+    graph: bool = False
+    seconds: float = 0.0
+    refused: bool = False
+    findings: int = 0
+    right: list[bool] = field(default_factory=list)
+    confidence: float = 0.0
+
+
+def outcome(seed: int, hand: Hand) -> Outcome | None:
+    """Return how the drawing of one solid went; None where it has no view in general position."""
+    solid = made(seed)
+    seen = view(solid, seed)
+    if seen is None:
+        return None
+    edges = [(int(a), int(b)) for a, b in solid.edges]
+    hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
+    strokes = strokes_of(seen.plane * UPRIGHT, edges, hand, seed, hidden)
+    found = Outcome(solid.orthogonal)
+    began = time.perf_counter()
+    graph = graph_of(strokes)
+    answers = answers_of(graph, CAMERA)
+    found.seconds = time.perf_counter() - began
+    found.findings = len(graph.health)
+    found.confidence = answers[0].confidence
+    places = seen.plane * UPRIGHT * SIZE + 200.0
+    found.graph = is_right_graph(graph, places, edges)
+    if found.graph:
+        numbers = np.linalg.norm(graph.places[:, None] - places, axis=2).argmin(axis=1)
+        found.right = [is_whole(answer, numbers, seen, graph) for answer in answers[:3]]
+    return found
+
+
+def is_whole(answer: Answer, numbers: np.ndarray, seen: View, graph: LineGraph) -> bool:
+    """Whether an answer becomes the exact solid; `numbers` are the solid's for its corners."""
+    shape = np.empty_like(answer.vertices)
+    shape[numbers] = in_eye_frame(answer.vertices, CAMERA)
+    faces = {
+        frozenset(frozenset(int(numbers[v]) for v in ring) for ring in rings)
+        for rings in answer.faces
+    }
+    if faces != seen.solid.face_sets() or not is_right(seen, shape, NOISE, mirrored=False):
+        return False
+    try:
+        body = exact_body(answer, noise=graph.noise / CAMERA.pixels_per_mm, camera=CAMERA)
+    except UserError:
+        return False
+    size = float(np.linalg.norm(np.ptp(body.vertices, axis=0)))
+    for normal, offset, rings in zip(body.normals, body.offsets, body.faces, strict=True):
+        corners = body.vertices[[v for ring in rings for v in ring]]
+        if np.abs(corners @ normal - offset).max() > EXACT * size:
+            return False
+    try:
+        check_solid(Solid(mesh_of(body)))
+    except UserError:
+        return False
+    return body.closed
+
+
+def share(values: list[bool]) -> str:
+    return f"{100 * np.mean(values):.0f} % of {len(values)}" if values else "none"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--first", type=int, default=50_000)
+    parser.add_argument("--jitter", type=float, default=NOISE)
+    asked = parser.parse_args()
+    seeds = range(asked.first, asked.first + asked.count)
+    hand = Hand(jitter=asked.jitter)
+    found = [each for seed in seeds if (each := outcome(seed, hand)) is not None]
+    print("| drawings | graph right | exact solid, first answer | among three |")
+    print("| --- | --- | --- | --- |")
+    for word, kind in (("orthogonal", True), ("oblique", False)):
+        these = [each for each in found if each.orthogonal is kind]
+        first = [bool(each.right[:1] and each.right[0]) for each in these]
+        three = [any(each.right) for each in these]
+        print(f"| {word} | {share([e.graph for e in these])} | {share(first)} | {share(three)} |")
+    healthy = [each.graph for each in found if not each.findings]
+    print(f"\nHealthy graphs that are right: {share(healthy)}.")
+    told = [bool(each.findings) for each in found if not each.graph]
+    print(f"Wrong graphs that are told: {share(told)}.")
+    seconds = [each.seconds for each in found]
+    print(f"Time: median {np.median(seconds):.2f} s, worst {max(seconds):.2f} s.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,111 @@
+"""Prisms of which only visible lines are drawn: how often their hidden lines are guessed.
+
+    python -m tests.plugins.polyhedron.figures_hidden_lines [--count 80] [--first 20000]
+
+Solids and views that nothing was tuned on. A guess is right if the drawing with its lines added
+is the graph of the solid; first answers are those of this drawing, as `figures_end_to_end` asks.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.ink import Stroke
+from bozzetto_polyhedron.graph.build import graph_of
+from bozzetto_polyhedron.reconstruction.answers import answers_of
+from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
+from bozzetto_polyhedron.solve.completion import completed
+from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT, is_whole, share
+from tests.plugins.polyhedron.graph_truth import is_right
+from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
+from tests.plugins.polyhedron.objects import CAMERA, View, hidden_places, made, view
+
+PRISMS = ("rectilinear prism", "stairs", "letter prism", "slanted prism", "slanted step")
+
+SAMPLES = 200
+
+SHORTEST = 0.03
+"""Share of the diagonal under which nobody draws what is seen of an edge."""
+
+
+def visible_lines(seen: View) -> tuple[Array, list[tuple[int, int]]]:
+    """Ends of the visible stretches of edges, (2 k, 2) diagonals, and pairs of them."""
+    at = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    places = [*(seen.plane * UPRIGHT)]
+    lines = []
+    for (first, second), behind in zip(seen.solid.edges, hidden_places(seen, at), strict=True):
+        for low, high in stretches(~behind):
+            ends = []
+            for place, corner, is_end in (
+                (low / SAMPLES, first, low == 0),
+                (high / SAMPLES, second, high == SAMPLES),
+            ):
+                if is_end:
+                    ends.append(int(corner))
+                else:
+                    ends.append(len(places))
+                    places.append(places[first] + place * (places[second] - places[first]))
+            if np.linalg.norm(places[ends[0]] - places[ends[1]]) > SHORTEST:
+                lines.append((ends[0], ends[1]))
+    return np.array(places), lines
+
+
+def stretches(seen: np.ndarray) -> Iterator[tuple[int, int]]:
+    """First sample of each run that is seen, and the one behind its last."""
+    steps = np.diff(np.concatenate(([0], seen.astype(int), [0])))
+    yield from zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True)
+
+
+def drawing(seed: int, hand: Hand) -> tuple[View, tuple[Stroke, ...]] | None:
+    seen = view(made(seed, PRISMS), seed)
+    if seen is None:
+        return None
+    places, lines = visible_lines(seen)
+    return seen, strokes_of(places, lines, hand, seed)
+
+
+def outcome(seed: int, hand: Hand) -> tuple[list[bool], bool] | None:
+    """Whether each guess is right, and whether the first answer of the right one is the solid."""
+    drawn = drawing(seed, hand)
+    if drawn is None:
+        return None
+    seen, strokes = drawn
+    edges = [(int(a), int(b)) for a, b in seen.solid.edges]
+    places = seen.plane * UPRIGHT * SIZE + 200.0
+    right, whole = [], False
+    for guess in hidden_lines(graph_of(strokes)):
+        graph = graph_of(completed(strokes, guess))
+        right.append(is_right(graph, places, edges))
+        if right[-1]:
+            numbers = np.linalg.norm(graph.places[:, None] - places, axis=2).argmin(axis=1)
+            whole = is_whole(answers_of(graph, CAMERA)[0], numbers, seen, graph)
+            break
+    return right, whole
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--count", type=int, default=80)
+    parser.add_argument("--first", type=int, default=20_000)
+    asked = parser.parse_args()
+    print("| visible lines of prisms | first guess right | among three | then exact solid first |")
+    print("| --- | --- | --- | --- |")
+    for jitter in (0.0, 0.01):
+        hand = Hand(jitter=jitter, wobble=0.6 * jitter)
+        seeds = range(asked.first, asked.first + asked.count)
+        found = [each for seed in seeds if (each := outcome(seed, hand)) is not None]
+        first = [bool(right[:1] and right[0]) for right, _ in found]
+        three = [any(right) for right, _ in found]
+        print(
+            f"| {100 * jitter:g} % of jitter | {share(first)} | {share(three)} "
+            f"| {share([whole for _, whole in found])} |"
+        )
+    print("\nAsked: 70 % among three.")
+
+
+if __name__ == "__main__":
+    main()

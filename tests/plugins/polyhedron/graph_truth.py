@@ -1,0 +1,21 @@
+"""Whether a graph is the one that was drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_polyhedron.graph.line_graph import LineGraph
+
+
+def is_right(graph: LineGraph, places: Array, edges: Sequence[tuple[int, int]]) -> bool:
+    """Whether corners and lines are those meant, each corner next to its own place (n, 2) px."""
+    if len(graph.places) != len(places):
+        return False
+    nearest = np.linalg.norm(graph.places[:, None] - places, axis=2).argmin(1)
+    if len(set(nearest.tolist())) != len(places):
+        return False
+    found = {tuple(sorted(pair)) for pair in nearest[graph.lines].tolist()}
+    return found == {tuple(sorted(pair)) for pair in edges} and len(graph.lines) == len(edges)

@@ -1,0 +1,129 @@
+"""Hidden edges that were not drawn: guesses, and the command that draws them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.plugin import Context
+from bozzetto_polyhedron.commands.hidden_edges import draw_hidden_edges, without_guessed
+from bozzetto_polyhedron.graph.build import graph_of
+from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.model.assign_stroke import new_body
+from bozzetto_polyhedron.model.state import PolyhedronState
+from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
+from bozzetto_polyhedron.solve.pipeline import solved
+from tests.plugins.polyhedron.figures_hidden_lines import drawing, outcome, visible_lines
+from tests.plugins.polyhedron.hand import SIZE, Hand
+from tests.plugins.polyhedron.objects import OBJECTS, Polyhedron, View, view
+
+STEADY = Hand(jitter=0.0, wobble=0.0, tremble=0.0)
+
+
+def seen_graph(solid: Polyhedron, seed: int) -> tuple[View, LineGraph]:
+    """The visible lines of a solid as a graph without noise."""
+    seen = view(solid, seed)
+    assert seen is not None
+    places, lines = visible_lines(seen)
+    used, numbers = np.unique(np.array(lines), return_inverse=True)
+    numbers = np.sort(numbers.reshape(-1, 2), axis=1)
+    count = len(numbers)
+    strokes = tuple((k,) for k in range(count))
+    graph = LineGraph(places[used] * SIZE, numbers, np.zeros(count), strokes, (), 0.1, ())
+    return seen, graph
+
+
+@pytest.mark.parametrize("name", ["box", "L", "stairs", "house", "hexagonal prism"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_hidden_lines_of_a_prism_are_those_of_the_solid(name: str, seed: int) -> None:
+    seen, graph = seen_graph(OBJECTS[name], seed)
+    guess = hidden_lines(graph)[0]
+    corners = seen.plane * (1.0, -1.0) * SIZE
+    away = np.linalg.norm(guess.ends.reshape(-1, 1, 2) - corners, axis=2)
+    assert away.min(1).max() < 0.02 * SIZE
+    found = {tuple(sorted(pair)) for pair in away.argmin(1).reshape(-1, 2).tolist()}
+    edges = {tuple(sorted(pair)) for pair in seen.solid.edges.tolist()}
+    hidden = {
+        tuple(sorted(pair))
+        for pair, share in zip(seen.solid.edges.tolist(), seen.hidden, strict=True)
+        if share == 1.0
+    }
+    assert hidden <= found <= edges
+
+
+def test_a_drawing_with_all_lines_has_none_to_guess() -> None:
+    seen = view(OBJECTS["L"], 3)
+    assert seen is not None
+    lines = np.sort(seen.solid.edges, axis=1)
+    strokes = tuple((k,) for k in range(len(lines)))
+    places = seen.plane * (1.0, -1.0) * SIZE
+    graph = LineGraph(places, lines, np.zeros(len(lines)), strokes, (), 0.1, ())
+    assert hidden_lines(graph) == ()
+
+
+@pytest.mark.parametrize(
+    "lines", [[], [(0, 1)], [(0, 1), (1, 2), (2, 3)], [(0, 1), (0, 2), (0, 3)]]
+)
+def test_little_ink_gives_no_guess(lines: list[tuple[int, int]]) -> None:
+    places = np.array([(0.0, 0.0), (90.0, 5.0), (80.0, 70.0), (10.0, 60.0)])
+    pairs = np.array(lines, np.intp).reshape(-1, 2)
+    strokes = tuple((k,) for k in range(len(pairs)))
+    graph = LineGraph(places, pairs, np.zeros(len(pairs)), strokes, (), 1.0, ())
+    assert hidden_lines(graph) == ()
+
+
+def test_most_prisms_drawn_by_hand_are_guessed() -> None:
+    found = [outcome(seed, Hand(jitter=0.01)) for seed in range(100, 110)]
+    right = [any(each[0]) for each in found if each is not None]
+    assert np.mean(right) >= 0.7
+
+
+def drawn(seed: int = 101) -> tuple[PolyhedronState, tuple[Stroke, ...]]:
+    made = drawing(seed, STEADY)
+    assert made is not None
+    return new_body(PolyhedronState(), made[1]), made[1]
+
+
+def test_the_command_draws_light_edges_that_make_a_solid() -> None:
+    state, strokes = drawn()
+    after = draw_hidden_edges(state, Context())
+    body = after.nodes[0]
+    assert tuple(body.strokes)[: len(strokes)] == tuple(state.nodes[0].strokes)
+    guessed = tuple(body.strokes)[len(strokes) :]
+    firm = min(float(np.mean(each.pressure)) for each in strokes)
+    assert guessed
+    assert all(float(np.max(each.pressure)) < 0.75 * firm for each in guessed)
+    made = solved(body, after)
+    assert made.body is not None
+    assert made.body.closed
+    assert graph_of(body.strokes).health == ()
+
+
+def test_once_more_takes_the_guess_back_first() -> None:
+    state, strokes = drawn()
+    once = draw_hidden_edges(state, Context())
+    assert without_guessed(once.nodes[0]) == state.nodes[0].strokes
+    twice = draw_hidden_edges(once, Context())
+    guesses = hidden_lines(graph_of(strokes))
+    assert twice.nodes[0].guess == (1 if len(guesses) > 1 else 0)
+    assert len(twice.nodes[0].strokes) == len(strokes) + len(twice.nodes[0].guessed)
+
+
+def test_what_a_person_changed_among_guessed_edges_stays() -> None:
+    state, strokes = drawn()
+    body = draw_hidden_edges(state, Context()).nodes[0]
+    fewer = replace(body, strokes=Strokes(tuple(body.strokes)[:-1]))
+    more = replace(body, strokes=Strokes((*body.strokes, strokes[0])))
+    for each in (fewer, more):
+        assert without_guessed(each) == each.strokes
+
+
+def test_a_drawing_that_tells_nothing_is_refused_with_advice() -> None:
+    _, strokes = drawn()
+    state = new_body(PolyhedronState(), strokes[:2])
+    with pytest.raises(UserError, match="Draw one face"):
+        draw_hidden_edges(state, Context())

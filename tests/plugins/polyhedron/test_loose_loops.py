@@ -1,0 +1,98 @@
+"""Holes, pockets and bosses, and the light lines that tell them apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bozzetto_polyhedron.reconstruction.answers import answers_of
+from bozzetto_polyhedron.reconstruction.drawing import drawing_of
+from bozzetto_polyhedron.reconstruction.visibility import hidden_shares
+from tests.plugins.polyhedron.objects import (
+    CAMERA,
+    OBJECTS,
+    Polyhedron,
+    box,
+    graph_of,
+    in_eye_frame,
+    is_right,
+    polyhedron_of,
+    view,
+)
+
+BLOCK = box((3.0, 2.6, 1.6))
+
+
+def looped(kind: str) -> Polyhedron:
+    size = (1.3, 1.0)
+    solids = {
+        "hole": BLOCK - box((*size, 3.0), (0.5, 0.4, -1.0)),
+        "pocket": BLOCK - box((*size, 2.0), (0.5, 0.4, 0.7)),
+        "boss": BLOCK + box((*size, 0.9), (0.5, 0.4, 1.6)),
+        "two holes": BLOCK
+        - box((0.7, 1.2, 3.0), (0.4, 0.5, -1.0))
+        - box((0.8, 0.9, 3.0), (1.7, 1.2, -1.0)),
+    }
+    found = polyhedron_of(solids[kind], kind)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.005])
+@pytest.mark.parametrize("kind", ["hole", "pocket", "boss", "two holes"])
+def test_light_lines_tell_what_a_loop_is(kind: str, noise: float) -> None:
+    shown = view(looped(kind), 4)
+    assert shown is not None
+    graph, _ = graph_of(shown, noise, 4, marks=0.0)
+    first = answers_of(graph, CAMERA)[0]
+    assert is_right(shown, in_eye_frame(first.vertices, CAMERA), noise, mirrored=False)
+    sets = {frozenset(frozenset(ring) for ring in face) for face in first.faces}
+    assert sets == shown.solid.face_sets()
+    assert first.closed
+
+
+def test_without_marks_pocket_and_boss_are_both_offered() -> None:
+    for kind in ("pocket", "boss"):
+        shown = view(looped(kind), 4)
+        assert shown is not None
+        graph, _ = graph_of(shown, 0.0, 4)
+        answers = answers_of(graph, CAMERA)
+        assert any(
+            is_right(shown, in_eye_frame(each.vertices, CAMERA), 0.0) for each in answers[:4]
+        )
+
+
+def test_a_loop_beside_the_body_is_told() -> None:
+    shown = view(OBJECTS["box"], 1)
+    assert shown is not None
+    graph, _ = graph_of(shown, 0.0, 1)
+    square = np.array([(1000.0, 60.0), (1060.0, 70.0), (1070.0, 130.0), (1010.0, 120.0)])
+    lines = np.array([(8, 9), (9, 10), (10, 11), (8, 11)])
+    joined = type(graph)(
+        np.vstack((graph.places, square)),
+        np.vstack((graph.lines, lines)),
+        np.zeros(len(graph.lines) + 4),
+        (*graph.strokes, (12,), (13,), (14,), (15,)),
+        (),
+        graph.noise,
+        (),
+    )
+    answers = answers_of(joined, CAMERA)
+    assert np.isfinite(answers[0].vertices).all()
+    assert any("hangs in no face" in each for each in answers[0].warnings)
+
+
+@pytest.mark.parametrize("name", ["L", "stairs", "house", "hole", "notch"])
+def test_hidden_lines_are_those_behind_triangles(name: str) -> None:
+    """The polygons of the faces hide what a ray through triangles says is hidden."""
+    shown = view(OBJECTS[name], 3)
+    assert shown is not None
+    graph, _ = graph_of(shown, 0.0, 3)
+    drawing = drawing_of(graph)
+    order = np.lexsort(drawing.lines.T[::-1])
+    near, far = hidden_shares(drawing, shown.space[:, 2], shown.solid.faces)
+    given = np.lexsort(np.sort(shown.solid.edges, axis=1).T[::-1])
+    assert np.array_equal(near[order] > 0.5, shown.hidden[given] > 0.5)
+    turned, back = hidden_shares(drawing, -shown.space[:, 2], shown.solid.faces)
+    assert np.array_equal(turned, far)
+    assert np.array_equal(back, near)

@@ -1,0 +1,71 @@
+"""Shares become probabilities."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bozzetto_polyhedron.reconstruction.ranking import FEATURES, confidences, scores
+from bozzetto_polyhedron.reconstruction.ranking_weights import (
+    CONFIDENCE_OF_MARKED,
+    CONFIDENCE_OF_UNMARKED,
+    SHARES,
+    WEIGHTS,
+)
+from tests.plugins.polyhedron.fit_ranking import Example, fitted, table
+
+
+@pytest.mark.parametrize("marked", [False, True])
+def test_a_larger_lead_is_more_certain(marked: bool) -> None:
+    leads = np.linspace(0.0, 8.0, 30)
+    first = [confidences(np.array((lead, 0.0, -1.0)), marked)[0] for lead in leads]
+    assert (np.diff(first) >= 0.0).all()
+    assert first[0] < 0.8 < first[-1]
+
+
+@pytest.mark.parametrize("marked", [False, True])
+def test_probabilities_fall_and_sum_to_one_at_most(marked: bool) -> None:
+    rng = np.random.default_rng(5)
+    for count in (1, 2, 8):
+        values = np.sort(rng.normal(0.0, 3.0, count))[::-1]
+        found = confidences(values, marked)
+        assert found.shape == (count,)
+        assert (np.diff(found) <= 0.0).all()
+        assert found.sum() <= 1.0 + 1e-12
+    assert len(confidences(np.zeros(0), marked)) == 0
+
+
+def test_scores_far_apart_do_not_overflow() -> None:
+    assert np.isfinite(confidences(np.array((1e6, 0.0, -1e6)), marked=False)).all()
+
+
+def test_every_measure_has_a_weight() -> None:
+    assert set(WEIGHTS) == set(FEATURES)
+    assert np.allclose(scores(np.eye(len(FEATURES))), list(WEIGHTS.values()))
+    assert len(SHARES) == len(CONFIDENCE_OF_MARKED) == len(CONFIDENCE_OF_UNMARKED)
+
+
+def test_the_fit_finds_the_measure_that_tells_right_from_wrong() -> None:
+    rng = np.random.default_rng(2)
+    examples = []
+    for _ in range(200):
+        features = rng.normal(0.0, 0.5, (6, len(FEATURES)))
+        right = np.zeros(6, bool)
+        right[features[:, 3].argmax()] = True
+        examples.append(Example(features, right, marked=False))
+    weights = fitted(examples)
+    assert weights[3] == max(weights)
+    hits = [each.right[(each.features @ weights).argmax()] for each in examples]
+    assert np.mean(hits) > 0.8
+
+
+def test_the_table_never_falls() -> None:
+    rng = np.random.default_rng(8)
+    shares = rng.uniform(0.0, 1.0, 500)
+    right = (rng.uniform(0.0, 1.0, 500) < shares).astype(float)
+    found = table(np.column_stack((shares, right)))
+    assert len(found) == 10
+    assert (np.diff(found) >= 0.0).all()
+    assert np.allclose(
+        np.interp(0.65, (0.0, 0.2, 0.35, 0.5, 0.65, 0.8), found[:6]), 0.65, atol=0.15
+    )

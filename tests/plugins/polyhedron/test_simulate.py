@@ -1,0 +1,87 @@
+"""``bozzetto simulate``: films and ends of motions, from the command line."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import struct
+import subprocess
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from bozzetto.cli.main import main
+from bozzetto.document.model import Document, Model
+from bozzetto.document.storage.bozz_file import read_document, write_document
+from bozzetto.plugin.host.registry import Registry
+from bozzetto_polyhedron.model.state import PolyhedronState
+from tests.plugins.polyhedron.linkages import FOUR_BAR, FOUR_BAR_LINES, linkage, traced, with_motor
+
+VALIDATE = (
+    "const v=require(process.argv[1]);const fs=require('fs');"
+    "v.validateBytes(new Uint8Array(fs.readFileSync(process.argv[2])))"
+    ".then(r=>console.log(JSON.stringify(r)));"
+)
+
+
+@pytest.fixture
+def four_bar(tmp_path) -> Path:
+    state = linkage(FOUR_BAR, FOUR_BAR_LINES, held="ad")
+    state = with_motor(state, FOUR_BAR["a"], FOUR_BAR["b"], speed=180.0)
+    return stored(traced(state, FOUR_BAR["c"]), tmp_path / "four.bozz")
+
+
+def stored(state: PolyhedronState, path: Path) -> Path:
+    write_document(Document((Model("m1", "Linkage", "bozzetto.polyhedron", state),)), path)
+    return path
+
+
+def test_a_film_has_a_node_for_every_bar_and_moves_them(four_bar, tmp_path):
+    target = tmp_path / "film.glb"
+    words = ["simulate", str(four_bar), "-o", str(target), "--seconds", "0.4", "--rate", "10"]
+    assert main(words) == 0
+    data = target.read_bytes()
+    said = json.loads(data[20 : 20 + struct.unpack("<I", data[12:16])[0]])
+    assert [node["name"] for node in said["nodes"]] == [f"Bars bar {k}" for k in (1, 2, 3)]
+    assert {each["target"]["node"] for each in said["animations"][0]["channels"]} == {0, 1, 2}
+
+
+def test_a_gif_has_all_frames(four_bar, tmp_path):
+    target = tmp_path / "film.gif"
+    words = ["simulate", str(four_bar), "-o", str(target), "--seconds", "0.3", "--rate", "10"]
+    assert main([*words, "--size", "160x120"]) == 0
+    with Image.open(target) as film:
+        assert (film.n_frames, film.size) == (4, (160, 120))
+
+
+def test_the_end_is_a_document_with_its_recording(four_bar, tmp_path):
+    target = tmp_path / "end.bozz"
+    assert main(["simulate", str(four_bar), "-o", str(target), "--seconds", "0.5"]) == 0
+    document, _ = read_document(target, Registry())
+    (model,) = document
+    assert model.state.moved.seconds == pytest.approx(0.5, abs=0.02)
+    assert len(model.state.recorded.seconds) >= 12
+
+
+def test_what_does_not_move_is_refused(tmp_path, capsys):
+    empty = stored(PolyhedronState(), tmp_path / "empty.bozz")
+    assert main(["simulate", str(empty), "-o", str(tmp_path / "a.glb")]) == 2
+    assert "nothing to move" in capsys.readouterr().err
+    assert main(["simulate", str(empty), "-o", str(tmp_path / "a.glb"), "--rate", "1e9"]) == 2
+    assert "frames" in capsys.readouterr().err
+
+
+@pytest.mark.interop
+def test_the_khronos_validator_finds_nothing_in_a_film(four_bar, tmp_path):
+    folder = os.environ.get("BOZZETTO_GLTF_VALIDATOR")
+    if not folder or not shutil.which("node"):
+        pytest.skip("BOZZETTO_GLTF_VALIDATOR names no folder with the npm package, or no node")
+    target = tmp_path / "film.glb"
+    assert main(["simulate", str(four_bar), "-o", str(target), "--seconds", "1"]) == 0
+    words = ["node", "-e", VALIDATE, folder, str(target)]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    report = json.loads(done.stdout)
+    assert report["issues"]["messages"] == []
+    assert report["info"]["animationCount"] == 1

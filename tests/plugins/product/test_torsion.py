@@ -1,0 +1,135 @@
+"""Laws of normals along edges: torsions agree at corners, flat ones take what others tell."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.geometry import Spline
+from bozzetto_product.fill.corners import loop_corners
+from bozzetto_product.fill.network_fills import fill_net
+from bozzetto_product.fill.normals import common_fields, edge_normals
+from bozzetto_product.fill.torsion import with_torsions
+from bozzetto_product.network.net import Edge, Net
+from tests.plugins.product.figures_fill import angles_of
+from tests.plugins.product.known_surfaces import (
+    estimated_normals,
+    filled,
+    graph,
+    loop_on,
+    net_of_splines,
+    random_loop,
+    torus,
+    true_normals,
+)
+from tests.plugins.product.test_fill_laws import changed, sheet
+
+
+def saddle_of(xx, xy, yy):
+    return graph(lambda x, y: 0.5 * xx * x * x + xy * x * y + 0.5 * yy * y * y)
+
+
+def crossing(surface, angle, turn):
+    """Two straight ways in the chart that leave its origin, as a loop of three curves."""
+    ways = np.array([(np.cos(a), np.sin(a)) for a in (turn, turn + angle)])
+    return loop_on("", surface, 0.4 * np.array([(0.0, 0.0), *ways]), controls=12)
+
+
+@pytest.mark.parametrize("angle", [0.4, 1.2, 2.6])
+@pytest.mark.parametrize("turn", [0.0, 1.0, 4.0])
+def test_torsions_are_those_of_the_surface_at_its_flat_point(angle, turn):
+    """At the origin of a saddle the torsion of a way is II(e, n x e), in closed form."""
+    xx, xy, yy = 0.7, -0.9, 0.2
+    known = crossing(saddle_of(xx, xy, yy), angle, turn)
+    fields = true_normals(known).fields
+    form = np.array(((xx, xy), (xy, yy)))
+
+    def by_form(way):
+        e = np.array((np.cos(way), np.sin(way)))
+        return e @ form @ np.array((-e[1], e[0]))
+
+    assert fields[0].end_torsions[0] == pytest.approx(by_form(turn), abs=5e-3)
+    assert fields[2].end_torsions[1] == pytest.approx(by_form(turn + angle), abs=5e-3)
+
+
+@pytest.mark.parametrize("seed", [2001, 2002, 2008])
+def test_normals_from_corners_let_patches_meet_them(seed):
+    known = random_loop(seed)
+    angles = angles_of(filled(known, estimated_normals(known)))
+    assert np.percentile(angles, 95) < 0.01
+
+
+def test_neighbours_on_a_sheet_meet_within_a_hundredth_of_a_degree():
+    net, loops = sheet(3, 3)
+    told = np.array([angle for fill in fill_net(net, loops) for angle in fill.g1_degrees])
+    assert np.isfinite(told).sum() == 24
+    assert np.nanmax(told) < 0.01
+
+
+def test_torsions_change_by_what_is_asked_and_ends_stay():
+    field = true_normals(random_loop(2006)).fields[0]
+    asked = np.array((0.3, -0.2))
+    made = with_torsions(field, asked)
+    ends = field.parameters[[0, -1]]
+    assert np.abs(made.value(ends) - field.value(ends)).max() < 1e-9
+    assert made.end_torsions - field.end_torsions == pytest.approx(asked, abs=2e-3)
+
+
+def with_middle_node(known, side):
+    """The loop with one of its sides cut in the middle."""
+    splines = [edge.spline for edge in known.net.edges]
+    cut = splines[side].split(0.5 * sum(splines[side].range))
+    return net_of_splines([*splines[:side], *cut, *splines[side + 1 :]])
+
+
+@pytest.mark.parametrize("side", [0, 1, 2])
+def test_a_node_inside_a_smooth_side_takes_the_normal_that_the_corners_tell(side):
+    surface = torus(1.0, 0.4)
+    chart = np.array([[0.0, -0.7], [0.8, -0.7], [0.8, 0.7], [0.0, 0.7]])
+    known = loop_on("", surface, chart)
+    net, loop = with_middle_node(known, side)
+    normals = [corner.normal for corner in loop_corners(net, loop)]
+    truth = surface.normal(np.array([net.nodes[net.edges[edge].start] for edge, _ in loop]))
+    cosines = np.abs((np.array(normals) * truth).sum(axis=1))
+    assert np.degrees(np.arccos(np.clip(cosines.min(), -1, 1))) < 1.5
+
+
+def test_normals_are_the_same_in_any_frame_and_size():
+    net, loops = sheet(2, 2)
+    spin, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
+    spin *= np.sign(np.linalg.det(spin))
+    before = edge_normals(net, loops)
+    after = edge_normals(changed(net, lambda p: 1000 * p @ spin.T), loops)
+    for one, two in zip(before, after, strict=True):
+        for a, b in zip(one.fields, two.fields, strict=True):
+            assert (a is None) == (b is None)
+            if a is not None:
+                assert np.abs(b.normals - a.normals @ spin.T).max() < 1e-8
+
+
+def test_a_hook_at_the_end_of_a_curve_turns_normals_a_little_only():
+    """Curvature that a slip of the pen leaves at a corner must not spin the surface."""
+    net, loops = sheet(2, 1)
+    edges = list(net.edges)
+    points = edges[0].spline.control_points.copy()
+    points[1] = points[0] + 1e-3 * (points[1] - points[0])
+    edges[0] = replace(edges[0], spline=Spline(edges[0].spline.knots, points))
+    hooked = Net(net.nodes, tuple(edges))
+    uses = {edge: [(0, place, forward)] for place, (edge, forward) in enumerate(loops[0])}
+    sound, made = (
+        common_fields(each, loops[:1], [loop_corners(each, loops[0])], uses)
+        for each in (net, hooked)
+    )
+    for edge in uses:
+        turned = np.abs((sound[edge].normals * made[edge].normals).sum(axis=1))
+        assert np.degrees(np.arccos(np.clip(turned.min(), -1, 1))) < 30.0
+
+
+def test_an_edge_without_length_in_its_first_span_has_no_torsion_there():
+    points = np.array([(0, 0, 0), (0, 0, 0), (1, 0, 0.1), (2, 0, 0)], float)
+    net = Net(points[[0, 3]], (Edge(Spline(np.repeat((0.0, 1.0), 4), points), 0, 1, "c"),))
+    fields = common_fields(
+        net, [((0, True),)], [loop_corners(net, ((0, True),))], {0: [(0, 0, True)]}
+    )
+    assert np.isfinite(fields[0].normals).all()
+    assert np.isfinite(fields[0].end_torsions).all()

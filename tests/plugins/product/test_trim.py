@@ -1,0 +1,252 @@
+"""Trim: what nearly meets is joined, exactly, whatever the order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.geometry import Spline
+from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.network.cutting import net_of
+from bozzetto_product.operations.curve_edits import move_joint
+from bozzetto_product.operations.end_moves import moved_to_ends, similar
+from bozzetto_product.operations.magnets import near_misses
+from bozzetto_product.operations.meetings import splines_of
+from bozzetto_product.operations.pieces import delete_curves
+from bozzetto_product.operations.trim import accept, trim
+from tests.plugins.product.drawn_curves import (
+    MIRROR,
+    SHEET,
+    bow,
+    grid_network,
+    largest_move,
+    misses,
+    scaled,
+    with_mirror,
+)
+
+
+def _curves(*splines: Spline, mirrored: bool = False) -> ProductState:
+    return ProductState(
+        nodes=tuple(
+            Curve(id=f"c{k}", spline=spline, mirrored=mirrored) for k, spline in enumerate(splines)
+        )
+    )
+
+
+def _line(start: tuple[float, ...], end: tuple[float, ...]) -> Spline:
+    share = np.linspace(0.0, 1.0, 7)[:, None]
+    return Spline.uniform(np.array(start) + share * np.subtract(end, start))
+
+
+def _same(one: ProductState, other: ProductState) -> bool:
+    mine, theirs = splines_of(one), splines_of(other)
+    return mine.keys() == theirs.keys() and all(
+        (mine[name].control_points == theirs[name].control_points).all() for name in mine
+    )
+
+
+@pytest.mark.parametrize("seed", [4000, 4001])
+def test_a_sheet_whose_ends_miss_gets_every_corner_exactly(seed: int) -> None:
+    state, corners = grid_network(seed, 1.0)
+    done = trim(state, gap=2.5)
+    assert len(done.state.joints) == len(corners) == len(done.joined)
+    assert misses(done.state) == 0.0
+    assert not done.proposals
+    places = [splines_of(done.state)[j.meetings[0].curve] for j in done.state.joints]
+    assert all(np.isfinite(place.control_points).all() for place in places)
+    # No end goes farther than the gap.
+    assert max(largest_move(state, done.state).values()) <= 2.5
+
+
+def test_the_order_of_curves_does_not_matter() -> None:
+    state, _ = grid_network(4002, 1.0)
+    mixed = replace(state, nodes=tuple(np.random.default_rng(0).permutation(state.nodes)))
+    assert _same(trim(state, gap=2.5).state, trim(mixed, gap=2.5).state)
+
+
+def test_trimming_twice_changes_nothing() -> None:
+    state, _ = grid_network(4003, 1.0)
+    once = trim(state, gap=2.5).state
+    again = trim(once, gap=2.5)
+    assert again.state is once
+    assert not again.joined
+
+
+def test_a_network_and_its_mirror_image_are_trimmed_alike() -> None:
+    state = with_mirror(grid_network(4004, 1.0)[0])
+    one = splines_of(trim(state, gap=2.5).state)
+    other = splines_of(trim(scaled(state, lambda x: x * MIRROR), gap=2.5).state)
+    for name, spline in one.items():
+        assert (spline.control_points * MIRROR == other[name].control_points).all()
+
+
+def test_a_thousand_times_as_large_is_the_same_network() -> None:
+    state, _ = grid_network(4005, 1.0)
+    small = trim(state, gap=2.5).state
+    large = trim(scaled(state, lambda x: 1000.0 * x), gap=2500.0).state
+    for name, spline in splines_of(small).items():
+        off = splines_of(large)[name].control_points / 1000.0 - spline.control_points
+        assert np.abs(off).max() <= 1e-10
+    assert [j.meetings for j in small.joints] == [j.meetings for j in large.joints]
+
+
+def test_the_old_state_is_untouched() -> None:
+    state, _ = grid_network(4006, 1.0)
+    before = {name: spline.control_points.copy() for name, spline in splines_of(state).items()}
+    trim(state, gap=2.5)
+    assert all(
+        (splines_of(state)[name].control_points == old).all() for name, old in before.items()
+    )
+
+
+def test_the_similarity_rolls_least() -> None:
+    """It keeps the shape, and no other roll about the chord is nearer."""
+    from scipy.spatial.transform import Rotation
+
+    random = np.random.default_rng(4007)
+    for _ in range(50):
+        points = np.cumsum(random.normal(size=(7, 3)), axis=0)
+        chord = np.linalg.norm(points[-1] - points[0])
+        ends = points[[0, -1]] + 0.05 * chord * random.normal(size=(2, 3))
+        made = similar(points, *ends)
+        assert made is not None
+        assert (made[[0, -1]] == ends).all()
+        scale = np.linalg.norm(ends[1] - ends[0]) / chord
+        before = np.linalg.norm(points[:, None] - points, axis=2)
+        after = np.linalg.norm(made[:, None] - made, axis=2)
+        assert np.allclose(after, scale * before, atol=1e-12 * chord)
+        axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+        least = ((made - points) ** 2).sum()
+        for angle in np.linspace(-3.0, 3.0, 13):
+            turn = Rotation.from_rotvec(angle * axis)
+            other = ends[0] + turn.apply(made - ends[0])
+            assert ((other - points) ** 2).sum() >= least - 1e-9 * chord**2
+
+
+def test_a_curve_that_nearly_closes_is_bent_and_hardly_moves() -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi - 0.03, 30)
+    spline = Spline.uniform(50.0 * np.column_stack((np.cos(turn), np.sin(turn), 0.0 * turn)))
+    gap = float(np.linalg.norm(spline.control_points[-1] - spline.control_points[0]))
+    state = _curves(spline)
+    done = trim(state, gap=2.0 * gap)
+    (joint,) = done.state.joints
+    assert len(joint.meetings) == 2
+    assert misses(done.state) == 0.0
+    assert max(largest_move(state, done.state).values()) <= 3.0 * gap
+    far = moved_to_ends(spline, spline.control_points[0], spline.control_points[-1] + (0, 0, gap))
+    assert np.linalg.norm(far.sampled(100) - spline.sampled(100), axis=1).max() <= 3.0 * gap
+
+
+def test_an_end_inside_a_curve_is_carried_by_it() -> None:
+    host = bow(np.array((-50.0, 0.0, 0.0)), np.array((50.0, 0.0, 0.0)), np.random.default_rng(1))
+    foot = host.value([0.4])[0]
+    state = trim(_curves(host, _line((*(foot + 0.4),), (0.0, 60.0, 60.0))), gap=2.0).state
+    (joint,) = state.joints
+    assert sorted(meet.curve for meet in joint.meetings) == ["c0", "c1"]
+    assert misses(state) == 0.0
+    assert (splines_of(state)["c0"].control_points == host.control_points).all()
+    joined = trim(state.with_node(Curve(id="e", spline=_line((50.8, 0.3, 0), (90, 9, 9)))), gap=2.0)
+    corner = next(j for j in joined.state.joints if any(m.curve == "e" for m in j.meetings))
+    moved = move_joint(joined.state, corner.id, (60.0, 5.0, -10.0))
+    assert misses(moved) == 0.0
+    before, after = splines_of(joined.state)["c1"], splines_of(moved)["c1"]
+    assert not np.allclose(before.control_points[0], after.control_points[0], atol=1e-3)
+
+
+def test_an_end_near_the_mirror_plane_ends_in_it() -> None:
+    state = trim(_curves(_line((0, 0.4, 0), (40, 30, 10)), mirrored=True), gap=1.0).state
+    (joint,) = state.joints
+    assert joint.in_plane
+    assert splines_of(state)["c0"].control_points[0, 1] == 0.0
+
+
+def test_the_mirror_image_of_an_end_is_met() -> None:
+    """A curve across the plane without an image meets a curve and its mirror image."""
+    state = _curves(_line((0, -30.2, 0), (0, 30.1, 0)))
+    side = Curve(id="s", spline=_line((0, 29.8, 0.2), (50, 30, 5)), mirrored=True)
+    done = trim(state.with_node(side), gap=1.0).state
+    assert len(done.joints) == 2
+    assert misses(done) == 0.0
+    met = {(meet.curve, meet.at, meet.mirrored) for joint in done.joints for meet in joint.meetings}
+    assert met == {("c0", 0.0, False), ("c0", 1.0, False), ("s", 0.0, False), ("s", 0.0, True)}
+
+
+def test_wide_gaps_are_proposed_and_done_when_accepted() -> None:
+    state = _curves(_line((0, 0, 0), (40, 0, 0)), _line((42, 1, 0), (60, 40, 0)))
+    asked = trim(state, gap=1.0)
+    assert asked.state is state
+    assert len(asked.proposals) == 1
+    assert np.isclose(asked.proposals[0].distance, np.sqrt(5.0))
+    done = accept(state, asked.proposals[0])
+    assert len(done.joints) == 1
+    assert misses(done) == 0.0
+    assert accept(done, asked.proposals[0]) is done
+
+
+def test_a_new_curve_comes_to_a_joint_that_stays() -> None:
+    state = trim(
+        _curves(_line((0, 5, 0), (40, 5, 0)), _line((40.5, 5, 0), (60, 40, 0))), gap=1.0
+    ).state
+    place = splines_of(state)["c0"].control_points[-1].copy()
+    grown = trim(state.with_node(Curve(id="n", spline=_line((40, 5.6, 0.3), (40, 9, 50)))), gap=1.0)
+    (joint,) = grown.state.joints
+    assert len(joint.meetings) == 3
+    assert (splines_of(grown.state)["n"].control_points[0] == place).all()
+    assert misses(grown.state) == 0.0
+    left = delete_curves(grown.state, "c0", "n")
+    assert not left.joints
+
+
+def test_magnets_tell_what_nearly_meets_in_a_view() -> None:
+    state = _curves(_line((0, 0, 0), (40, 0, 0)), _line((41, 0, 1), (60, 0, 40)))
+    near = near_misses(state, SHEET, tolerance=12.0)
+    assert {miss.end.curve for miss in near} == {"c0", "c1"}
+    assert all(0.0 < miss.pixels <= 12.0 for miss in near)
+    assert not near_misses(trim(state, gap=2.0).state, SHEET)
+    assert not near_misses(ProductState(), SHEET)
+
+
+def test_curves_that_cross_are_joined_where_they_cross() -> None:
+    """Three lines over three others, which pass them at half a millimetre, make nine joints."""
+    over = [_line((x, -40, 0.3), (x, 40, 0.3)) for x in (-20, 1, 22)]
+    under = [_line((-40, y, -0.2), (40, y, -0.2)) for y in (-21, 2, 19)]
+    state = _curves(*over, *under)
+    done = trim(state, gap=1.0)
+    assert len(done.state.joints) == 9
+    assert misses(done.state) <= 1e-12
+    assert max(largest_move(state, done.state).values()) <= 0.5
+    net = net_of(done.state.of_kind(Curve), done.state.joints, done.state.symmetry)
+    assert len(net.edges) == 24
+    assert trim(done.state, gap=1.0).state is done.state
+    mixed = replace(state, nodes=state.nodes[::-1])
+    assert _same(trim(mixed, gap=1.0).state, done.state)
+
+
+def test_curves_that_run_along_one_another_do_not_cross() -> None:
+    state = _curves(_line((-40, 0, 0), (40, 0.2, 0)), _line((-30, 0.2, 0.1), (60, 0, 0)))
+    assert not [j for j in trim(state, gap=0.05).state.joints if len(j.meetings) > 1]
+
+
+def test_a_curve_crosses_the_mirror_image_of_another() -> None:
+    state = _curves(_line((-20, 5, 0), (40, 40, 0)))
+    side = Curve(id="s", spline=_line((0, -5, 0.1), (10, -40, -0.1)), mirrored=True)
+    done = trim(state.with_node(side), gap=1.0).state
+    (joint,) = done.joints
+    assert {(meet.curve, meet.mirrored) for meet in joint.meetings} == {("c0", False), ("s", True)}
+    assert misses(done) <= 1e-12
+
+
+def test_a_curve_without_length_is_left_alone() -> None:
+    state = _curves(Spline.uniform(np.zeros((7, 3))), Spline.uniform(np.zeros((7, 3))))
+    assert near_misses(state, SHEET) == near_misses(state, SHEET)
+    assert misses(trim(state, gap=1.0).state) == 0.0
+
+
+@pytest.mark.parametrize("gap", [0.0, -1.0, np.nan, np.inf])
+def test_a_gap_that_is_none_joins_nothing(gap: float) -> None:
+    state, _ = grid_network(4008, 1.0, cells=1)
+    assert trim(state, gap=gap).state is state
+    assert trim(ProductState(), gap=1.0).state.nodes == ()
