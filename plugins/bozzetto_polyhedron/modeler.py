@@ -24,7 +24,7 @@ from bozzetto.view import Camera, with_kind
 from bozzetto_polyhedron.commands.listing import all_commands
 from bozzetto_polyhedron.hand_over import shapes_of, traced_curves
 from bozzetto_polyhedron.model.assign_stroke import drawings_in, new_body
-from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Join, Mirror, Push
+from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Fillet, Join, Mirror, Push
 from bozzetto_polyhedron.model.fittings import Coil, Crank, Hinge, Link, Pin, Slider, Trace
 from bozzetto_polyhedron.model.state import Body, BodyGroup, Choice, Measure, PolyhedronState, Slant
 from bozzetto_polyhedron.report import FIGURES, cautions_of, report_of
@@ -46,7 +46,7 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
     id = "bozzetto.polyhedron"
     state_type = PolyhedronState
     part_types = (
-        *(Body, Measure, Slant, Push, Added, Chamfer, Mirror, Copies, Join),
+        *(Body, Measure, Slant, Push, Added, Chamfer, Fillet, Mirror, Copies, Join),
         *(Link, Coil, Slider, Pin, Hinge, Crank, Trace, BodyGroup),
     )
     first_parameters = ("answer", "length", "depth")

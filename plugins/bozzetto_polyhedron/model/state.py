@@ -16,6 +16,7 @@ from bozzetto_polyhedron.model.changes import (
     Chamfer,
     Change,
     Copies,
+    Fillet,
     Join,
     Mirror,
     Point,
@@ -289,6 +290,7 @@ class PolyhedronState(PartsState):
         | Push
         | Added
         | Chamfer
+        | Fillet
         | Mirror
         | Copies
         | Join

@@ -22,6 +22,7 @@ from bozzetto_polyhedron.drawing_on.joints import joined_by
 from bozzetto_polyhedron.drawing_on.loop_on_face import LoopOnFace, loop_on_face
 from bozzetto_polyhedron.drawing_on.named_edges import edge_named, plane_named
 from bozzetto_polyhedron.drawing_on.push import pushed
+from bozzetto_polyhedron.drawing_on.rounded_edges import rounded_edge
 from bozzetto_polyhedron.drawing_on.stroke_ends import PlacedLines, placed_lines
 from bozzetto_polyhedron.drawing_on.stroke_path import path_of
 from bozzetto_polyhedron.model.changes import (
@@ -29,6 +30,7 @@ from bozzetto_polyhedron.model.changes import (
     Chamfer,
     Change,
     Copies,
+    Fillet,
     Join,
     Mirror,
     Point,
@@ -157,6 +159,8 @@ def after(
                 return made
             body = _chamfered(made.body, change.begin, change.end, change.width)
             return replace(made, body=body)
+        case Fillet():
+            return made if change.radius <= 0.0 else _with_fillet(made, change)
         case Mirror():
             return _mirrored(made, change)
         case Copies():
@@ -176,6 +180,11 @@ def _with_push(made: Changed, push: Push) -> Changed:
     if push.outline == "circle":
         circles = _each_once((*circles, circle_of(made.body, push)))
     return replace(made, body=body, circles=circles)
+
+
+def _with_fillet(made: Changed, change: Fillet) -> Changed:
+    body, circle = _rounded(made.body, change.begin, change.end, change.radius)
+    return replace(made, body=body, circles=_each_once((*made.circles, circle)))
 
 
 def _with_added(made: Changed, strokes: Strokes) -> Changed:
@@ -253,6 +262,7 @@ def _each_once(circles: Sequence[Circle]) -> tuple[Circle, ...]:
             np.abs(circle.center - other.center).max() < 1e-9 * circle.radius
             and abs(abs(circle.axis @ other.axis) - 1.0) < 1e-12
             and abs(circle.radius - other.radius) < 1e-9 * circle.radius
+            and abs(circle.sweep - other.sweep) < 1e-9
             for other in kept
         )
         if not same:
@@ -305,6 +315,13 @@ def _closed(
 @remembered(limit=64, key=_by_content)
 def _chamfered(body: PlanarBody, begin: Point, end: Point, width: float) -> PlanarBody:
     return chamfered(body, edge_named(body, begin, end), width)
+
+
+@remembered(limit=64, key=_by_content)
+def _rounded(
+    body: PlanarBody, begin: Point, end: Point, radius: float
+) -> tuple[PlanarBody, Circle]:
+    return rounded_edge(body, edge_named(body, begin, end), radius)
 
 
 @remembered(limit=64, key=_by_content)
