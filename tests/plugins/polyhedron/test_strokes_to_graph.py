@@ -12,9 +12,8 @@ import pytest
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
-from bozzetto_polyhedron.graph.build import graph_of
 from bozzetto_polyhedron.graph.line_graph import LineGraph
-from tests.plugins.polyhedron.graph_truth import is_right
+from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import CLEAN, SIZE, UNTIDY, Hand, stroke, strokes_of
 from tests.plugins.polyhedron.simple_objects import OBJECTS, view
 
