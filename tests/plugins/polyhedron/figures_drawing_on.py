@@ -25,6 +25,8 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.export import encode_shapes
 from bozzetto.geometry import Shapes
 from bozzetto.view import Camera
+from bozzetto_polyhedron.drawing_on.added_strokes import with_strokes_added
+from bozzetto_polyhedron.drawing_on.body_hits import face_under
 from bozzetto_polyhedron.drawing_on.chamfer import (
     cap_at,
     chamfered,
@@ -34,7 +36,6 @@ from bozzetto_polyhedron.drawing_on.chamfer import (
 )
 from bozzetto_polyhedron.drawing_on.changed import Changed
 from bozzetto_polyhedron.drawing_on.circles import Circle, circle_on_face, polygon_of
-from bozzetto_polyhedron.drawing_on.circuits import with_lines
 from bozzetto_polyhedron.drawing_on.copies import mirrored
 from bozzetto_polyhedron.drawing_on.cylinders import brep_with_cylinders, walls_of
 from bozzetto_polyhedron.drawing_on.push import prism_on, pushed
@@ -43,7 +44,6 @@ from bozzetto_polyhedron.drawing_on.rounded_edges import (
     largest_radius,
     rounded_edge,
 )
-from bozzetto_polyhedron.drawing_on.stroke_ends import placed_lines
 from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.solid.boolean import combined
 from bozzetto_polyhedron.solid.exact import exact_body
@@ -111,6 +111,18 @@ def random_body(seed: int, rng: np.random.Generator) -> PlanarBody | None:
     return body if body.closed else None
 
 
+def clear_view(body: PlanarBody, rng: np.random.Generator) -> Sight:
+    """Return a view in which nothing lies before the circle inside the face: one can draw there."""
+    turns = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
+    while True:
+        sight = camera, face, middle, radius = random_view(body, rng)
+        ring = np.column_stack((np.cos(turns), np.sin(turns))) @ tangents(body.normals[face])
+        places, _ = camera.project(middle + 0.95 * radius * ring)
+        hits = [face_under(body, camera, place) for place in places]
+        if all(hit is not None and hit[1] == face for hit in hits):
+            return sight
+
+
 def random_view(body: PlanarBody, rng: np.random.Generator) -> Sight:
     """Return a view onto a face, with the middle and the radius of a circle inside that face."""
     spots = [largest_circle(body, face) for face in range(len(body.faces))]
@@ -168,7 +180,7 @@ def as_manifold(body: PlanarBody) -> manifold3d.Manifold:
 
 def added_box(body: PlanarBody, rng: np.random.Generator) -> tuple[PlanarBody, float, bool]:
     """Draw a box on a face line by line; is it there, and as large as it was meant?"""
-    camera, face, middle, radius = random_view(body, rng)
+    camera, face, middle, radius = clear_view(body, rng)
     along, across = in_plane_axes(body, face)
     turned = np.sign(rng.normal(size=2)) * rng.uniform(0.4, 0.56, 2) * radius
     ring = [middle + x * turned[0] * along + y * turned[1] * across
@@ -181,8 +193,7 @@ def added_box(body: PlanarBody, rng: np.random.Generator) -> tuple[PlanarBody, f
     for pair in pairs:
         ends = camera.project(np.array(pair))[0] + NOISE * rng.normal(size=(2, 2))
         strokes.append(ends[0] + np.linspace(0, 1, 20)[:, None] * (ends[1] - ends[0]))
-    found = placed_lines(body, strokes, camera, REACH)
-    after = with_lines(Changed(body), found.points, found.lines)
+    _, after = with_strokes_added(Changed(body), strokes, camera, REACH)
     gained = volume_of(after.body) - volume_of(body)
     wanted = 4.0 * abs(turned[0] * turned[1]) * height
     right = not len(after.lines) and abs(gained - wanted) < 0.25 * wanted
@@ -235,7 +246,7 @@ def _checked_push(
 
 def drawn_circle(body: PlanarBody, rng: np.random.Generator) -> tuple:
     """Draw an ellipse on a face and push it: is it one exact cylinder where it was meant?"""
-    camera, face, middle, radius = random_view(body, rng)
+    camera, face, middle, radius = clear_view(body, rng)
     true = rng.uniform(0.35, 0.7) * radius
     at = np.linspace(0, 2 * np.pi, 80) + rng.uniform(0, 6)
     wobble = 1 + 0.01 * np.cos(2 * at + 1) + 0.01 * np.cos(3 * at)
