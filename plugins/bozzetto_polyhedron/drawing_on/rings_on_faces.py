@@ -47,8 +47,8 @@ def off_first_ring(
     ((face, _),) = met.most_common(1)
     normal, offset = body.normals[face], float(body.offsets[face])
     laid = camera.on_plane(places, offset * normal, normal)
-    finite: Flags = np.isfinite(laid).all(axis=1)
-    over: Flags = finite & within_face(body, face, np.where(finite[:, None], laid, 0.0))
+    is_finite = np.asarray(np.isfinite(laid).all(axis=1))
+    over = is_finite & within_face(body, face, np.where(is_finite[:, None], laid, 0.0))
     size = float(np.linalg.norm(np.ptp(body.vertices, axis=0)))
     there = np.abs(points @ normal - offset) < IN_PLANE * size
     ring = first_ring(np.where(over | there, face, -1), lines)
