@@ -29,6 +29,7 @@ class ChamferTool(ChangeTool):
     id = "chamfer"
     title = "Chamfer"
     icon = "icons/chamfer.svg"
+    group = "Edges"
     hint = "Touch an edge of a solid to bevel it."
     gesture = "tap"
     hovers = True

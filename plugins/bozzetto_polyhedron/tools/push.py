@@ -41,6 +41,7 @@ class DrawOnFace(ErasingTool):
     id = "loop"
     title = "Draw on a face"
     icon = "icons/loop.svg"
+    group = "Faces"
     hint = "Draw a closed loop or a circle on a face of a solid."
 
     @override
@@ -74,6 +75,7 @@ class PushLoop(ErasingTool):
     id = "push"
     title = "Push or pull"
     icon = "icons/push.svg"
+    group = "Faces"
     hint = "Drag the dot of a loop in or out; touch it to cut through."
     gesture = "drag"
 

@@ -47,6 +47,7 @@ class Move(ProductTool):
     id = MOVE_TOOL
     title = "Move joint"
     icon = "icons/move.svg"
+    group = "Reshape"
     hint = "Drag a joint; the curves that meet there come along. Touch a surface to choose it."
     gesture = "drag"
 

@@ -30,6 +30,7 @@ class Pull(ProductTool):
     id = "pull"
     title = "Pull"
     icon = "icons/pull.svg"
+    group = "Reshape"
     hint = "See a surface from the side, and draw where its contour is to be."
 
     @override
