@@ -22,7 +22,8 @@ from bozzetto.ink import (
     oversketch_curve,
 )
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Plane, ProductState
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import CurveMeant, curve_meant
 from bozzetto_product.operations.displacement import displaced
 from bozzetto_product.operations.meetings import curve_of, joint_at
