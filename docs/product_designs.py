@@ -8,7 +8,7 @@ import numpy as np
 from product_hand import Body, Hand
 
 from bozzetto.arrays import Array
-from bozzetto_product.model.state import RoughShape
+from bozzetto_product.model.rough_shapes import RoughShape
 
 NAMES = ("mouse", "remote", "helmet")
 

@@ -20,7 +20,7 @@ from scipy.ndimage import map_coordinates
 
 from bozzetto.view import Camera, fit_points
 from bozzetto.view.standard_views import look_along
-from bozzetto_product.model.state import RoughShape
+from bozzetto_product.model.rough_shapes import RoughShape
 from bozzetto_product.rough_shapes.shapes import rough_mesh
 
 if TYPE_CHECKING:

@@ -56,7 +56,8 @@ def shown(path: Path) -> tuple[Scene, Scene, Scene]:
     from bozzetto.plugin.job import Job
     from bozzetto.scene import Layer, Lines, Scene
     from bozzetto.workbench.workbench import Workbench
-    from bozzetto_product.model.state import Patch, RoughShape
+    from bozzetto_product.model.patches import Patch
+    from bozzetto_product.model.rough_shapes import RoughShape
 
     bench = Workbench(Registry())
     model = bench.sources.from_drawing("bozzetto.product", read_drawing(path), {})

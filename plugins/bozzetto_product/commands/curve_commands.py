@@ -11,7 +11,9 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import Command, Context
 from bozzetto.scene import Shaded
-from bozzetto_product.model.state import Curve, Joint, Meeting, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_edits import (
     make_in_plane,
     make_planar,

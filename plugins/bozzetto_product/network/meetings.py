@@ -10,7 +10,9 @@ import numpy as np
 
 from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
-from bozzetto_product.model.state import Curve, Joint, Meeting, Plane
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.network.reflection import OWN_IMAGE, Reflection, size_of
 
 SAME_PLACE: Final = 1e-9

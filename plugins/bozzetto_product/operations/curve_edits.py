@@ -11,7 +11,10 @@ from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Curve, Joint, Meeting, Plane, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import (
     curve_of,
     is_end,

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke, distances_to_polyline, nearest_curve
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.projection.planes import mirror_image
 from bozzetto_product.projection.views import seen_at
 

@@ -8,7 +8,9 @@ from typing import Final
 import numpy as np
 
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Meeting, Point, ProductState
+from bozzetto_product.model.joints import Meeting
+from bozzetto_product.model.planes import Point
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.clusters import End
 from bozzetto_product.operations.trim import nearest_gap, network_ends
 from bozzetto_product.projection.views import pixel_size, seen_at

@@ -14,7 +14,10 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_product.model.state import Curve, Joint, Meeting, Plane, Point, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.planes import Plane, Point
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.clusters import Cluster, End, clusters_of, target_of
 from bozzetto_product.operations.crossings import crossings_of
 from bozzetto_product.operations.meetings import (

@@ -15,7 +15,7 @@ from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import Context
 from bozzetto.scene import Scene, SurfacePlaces, project_stroke
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Plane, Point
+from bozzetto_product.model.planes import Plane, Point
 from bozzetto_product.projection.depth_fit import SAMPLES, Sight, at_depth, look_along
 from bozzetto_product.projection.planes import canvas_plane, heights, in_plane
 from bozzetto_product.projection.sheet_curve import FAR, SheetCurve, curve_on_sheet

@@ -9,7 +9,8 @@ import numpy as np
 
 from bozzetto_product.details.bodies import DetailedBodies
 from bozzetto_product.fill.fill import Fill
-from bozzetto_product.model.state import Curve, Patch
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.patches import Patch
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.shaping.wall import Wall
 from bozzetto_product.solve.canvas import Canvas

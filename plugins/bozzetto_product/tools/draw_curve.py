@@ -14,15 +14,11 @@ from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, Preview, override
 from bozzetto.scene import Layer, Points, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, triple
-from bozzetto_product.model.state import (
-    Curve,
-    FollowedShape,
-    LaidPlaces,
-    Patch,
-    Plane,
-    ProductState,
-    RoughShape,
-)
+from bozzetto_product.model.curves import Curve, LaidPlaces
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.pieces import delete_curves
 from bozzetto_product.operations.trim import default_gap, trim

@@ -6,7 +6,8 @@ from typing import Final
 
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, Tap, override
 from bozzetto.scene import Layer, Lines, Scene
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.curve_meant import CurveMeant, curve_under
 from bozzetto_product.operations.modify import modify

@@ -13,13 +13,10 @@ from bozzetto.geometry import Mesh, Spline, flattened
 from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Layer, Lines, Paint, Points, Scene, Shaded
 from bozzetto.view import triple
-from bozzetto_product.model.state import (
-    Curve,
-    FollowedShape,
-    Joint,
-    ProductState,
-    RoughShape,
-)
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Edge
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.solve.canvas import Canvas, canvases_of

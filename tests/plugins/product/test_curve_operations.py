@@ -10,16 +10,12 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import distances_to_polyline
-from bozzetto_product.model.state import (
-    Curve,
-    Joint,
-    Meeting,
-    Patch,
-    Plane,
-    ProductState,
-    RoughShape,
-    Run,
-)
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting, Run
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.rough_shapes import RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.operations.curve_edits import (
     make_in_plane,

@@ -10,7 +10,7 @@ from bozzetto.geometry import Placement, closest_on_mesh
 from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.scene import Scene, located
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Plane
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.projection.ink_curve import curve_from_ink
 from bozzetto_product.projection.planes import (
     fitted_plane,

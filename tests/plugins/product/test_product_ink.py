@@ -24,7 +24,9 @@ from bozzetto.testing import Pen, Shell, same
 from bozzetto.workbench.play_steps import run_steps
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_product.commands.all_commands import all_commands
-from bozzetto_product.model.state import Curve, Patch, RoughShape
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.rough_shapes import RoughShape
 from bozzetto_product.report import report_of
 from bozzetto_product.rough_shapes.shapes import SIZES
 from tests.plugins.product.pen_strokes import FRONT, TOP_EDGES, draw_rectangle, straight

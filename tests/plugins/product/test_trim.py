@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.operations.curve_edits import move_joint
 from bozzetto_product.operations.end_moves import moved_to_ends, similar
