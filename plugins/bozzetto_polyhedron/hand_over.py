@@ -18,7 +18,7 @@ from bozzetto_polyhedron.solid.hand_over import brep_of
 from bozzetto_polyhedron.solid.pieces import pieces_of
 from bozzetto_polyhedron.solve.moving import Moving, moving
 from bozzetto_polyhedron.solve.paths import path_of
-from bozzetto_polyhedron.solve.pipeline import Solved
+from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies
 
 
 def shapes_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Shapes:
@@ -33,9 +33,7 @@ def shapes_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Shapes:
     breps: list[Brep] = []
     flat = any(body.moves == "flat" for body in state.shown(Body))
     machine = moving(state) if flat or state.moved is not None else None
-    joined = {
-        other for found in results.values() if found.changed for other in found.changed.joined
-    }
+    joined = joined_bodies(results)
     for body in state.shown(Body):
         found = results.get(body.id)
         if found is None or body.id in joined:

@@ -25,6 +25,7 @@ from bozzetto_polyhedron.commands.listing import all_commands
 from bozzetto_polyhedron.hand_over import shapes_of, traced_curves
 from bozzetto_polyhedron.model.assign_stroke import drawings_in, new_body
 from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Join, Mirror, Push
+from bozzetto_polyhedron.model.earlier_states import with_spots
 from bozzetto_polyhedron.model.fittings import Coil, Crank, Hinge, Link, Pin, Slider, Trace
 from bozzetto_polyhedron.model.state import Body, BodyGroup, Choice, Measure, PolyhedronState, Slant
 from bozzetto_polyhedron.report import FIGURES, cautions_of, report_of
@@ -45,6 +46,7 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
 
     id = "bozzetto.polyhedron"
     state_type = PolyhedronState
+    state_version = 2
     part_types = (
         *(Body, Measure, Slant, Push, Added, Chamfer, Mirror, Copies, Join),
         *(Link, Coil, Slider, Pin, Hinge, Crank, Trace, BodyGroup),
@@ -61,6 +63,11 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
     def commands(self) -> Sequence[Command]:
         """Return the commands on the chosen body."""
         return all_commands()
+
+    @override
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """Read version 1 as well: held corners were places of the drawing, held at rest."""
+        return with_spots(state) if version < 2 else state
 
     @override
     def view_advice(self, state: PolyhedronState, camera: Camera) -> ViewAdvice | None:

@@ -41,7 +41,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
         "Off the drawing", "Distance of the vertices from the corners drawn (RMS)", "px", digits=2
     ),
     "noise": Figure("Hand", "Estimated standard deviation of a corner drawn", "px", digits=2),
-    "pieces": Figure("Pieces", "Rigid pieces or corners that move by themselves"),
+    "pieces": Figure("Pieces", "Rigid pieces, and corners that bars meet in"),
     "freedoms": Figure("Freedoms", "Independent ways in which it can move (its mobility)"),
     "redundant": Figure("Held twice", "Constraints of joints that others say already"),
     "joint_gap": Figure("Joint gap", "Largest opening of a joint", "mm", digits=6),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -51,8 +51,8 @@ class Shape:
     edges : (m, 2) intp
     faces : tuple of Rings
     moves : {"whole", "links", "plates", "flat"}
-    anchors : tuple of int
-        Vertices that stay where they are.
+    anchors : mapping of int to (3,) float64
+        Vertices that are held, and where, mm.
     density : float
         kg/m³.
     thickness : float
@@ -67,7 +67,7 @@ class Shape:
     edges: Index
     faces: tuple[Rings, ...]
     moves: Moves
-    anchors: tuple[int, ...] = ()
+    anchors: Mapping[int, Array] = field(default_factory=dict)
     density: float = 1240.0
     thickness: float = 0.0
     solid: bool = False
@@ -89,7 +89,7 @@ class Machine:
     rest : Motion
         As it was drawn.
     holders : tuple of (n,) intp
-        For each shape the piece that carries each vertex; the ground for an anchored one.
+        For each shape the piece that carries each vertex.
     plates : tuple of (f,) intp
         For each shape the piece that each face belongs to; empty where faces do not move rigidly.
     bars : tuple of (e,) intp
@@ -178,6 +178,7 @@ class _Builder:
         self.balls: list[tuple[int, int, Array]] = []
         self.planes: list[tuple[int, int, Array, Array]] = []
         self.bars: list[tuple[int, int, Array, Array]] = []
+        self.held: list[tuple[int, Array, Array, Array]] = []
 
     def add(self, shape: Shape) -> None:
         self.edges.append(_no_numbers())
@@ -207,21 +208,18 @@ class _Builder:
         masses = np.full(len(points), 1e-6)
         for end in (0, 1):
             np.add.at(masses, shape.edges[:, end], 0.5 * shape.density * shape.wall**2 * lengths)
-        holders = np.full(len(points), GROUND)
-        for number, point in enumerate(points):
-            if number not in shape.anchors:
-                holders[number] = len(self.places)
-                self.places.append(point)
-                self.masses.append(float(masses[number]))
-                self.inertias.append(np.zeros((3, 3)))
-        for first, second in shape.edges:
-            one, other = sorted((int(first), int(second)), key=lambda k: holders[k] == GROUND)
-            if holders[one] != GROUND:
+        holders = len(self.places) + np.arange(len(points))
+        self.places.extend(points)
+        self.masses.extend(masses.tolist())
+        self.inertias.extend(np.zeros((len(points), 3, 3)))
+        for one, other in shape.edges:
+            if int(one) not in shape.anchors or int(other) not in shape.anchors:
                 self.bars.append(
                     (int(holders[one]), int(holders[other]), points[one], points[other])
                 )
         self.holders.append(holders)
         self.plates.append(_no_numbers())
+        self._anchored(shape, holders, np.eye(3))
 
     def _flat(self, shape: Shape) -> None:
         """Add a rigid bar for every edge, pinned where edges meet; all stay in one plane."""
@@ -239,13 +237,12 @@ class _Builder:
             for place in (begin, end, across):
                 self.planes.append((piece, GROUND, place[None], normal[None]))
             for corner in (int(first), int(second)):
-                place = np.tile(points[corner], (2, 1))
                 if holders[corner] == GROUND:
                     holders[corner] = piece
-                    if corner in shape.anchors:
-                        self.planes.append((piece, GROUND, place, aside))
                 else:
+                    place = np.tile(points[corner], (2, 1))
                     self.planes.append((piece, int(holders[corner]), place, aside))
+        self._anchored(shape, holders, aside)
         self.holders.append(holders)
         self.plates.append(_no_numbers())
         self.edges[-1] = np.array(numbers, np.intp)
@@ -268,7 +265,7 @@ class _Builder:
                     at_edge[edge] = piece
         self.holders.append(holders)
         self.plates.append(np.array(numbers, np.intp))
-        self._anchored(shape, holders, points)
+        self._anchored(shape, holders, np.eye(3))
 
     def _whole(self, shape: Shape) -> None:
         """Add the body as one piece: full, or its mass where its walls are."""
@@ -285,12 +282,14 @@ class _Builder:
         holders = np.full(len(points), piece)
         self.holders.append(holders)
         self.plates.append(np.full(len(shape.faces), piece))
-        self._anchored(shape, holders, points)
+        self._anchored(shape, holders, np.eye(3))
 
-    def _anchored(self, shape: Shape, holders: Index, points: Array) -> None:
-        for vertex in shape.anchors:
+    def _anchored(self, shape: Shape, holders: Index, directions: Array) -> None:
+        """Hold corners along directions (k, 3)."""
+        for vertex, at in shape.anchors.items():
             if holders[vertex] != GROUND:
-                self.balls.append((int(holders[vertex]), GROUND, points[vertex]))
+                place = shape.vertices[vertex] * METRE
+                self.held.append((int(holders[vertex]), place, at * METRE, directions))
 
     def joined(self, shapes: Sequence[Shape]) -> None:
         """Join corners of different bodies that lie on one another."""
@@ -316,6 +315,10 @@ class _Builder:
             made += spherical(rest, *ball)
         for piece, other, places, directions in self.planes:
             made += directed(rest, piece, other, places, directions)
+        for piece, place, at, directions in self.held:
+            count = len(directions)
+            rows = directed(rest, piece, GROUND, np.tile(place, (count, 1)), directions)
+            made += replace(rows, second_point=np.tile(at, (count, 1)))
         return made
 
     def ground(self, shapes: Sequence[Shape], friction: float) -> Ground:

@@ -36,6 +36,25 @@ class Spot:
 
 
 @dataclass(frozen=True)
+class Anchor:
+    """A corner that is held.
+
+    Parameters
+    ----------
+    spot : Spot
+        The corner, where it is at rest.
+    at : (x, y, z), optional
+        Where it is held, mm in the frame of the model; None where it is at rest.
+    """
+
+    spot: Spot = Spot()
+    at: Point | None = None
+
+    def __post_init__(self) -> None:
+        require_near(self.at or (), "a held corner")
+
+
+@dataclass(frozen=True)
 class Fitting(Part):
     """What joins two spots."""
 

@@ -22,6 +22,7 @@ from bozzetto_polyhedron.model.changes import (
     Push,
 )
 from bozzetto_polyhedron.model.fittings import (
+    Anchor,
     Coil,
     Crank,
     Fitting,
@@ -150,8 +151,8 @@ class Body(Part):
         None until a person turned the drawing into a solid.
     placement : Placement
         From the frame of the drawing to that of the model: how the body was moved since.
-    anchors : tuple of (x, y)
-        Places of corners in the drawing, px, that stay where they are when the body moves.
+    anchors : tuple of Anchor
+        Corners that stay where they are held when the body moves.
     guessed : Strokes
         Hidden edges that were guessed, as they were put behind the strokes drawn.
     guess : int
@@ -161,7 +162,7 @@ class Body(Part):
     strokes: Strokes = Strokes()
     choice: Choice | None = None
     placement: Placement = Placement()
-    anchors: tuple[Place, ...] = ()
+    anchors: tuple[Anchor, ...] = ()
     guessed: Strokes = Strokes()
     guess: int = 0
     answer: Annotated[

@@ -14,13 +14,18 @@ from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
 from bozzetto_polyhedron.mechanism.fittings import fastened
 from bozzetto_polyhedron.mechanism.pieces import METRE, Machine, Shape, machine_of
 from bozzetto_polyhedron.mechanism.stepper import Stepper
-from bozzetto_polyhedron.model.fittings import Trace
+from bozzetto_polyhedron.model.fittings import Anchor, Trace
 from bozzetto_polyhedron.model.limits import is_near
 from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import Body, Moved, PolyhedronState, Recording
 from bozzetto_polyhedron.solid.face_rings import edges_of
-from bozzetto_polyhedron.solve.pipeline import Solved, solved
-from bozzetto_polyhedron.solve.spots import corner_near, corner_places_at_rest, fastenings_of
+from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
+from bozzetto_polyhedron.solve.spots import (
+    corner_near,
+    corner_places_at_rest,
+    fastenings_of,
+    place_of,
+)
 
 MOST_POSES: Final = 3600
 """Poses that are recorded: a minute."""
@@ -42,11 +47,18 @@ class Moving:
     stepper : Stepper
     numbers : dict of str to int
         Of the shapes, by the ids of their bodies.
+    joined : dict of str to str
+        Bodies that have become part of another one, by their ids, and which.
     """
 
     machine: Machine
     stepper: Stepper
     numbers: dict[str, int]
+    joined: dict[str, str]
+
+    def number_of(self, body_id: str) -> int | None:
+        """Return the number of the shape that a body is, or is part of; None without any."""
+        return self.numbers.get(self.joined.get(body_id, body_id))
 
     @property
     def extent(self) -> float:
@@ -69,10 +81,15 @@ class Moving:
         return np.asarray((motion.places[piece] + motion.turns[piece] @ local) / METRE)
 
     def motion(self, moved: Moved | None) -> Motion:
-        """Return the motion that a state keeps; rest where it belongs to other bodies."""
+        """Return the motion that a state keeps; rest where it belongs to other bodies.
+
+        Corners that were held elsewhere than at rest are brought there.
+        """
         count = len(self.machine.rest.places)
-        if moved is None or len(moved.places) != count:
+        if moved is None:
             return self.machine.rest
+        if len(moved.places) != count:
+            return self.stepper.closed(self.machine.rest)
         turns = moved.turns.reshape(-1, 3, 3)
         return Motion(
             moved.places, turns, moved.velocities, moved.momenta, time=float(moved.seconds)
@@ -80,18 +97,25 @@ class Moving:
 
 
 def _at_rest(state: PolyhedronState) -> Hashable:
-    return replace(state, moved=None, grab=None, recorded=None, selected="")
+    return replace(as_held(state), moved=None, grab=None, recorded=None, selected="")
 
 
 @remembered(limit=8, key=_at_rest)
 def moving(state: PolyhedronState) -> Moving:
     """Return the machine of all bodies that are shown and were turned into solids."""
+    state = as_held(state)
     shapes: list[Shape] = []
     numbers: dict[str, int] = {}
+    drawn = {
+        body.id: solved(body, state)
+        for body in state.shown(Body)
+        if len(body.strokes) and (body.choice is not None or body.moves == "flat")
+    }
+    joined = joined_bodies(drawn)
     for body in state.shown(Body):
-        if not len(body.strokes) or (body.choice is None and body.moves != "flat"):
+        if body.id not in drawn or body.id in joined:
             continue
-        shape = _shape(body, solved(body, state))
+        shape = _shape(body, drawn[body.id], state)
         if shape is not None and is_near(shape.vertices):
             numbers[body.id] = len(shapes)
             shapes.append(shape)
@@ -101,11 +125,24 @@ def moving(state: PolyhedronState) -> Moving:
         planar=AXES[state.planar],
         friction=state.friction if state.ground else None,
     )
-    machine = fastened(machine, fastenings_of(state, numbers))
-    made = Moving(machine, Stepper(machine.assembly), numbers)
+    aliases = {part: numbers[whole] for part, whole in joined.items() if whole in numbers}
+    machine = fastened(machine, fastenings_of(state, numbers | aliases))
+    made = Moving(machine, Stepper(machine.assembly), numbers, joined)
     tolerance = 1e-6 * made.extent * METRE
     stepper = Stepper(machine.assembly, damping=state.damping, tolerance=tolerance)
     return replace(made, stepper=stepper)
+
+
+def as_held(state: PolyhedronState) -> PolyhedronState:
+    """Return a state whose held corners are held where they are: at rest, where nothing moved."""
+    if state.moved is not None:
+        return state
+    chosen = state.selected
+    for body in state.of_kind(Body):
+        if any(anchor.at is not None for anchor in body.anchors):
+            anchors = tuple(replace(anchor, at=None) for anchor in body.anchors)
+            state = state.with_node(replace(body, anchors=anchors))
+    return replace(state, selected=chosen)
 
 
 def is_mechanism(state: PolyhedronState) -> bool:
@@ -149,20 +186,18 @@ def recorded(state: PolyhedronState, motion: Motion) -> Recording | None:
     )
 
 
-def _shape(body: Body, found: Solved) -> Shape | None:
-    anchors = [corner_near(found, place) for place in body.anchors]
-    corners = corner_places_at_rest(body, found)
+def _shape(body: Body, found: Solved, state: PolyhedronState) -> Shape | None:
     if body.moves == "flat":
         if not len(found.graph.lines):
             return None
-        held = tuple(sorted({corner for corner in anchors if corner is not None}))
+        corners = corner_places_at_rest(body, found)
         normal = body.placement.directions(np.asarray(camera_of(body).axes[2])[None])[0]
         return Shape(
             corners,
             found.graph.lines,
             (),
             "flat",
-            held,
+            _held(body, found, state, corners),
             density=body.density,
             thickness=body.wall,
             normal=normal / np.linalg.norm(normal),
@@ -180,17 +215,36 @@ def _shape(body: Body, found: Solved) -> Shape | None:
         if moves != "links":
             vertices, faces = found.body.vertices, found.body.faces
             edges = edges_of(faces)
-    near = {_nearest(vertices, corners[corner]) for corner in anchors if corner is not None}
     return Shape(
         vertices,
         edges,
         faces,
         moves,
-        tuple(sorted(near)),
+        _held(body, found, state, vertices),
         density=body.density,
         thickness=body.wall,
         solid=solid,
     )
+
+
+def _held(body: Body, found: Solved, state: PolyhedronState, vertices: Array) -> dict[int, Array]:
+    """Return which vertices of a shape are held, and where, mm."""
+    held: dict[int, Array] = {}
+    for anchor in body.anchors:
+        vertex = held_vertex(anchor, found, state, vertices)
+        if vertex is not None:
+            held[vertex] = vertices[vertex] if anchor.at is None else np.array(anchor.at)
+    return held
+
+
+def held_vertex(
+    anchor: Anchor, found: Solved, state: PolyhedronState, vertices: Array
+) -> int | None:
+    """Return which vertex of a shape at rest, (n, 3) mm, is held; None where its corner is gone."""
+    corner = anchor.spot.corner
+    if corner is not None and corner_near(found, corner) is None:
+        return None
+    return _nearest(vertices, place_of(anchor.spot, state))
 
 
 def corner_of(body: Body, found: Solved, place: Array) -> int:

@@ -82,7 +82,25 @@ class _JoiningTool(ErasingTool):
         return NextStep(self.hint)
 
 
-class DrawLink(_JoiningTool):
+class _TyingTool(_JoiningTool):
+    """A link or a spring between two corners, at least one of them of a body."""
+
+    while_moved = True
+
+    @override
+    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+        """Return what lies between two corners, as long as they are apart now."""
+        if not begin.spot.body and not end.spot.body:
+            raise UserError("One end must be on a body. Begin at a corner.")
+        length = float(np.linalg.norm(end.place - begin.place))
+        return self.tied(made, Fitting(begin=begin.spot, end=end.spot), length)
+
+    def tied(self, made: Moving, ends: Fitting, length: float) -> Fitting:
+        """Return the fitting between two ends that are so far apart, mm."""
+        raise NotImplementedError
+
+
+class DrawLink(_TyingTool):
     """Bars between corners, also while things move."""
 
     id = "link"
@@ -91,17 +109,14 @@ class DrawLink(_JoiningTool):
     group = "Mechanism"
     hint = "Draw from one corner to another; a bar keeps them apart."
     noun = "Link"
-    while_moved = True
 
     @override
-    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
-        """Return a bar as long as the corners are apart now."""
-        _two_bodies(begin, end)
-        length = float(np.linalg.norm(end.place - begin.place))
-        return Link(begin=begin.spot, end=end.spot, length=length)
+    def tied(self, made: Moving, ends: Fitting, length: float) -> Fitting:
+        """Return a bar."""
+        return Link(begin=ends.begin, end=ends.end, length=length)
 
 
-class DrawSpring(_JoiningTool):
+class DrawSpring(_TyingTool):
     """Springs between corners, also while things move."""
 
     id = "spring"
@@ -110,16 +125,13 @@ class DrawSpring(_JoiningTool):
     group = "Mechanism"
     hint = "Draw from one corner to another, or into the open; a spring pulls them together."
     noun = "Spring"
-    while_moved = True
 
     @override
-    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+    def tied(self, made: Moving, ends: Fitting, length: float) -> Fitting:
         """Return a spring that is at rest now; it carries the weight with a tenth of its length."""
-        _two_bodies(begin, end)
-        length = float(np.linalg.norm(end.place - begin.place))
         weight = 9.81 * float(made.machine.assembly.masses.sum())
         stiffness = float(f"{np.clip(weight / (0.1e-3 * length), 0.01, 1e6):.2g}")
-        return Coil(begin=begin.spot, end=end.spot, length=length, stiffness=stiffness)
+        return Coil(begin=ends.begin, end=ends.end, length=length, stiffness=stiffness)
 
 
 class DrawHinge(_JoiningTool):
@@ -174,7 +186,7 @@ class DrawCrank(_JoiningTool):
     @override
     def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
         """Return the motor of the bar, against what is held or the longest other bar there."""
-        number = made.numbers.get(begin.spot.body)
+        number = made.number_of(begin.spot.body)
         if number is None or begin.spot.body != end.spot.body:
             raise UserError(f"Both ends must be corners of one drawing. {self.hint}")
         if made.machine.shapes[number].normal is None:
@@ -265,11 +277,6 @@ def _crossing(shape: Shape, place: Array) -> Array | None:
             if np.linalg.norm(found - place) < away:
                 best, away = found, float(np.linalg.norm(found - place))
     return best
-
-
-def _two_bodies(begin: Aim, end: Aim) -> None:
-    if not begin.spot.body and not end.spot.body:
-        raise UserError("One end must be on a body. Begin at a corner.")
 
 
 def _neighbour(state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> str:

@@ -11,16 +11,18 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag, NextStep, Tap, override
-from bozzetto.view import Camera
+from bozzetto.view import Camera, triple
 from bozzetto_polyhedron.mechanism.analysis import mobility_of
-from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
+from bozzetto_polyhedron.mechanism.assembly import Motion
 from bozzetto_polyhedron.mechanism.pieces import METRE
 from bozzetto_polyhedron.mechanism.stepper import Pull
-from bozzetto_polyhedron.model.fittings import Place
+from bozzetto_polyhedron.model.fittings import Anchor, Place
 from bozzetto_polyhedron.model.state import Body, Grab, PolyhedronState
+from bozzetto_polyhedron.solve.aiming import corner_spot
 from bozzetto_polyhedron.solve.moving import (
     Moving,
-    corner_of,
+    as_held,
+    held_vertex,
     is_mechanism,
     kept,
     moving,
@@ -28,7 +30,6 @@ from bozzetto_polyhedron.solve.moving import (
 )
 from bozzetto_polyhedron.solve.picking import REACH
 from bozzetto_polyhedron.solve.pipeline import solved
-from bozzetto_polyhedron.solve.spots import corner_near
 from bozzetto_polyhedron.tools.erase import ErasingTool
 from bozzetto_polyhedron.view.motion import moved_vertices
 
@@ -68,20 +69,25 @@ class Move(ErasingTool):
         """Hold the corner that is touched where it is, or let it go."""
         made = _machine(state)
         body, vertex = _nearest(state, made, tap.camera, np.array([tap.x, tap.y]))
-        found = solved(body, state)
-        at_rest = made.machine.shapes[made.numbers[body.id]].vertices[vertex]
-        corner = corner_of(body, found, at_rest)
-        x, y = found.graph.places[corner]
-        kept_places = tuple(p for p in body.anchors if corner_near(found, p) != corner)
-        if len(kept_places) == len(body.anchors):
-            kept_places = (*body.anchors, (float(x), float(y)))
-        return replace(state.with_node(replace(body, anchors=kept_places)), moved=None, grab=None)
+        number, found = made.numbers[body.id], solved(body, state)
+        vertices = made.machine.shapes[number].vertices
+        left = tuple(
+            anchor
+            for anchor in body.anchors
+            if held_vertex(anchor, found, state, vertices) != vertex
+        )
+        if len(left) == len(body.anchors):
+            now = made.machine.moved(number, made.motion(state.moved))[vertex]
+            spot = corner_spot(state, body, vertices[vertex])
+            left = (*left, Anchor(spot, None if state.moved is None else triple(now)))
+        return replace(state.with_node(replace(body, anchors=left)), grab=None)
 
     @override
     def step(
         self, state: PolyhedronState, held: Drag | None, seconds: float, context: Context
     ) -> PolyhedronState:
         """Return the state a moment later, pulled by the pen where it holds something."""
+        state = as_held(state)
         made = _machine(state)
         motion = made.motion(state.moved)
         pull, grab = None, None
@@ -171,7 +177,7 @@ def _nearest(
 def _pull(made: Moving, motion: Motion, grab: Grab, held: Drag) -> Pull | None:
     number = made.numbers[grab.body]
     holders = made.machine.holders[number]
-    if grab.vertex >= len(holders) or holders[grab.vertex] == GROUND:
+    if grab.vertex >= len(holders) or grab.vertex in made.machine.shapes[number].anchors:
         raise UserError("This corner is held. Pull at another one, or touch it to let it go.")
     place = made.machine.moved(number, motion)[grab.vertex]
     target = held.camera.on_plane(held.path.points[-1:], place, held.camera.axes[2])[0]

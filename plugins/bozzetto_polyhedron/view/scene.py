@@ -11,7 +11,7 @@ from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.measured_edges import edge_at
 from bozzetto_polyhedron.solve.moving import Moving, is_mechanism, moving
 from bozzetto_polyhedron.solve.picking import solids_in
-from bozzetto_polyhedron.solve.pipeline import Solved, solved
+from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
 from bozzetto_polyhedron.view.drawing_layers import (
     finding_items,
     ink_items,
@@ -47,12 +47,7 @@ def scene_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Scene:
     """
     layers: dict[str, list[Item]] = {name: [] for name in LAYERS}
     made = moving(state) if results and is_mechanism(state) else None
-    joined = {
-        other
-        for found in results.values()
-        if found.changed is not None
-        for other in found.changed.joined
-    }
+    joined = joined_bodies(results)
     bodies = [body for body in state.shown(Body) if body.id not in joined]
     for body in bodies:
         found = results.get(body.id)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bozzetto_polyhedron.mechanism.analysis import balance_of, weights
 from bozzetto_polyhedron.mechanism.assembly import (
     GROUND,
     Assembly,
@@ -89,6 +90,13 @@ def bars(
     gravity = np.array([0.0, 0.0, -9.81 if mass else 0.0])
     made = Assembly(np.full(count, mass or 1.0), np.zeros((count, 3, 3)), joints, gravity=gravity)
     return made, motion, free
+
+
+def tensions(assembly: Assembly, motion: Motion, loads: np.ndarray) -> np.ndarray:
+    """Return how much each massless bar is pulled by its weight and by forces (n, 3), N."""
+    every = weights(assembly)
+    every[:, :3] += loads
+    return -balance_of(assembly, motion, every).rows
 
 
 def box_on_ground(
