@@ -31,6 +31,7 @@ FINISHES = (
     ("metal", "Metal"),
     ("glass", "Glass"),
 )
+SurfaceKind = Literal["fair", "paper"]
 EdgeKind = Literal["auto", "smooth", "crease", "between"]
 WallSide = Literal["inside", "outside"]
 DetailKind = Literal["in", "raised", "cut", "button", "split"]
@@ -382,6 +383,16 @@ class CurveGroup(Group):
             help="How far curves between the group's surfaces give way to one fair surface.",
         ),
     ] = 0.0
+    v_spring: Annotated[
+        float,
+        Parameter(
+            "V-spring",
+            0.0,
+            1.0,
+            0.01,
+            help="Of surfaces as in the paper: how far they are evened across their curves.",
+        ),
+    ] = 0.0
 
 
 @dataclass(frozen=True)
@@ -403,6 +414,14 @@ class ProductState(PartsState):
     mirror: Annotated[
         bool, Parameter("Draw symmetric", help="Curves get their mirror image while you draw.")
     ] = False
+    surfaces: Annotated[
+        SurfaceKind,
+        Parameter(
+            "Surfaces",
+            help="Fair and exact, or triangles as in the paper: V-spring and pressed membrane.",
+            choices=(("fair", "Fair"), ("paper", "As in the paper")),
+        ),
+    ] = "fair"
     wall: Annotated[
         float,
         Parameter(
