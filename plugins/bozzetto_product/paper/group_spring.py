@@ -7,7 +7,7 @@ that takes angles out. Curves are held, or take a share of each displacement
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -15,9 +15,10 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Spline
-from bozzetto_product.network.net import Edge, Loop, Net
+from bozzetto_product.network.net import Edge, Net
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.displacement import displaced
+from bozzetto_product.paper.neighbours import carried_inward
 from bozzetto_product.paper.paper_surface import PaperSurface
 from bozzetto_product.paper.v_spring import relaxed
 from bozzetto_product.shaping.group_fairing import (
@@ -90,7 +91,7 @@ def evened_group(
         made = [moved.get(number, one) for number, one in enumerate(made)]
     if freedom <= 0.0:
         return EvenedGroup(tuple(made), net, frozenset())
-    return _with_curves(net, surfaces, made, inner, loops, mirror)
+    return _with_curves(net, surfaces, made, inner, mirror)
 
 
 def _relaxed_part(
@@ -137,45 +138,74 @@ def _with_curves(
     before: Sequence[PaperSurface | None],
     after: Sequence[PaperSurface | None],
     inner: Collection[int],
-    loops: Sequence[Loop],
     mirror: Reflection,
 ) -> EvenedGroup:
-    """Return the network with curves where the points on them went."""
+    """Return the network with curves near where the points on them went, and these on them.
+
+    Single vertices move unevenly, as their neighbours are many or few; a curve does not.
+    """
     nodes = net.nodes.copy()
     moves: dict[int, Spline] = {}
-    for number, (one, other) in enumerate(zip(before, after, strict=True)):
+    for one, other in zip(before, after, strict=True):
         if one is None or other is None:
             continue
-        for half_edge, (edge, _) in enumerate(loops[number]):
-            if edge not in inner or edge in moves:
+        for half_edge, (number, _) in enumerate(one.loop):
+            if number not in inner or number in moves:
                 continue
-            numbers = one.border_of(half_edge)[: -1 if net.edges[edge].spline.closed else None]
-            there, here = one.triangles.points[numbers], other.triangles.points[numbers]
-            moves[edge] = _moved(net.edges[edge], there, here)
-            for node, place in zip(
-                (net.edges[edge].start, net.edges[edge].end), here[[0, -1]], strict=True
-            ):
+            edge, along = net.edges[number], one.border_of(half_edge)
+            there, here = one.triangles.points[along], other.triangles.points[along]
+            moves[number] = _moved(edge, there, here)
+            for node, place in ((edge.start, here[0]), (edge.end, here[-1])):
                 if node >= 0:
                     nodes[node] = place
     made = twins_mirrored(net, nodes, moves, mirror)
     edges = tuple(
         carried_edge(edge, made.get(number), nodes) for number, edge in enumerate(net.edges)
     )
-    moved = frozenset(
-        number
-        for number, (edge, now) in enumerate(zip(net.edges, edges, strict=True))
-        if edge is not now
-    )
-    return EvenedGroup(tuple(after), replace(net, nodes=nodes, edges=edges), moved)
+    pairs = enumerate(zip(net.edges, edges, strict=True))
+    moved = {number: now for number, (edge, now) in pairs if edge is not now}
+    placed: dict[int, Array] = {}
+    surfaces = tuple(None if one is None else _on_curves(one, moved, placed) for one in after)
+    return EvenedGroup(surfaces, replace(net, nodes=nodes, edges=edges), frozenset(moved))
 
 
 def _moved(edge: Edge, there: Array, here: Array) -> Spline:
     """Return the curve of an edge after places on it went elsewhere."""
-    at = edge.spline.foot_points(there)
-    if not edge.spline.closed:
-        at[[0, -1]] = edge.spline.range
+    at = _parameters(edge.spline, there)
     order = np.argsort(at, kind="stable")
     length = float(np.linalg.norm(np.diff(there, axis=0), axis=1).sum())
-    return displaced(
-        edge.spline, at[order], (here - there)[order], np.full(len(at), 2.0 * CLOSE * length)
-    )
+    unit = np.full(len(at), 2.0 * CLOSE * length)
+    return displaced(edge.spline, at[order], (here - there)[order], unit)
+
+
+def _parameters(spline: Spline, places: Array) -> Array:
+    """Return where places along the whole of a curve lie on it."""
+    at = spline.foot_points(places)
+    if not spline.closed:
+        at[[0, -1]] = spline.range
+    return at
+
+
+def _on_curves(
+    surface: PaperSurface, moved: Mapping[int, Edge], placed: dict[int, Array]
+) -> PaperSurface:
+    """Return a surface with its border on the curves that moved; the inside goes along."""
+    triangles = surface.triangles
+    shifts = np.zeros((triangles.border, 3))
+    for half_edge, (number, _) in enumerate(surface.loop):
+        if number not in moved:
+            continue
+        along, spline = surface.border_of(half_edge), moved[number].spline
+        if number not in placed:  # the very same numbers for both surfaces
+            rows = triangles.points[along]
+            placed[number] = spline.value(_parameters(spline, rows))
+            if not spline.closed:
+                placed[number][[0, -1]] = spline.control_points[[0, -1]]
+        shifts[along] = placed[number] - triangles.points[along]
+    if not shifts.any():
+        return surface
+    points = triangles.points + carried_inward(triangles.faces, shifts, len(triangles.points))
+    for half_edge, (number, _) in enumerate(surface.loop):
+        if number in moved:
+            points[surface.border_of(half_edge)] = placed[number]
+    return _with_points(surface, points)

@@ -21,6 +21,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto_product.paper.neighbours import held_back, neighbour_means
 from bozzetto_product.paper.triangulation import Triangles
 from bozzetto_product.paper.v_spring import vertex_normals
 from bozzetto_product.shaping.volume import size_for
@@ -99,7 +100,7 @@ def pressed(
         return Pressed(rest, 0.0, limited=False)
     size = float(np.linalg.norm(np.ptp(rest, axis=0)))
     origin = rest.mean(axis=0)
-    solved = _resistance(mesh)
+    solved = held_back(neighbour_means(mesh.faces, len(rest)), mesh.border)
     free = slice(mesh.border, None)
     points, pressure = rest, 0.0
     scale = volume / size**3
@@ -128,23 +129,6 @@ def _goals(wanted: float) -> Iterator[float]:
     count = max(int(np.ceil(abs(wanted) / STEP - 1e-9)), 1)
     for number in range(1, count + 1):
         yield wanted * number / count
-
-
-def _resistance(mesh: Triangles) -> Callable[[Array], Array]:
-    """Return how displacements of the inner vertices follow from what moves them, factored once."""
-    from scipy.sparse import coo_matrix, csc_matrix, identity
-    from scipy.sparse.linalg import splu
-
-    sides = np.concatenate([mesh.faces[:, [k, (k + 1) % 3]] for k in range(3)])
-    edges = np.unique(np.sort(sides, axis=1), axis=0)
-    ends, others = np.concatenate((edges, edges[:, ::-1])).T
-    degree = np.bincount(ends, minlength=len(mesh.points))
-    inner = (ends >= mesh.border) & (others >= mesh.border)
-    rows, columns = ends[inner] - mesh.border, others[inner] - mesh.border
-    count = len(mesh.points) - mesh.border
-    means = coo_matrix((1.0 / degree[ends[inner]], (rows, columns)), shape=(count, count))
-    factor = splu(csc_matrix(identity(count) - means))
-    return lambda load: np.asarray(factor.solve(load))
 
 
 def _volume_by(points: Array, way: Array, faces: Index, size: float) -> Callable[[float], float]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto_product.fill.fill_mesh import corner_ratios
+from bozzetto_product.paper.neighbours import edges_of, neighbour_means
 
 LONGEST: Final = 1.4
 """Length at which edges are split, in lengths of the longest one of the boundary or of the
@@ -170,7 +171,7 @@ def _swapped(mesh: Triangles) -> Triangles:
 
 def _is_edge(faces: Index, one: Index, two: Index) -> Flags:
     count = int(faces.max(initial=0)) + 1
-    ends = np.sort(np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
+    ends = edges_of(faces)
     keys = np.minimum(one, two) * count + np.maximum(one, two)
     return np.isin(keys, ends[:, 0] * count + ends[:, 1])
 
@@ -196,14 +197,8 @@ def _split(mesh: Triangles, longest: float) -> Triangles:
 
 def smoothed(mesh: Triangles, sweeps: int = SWEEPS) -> Triangles:
     """Move inner points to the mean of their neighbours, some times over."""
-    edges = np.unique(
-        np.sort(np.concatenate([mesh.faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1), axis=0
-    )
-    count = len(mesh.points)
-    ends, others = np.concatenate((edges, edges[:, ::-1])).T
-    degree = np.bincount(ends, minlength=count)[mesh.border :, None]
+    means = neighbour_means(mesh.faces, len(mesh.points))[mesh.border :]
     points = mesh.points.copy()
     for _ in range(sweeps):
-        sums = [np.bincount(ends, points[others, k], count)[mesh.border :] for k in range(3)]
-        points[mesh.border :] = np.column_stack(sums) / degree
+        points[mesh.border :] = means @ points
     return Triangles(points, mesh.faces, mesh.border)

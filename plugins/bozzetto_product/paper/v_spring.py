@@ -19,6 +19,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto_product.paper.neighbours import edges_of
 
 STEP: Final = 0.5
 """Share of the displacement along the normal that is gone in one iteration."""
@@ -85,8 +86,7 @@ def relaxed(
     checkpoint : callable
         Called now and then.
     """
-    sides = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
-    edges = np.unique(np.sort(sides, axis=1), axis=0)
+    edges = edges_of(faces)
     ends, others = np.concatenate((edges, edges[:, ::-1])).T
     kept = freedom[ends] > 0.0
     ends, others = ends[kept], others[kept]
