@@ -156,7 +156,7 @@ def test_more_pressure_is_more_volume_everywhere() -> None:
 
 def test_a_thousand_times_larger_and_turned_is_the_same() -> None:
     turn = np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3
-    volume = volume_of_pressure(disc(), 0.7)
+    volume = volume_of_pressure(disc().area, 0.7)
     small = places(inflated(disc(), volume).fill)
     large = places(inflated(disc(1000.0, turn), 1e9 * volume).fill)
     middle, radius = ball_through(small)
