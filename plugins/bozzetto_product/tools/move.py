@@ -130,7 +130,7 @@ def _surface_under(state: ProductState, tap: Tap, scene: Scene) -> str:
         return ""
     one = filled[met.number]
     # Another product may have surfaces, too.
-    same = one.fill is not None and np.array_equal(one.fill.mesh.vertices, met.item.mesh.vertices)
+    same = one.mesh is not None and np.array_equal(one.mesh.vertices, met.item.mesh.vertices)
     return one.patch.id if same else ""
 
 

@@ -14,6 +14,7 @@ from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.shaping.pull import pulled
+from bozzetto_product.solve.paper_surfacing import UNPULLED
 from bozzetto_product.solve.result import SolvedPatch
 from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.product_tool import ProductTool
@@ -76,6 +77,8 @@ def with_pull(state: ProductState, stroke: Stroke) -> ProductState:
     UserError
         If there is no surface under the stroke, or it cannot follow it.
     """
+    if state.surfaces == "paper":
+        raise UserError(UNPULLED)
     one = _meant(state, stroke)
     if one is None or one.fill is None:
         raise UserError(
@@ -103,7 +106,7 @@ def _meant(state: ProductState, stroke: Stroke) -> SolvedPatch | None:
     chosen = state.chosen_of(Patch)
     if chosen is not None:
         filled = tuple(one for one in filled if one.patch.id == chosen.id) or filled
-    meshes = [one.fill.mesh for one in filled if one.fill is not None]
+    meshes = [one.mesh for one in filled if one.mesh is not None]
     places = resample(stroke.points, count=LOOKS)
     scene = Scene((Layer("surfaces", tuple(Shaded(mesh) for mesh in meshes)),))
     hits = cast_rays(scene, stroke.camera.rays(places))
