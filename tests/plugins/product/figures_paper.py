@@ -29,7 +29,6 @@ from bozzetto_product.paper.triangulation import triangulated
 from bozzetto_product.shaping.group_fairing import faired
 from bozzetto_product.shaping.pressure import inflated
 from tests.plugins.product.drawn_networks import DRAWN
-from tests.plugins.product.figures_fill import ring
 from tests.plugins.product.figures_product import SAMPLE
 from tests.plugins.product.held_out_networks import HELD_OUT
 from tests.plugins.product.known_surfaces import (
@@ -39,7 +38,8 @@ from tests.plugins.product.known_surfaces import (
     error_percent,
     estimated_normals,
     filled,
-    graph,
+    fitted,
+    net_of_splines,
     random_loop,
 )
 from tests.plugins.product.noisy_sheets import sheets
@@ -105,10 +105,11 @@ def _meshed(fill):
 
 def caps() -> None:
     """Heights under pressure of a disc, which are those of a ball's cap."""
-    plane = graph(lambda x, y: 0.0 * x)
-    known = ring(plane, 1.0, 1.0)
-    fill = fill_net(known.net, [known.loop])[0]
-    mesh = paper_surfaces(known.net, [known.loop])[0].triangles
+    turns = np.linspace(0, 2 * np.pi, 4 * 128 + 1)
+    circle = np.column_stack((np.cos(turns), np.sin(turns), 0 * turns))
+    net, loop = net_of_splines([fitted(circle[128 * k : 128 * k + 129]) for k in range(4)])
+    fill = fill_net(net, [loop])[0]
+    mesh = paper_surfaces(net, [loop])[0].triangles
     assert fill is not None
     for name, height in HEIGHTS.items():
         volume = np.pi * height * (3 + height**2) / 6
