@@ -15,10 +15,17 @@ if TYPE_CHECKING:
     import numpy as np
 
     from bozzetto.scene import Scene
+    from bozzetto.scene.renderer.shading import Shading
     from bozzetto_product.model.state import ProductState
 
 INKS = GALLERY / "product"
 LARGE, SMALL, CARD = (1200, 800), (640, 460), (288, 216)
+
+SHADINGS: tuple[Shading, ...] = ("clay", "zebra")
+"""Of both rows of the picture of surfaces as in the paper."""
+
+PRESSURE = 0.12
+"""Of all surfaces in the picture of those as in the paper."""
 
 VIEWS = {
     "helmet": ((-38.0, 24.0), (-135.0, 18.0)),
@@ -47,6 +54,39 @@ def gallery() -> None:
         if path.stem in SAMPLES:
             card = drawn(painted, first, CARD, LIGHT)
             save(card, f"{SAMPLES[path.stem]}.png", draw_products.SAMPLES_FOLDER)
+
+
+def paper() -> None:
+    """The sample fair, as in the paper, and that pressed and evened; below with stripes."""
+    import json
+
+    import numpy as np
+
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene import LIGHT, Scene
+    from bozzetto_product import modeler
+    from bozzetto_product.hand_over.imported import product_of_network
+    from bozzetto_product.model.state import CurveGroup, Patch
+
+    sample = Path(modeler.__file__).parent / "samples" / "mouse.json"
+    fair = product_of_network(json.loads(sample.read_text(encoding="utf-8")))
+    plain = replace(fair, surfaces="paper")
+    pressed = tuple(
+        replace(node, within="all", pressure=PRESSURE) if isinstance(node, Patch) else node
+        for node in plain.nodes
+    )
+    evened = replace(plain, nodes=(*pressed, CurveGroup("all", "All", v_spring=1.0)))
+    product = modeler.ProductModeler()
+    rows = []
+    for shading in SHADINGS:
+        row = []
+        for state in (fair, plain, evened):
+            layers = product.scene(state, product.solve(state, Job())).layers
+            kept = ("surfaces", "curves") if shading == "clay" else ("surfaces",)
+            scene = Scene(tuple(layer for layer in layers if layer.name in kept))
+            row.append(drawn(scene, (-52.0, 30.0), SMALL, LIGHT, shading))
+        rows.append(np.concatenate(row, axis=1))
+    save(np.concatenate(rows), "product-paper.png")
 
 
 def shown(path: Path) -> tuple[Scene, Scene, Scene]:
@@ -97,7 +137,11 @@ def shown(path: Path) -> tuple[Scene, Scene, Scene]:
 
 
 def drawn(
-    scene: Scene, angles: tuple[float, float], size: tuple[int, int], palette: object
+    scene: Scene,
+    angles: tuple[float, float],
+    size: tuple[int, int],
+    palette: object,
+    shading: Shading = "clay",
 ) -> np.ndarray:
     """A picture of all of a scene."""
     import numpy as np
@@ -105,4 +149,4 @@ def drawn(
     from bozzetto.scene.snapshot import picture
 
     view = camera(scene, *angles, size=size)
-    return np.asarray(picture(scene, camera=view, size=size, palette=palette))
+    return np.asarray(picture(scene, camera=view, size=size, palette=palette, shading=shading))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -13,8 +14,11 @@ from bozzetto_product.network.net import HalfEdge, Loop, Net
 from bozzetto_product.paper.paper_surface import PaperSurface, border_points, paper_surface
 from bozzetto_product.paper.triangulation import Triangles
 
-PIECES = 2
+PIECES: Final = 2
 """Pieces of each edge: the fewest that fills cut it into."""
+
+CLOSED_PIECES: Final = 8
+"""Pieces of a closed curve: each has three segments at least, so it stays round."""
 
 
 def paper_surfaces(
@@ -36,7 +40,9 @@ def paper_surfaces(
     """
     spacing = mesh_spacing(net, loops)
     axis = mirror_axis(net)
-    pieces = with_twins(net, [pieces_of(each.spline, PIECES) for each in net.edges], axis)
+    counts = [CLOSED_PIECES if each.spline.closed else PIECES for each in net.edges]
+    cut = [pieces_of(each.spline, many) for each, many in zip(net.edges, counts, strict=True)]
+    pieces = with_twins(net, cut, axis)
     made: list[PaperSurface] = []
     known: dict[frozenset[HalfEdge], PaperSurface] = {}
     for loop in loops:

@@ -40,6 +40,8 @@ class DrawDetail(ProductTool):
         """Return the gesture, and where to choose what becomes of the area."""
         if not state.of_kind(Patch):
             return NextStep(NO_SURFACE)
+        if state.surfaces == "paper":
+            return NextStep(UNCARVED)
         if state.chosen_of(Detail) is not None:
             return NextStep(
                 "Choose kind, depth and draft angle in the panel, or draw another round."

@@ -40,6 +40,8 @@ class Pull(ProductTool):
         """Return the gesture; where there is no surface, that curves are to be drawn."""
         if not state.of_kind(Patch):
             return NextStep(_NOTHING, tool="draw")
+        if state.surfaces == "paper":
+            return NextStep(UNPULLED)
         return NextStep(self.hint)
 
     @override
