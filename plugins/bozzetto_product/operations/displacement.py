@@ -121,7 +121,8 @@ def _without_knot(spline: Spline, number: int, course: Spline) -> tuple[Spline, 
 
     knots = np.delete(spline.knots, number)
     points = np.delete(spline.control_points, number - 2, axis=0)
-    places = np.linspace(*spline.knots[[number - DEGREE, number + DEGREE]], CHECKS)
+    low, high = spline.knots[[number - DEGREE, number + DEGREE]]
+    places = np.linspace(low, high, CHECKS)
     free = [number - 3, number - 2]
     wanted = course.value(places)
     rest = points.copy()
