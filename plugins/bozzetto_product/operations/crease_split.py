@@ -10,7 +10,7 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.end_moves import moved_to_ends
-from bozzetto_product.operations.meetings import curve_of, spline_of
+from bozzetto_product.operations.meetings import curve_of, joint_at, spline_of
 from bozzetto_product.operations.pieces import split_curve
 from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.projection.depth_fit import SAMPLES, at_depth, look_along
@@ -23,7 +23,7 @@ def split_at_creases(state: ProductState, curve_id: str, scene: Scene) -> Produc
     """Return the network with a curve cut where the surface that it was drawn on has an edge.
 
     A curve over an edge is rounded by its own control points; each of its pieces is laid on its
-    side of the edge anew, with the image that it had. The outer ends stay.
+    side of the edge anew, with the image that it had. Outer ends in joints stay.
 
     Parameters
     ----------
@@ -54,23 +54,26 @@ def split_at_creases(state: ProductState, curve_id: str, scene: Scene) -> Produc
     for name in names:
         before = spline_of(state, name)
         after = _laid(before, camera, scene)
-        outer = [] if spline.closed else [(names[0], 0), (names[-1], -1)]
         ends = after.control_points[[0, -1]]
-        for owner, end in outer:
-            if owner == name:
-                ends[end] = before.control_points[end]
+        inner = (name != names[0] or spline.closed, name != names[-1] or spline.closed)
+        for end, is_inner in enumerate(inner):
+            if not is_inner and joint_at(state, name, float(end)) is not None:
+                ends[end] = before.control_points[-end]
         made[name] = moved_to_ends(after, *ends)
     return settled_state(state, made)
 
 
 def _laid(spline: Spline, camera: Camera, scene: Scene) -> Spline:
     """Return a piece of a curve at the depth of the surface under all of it, else as it is."""
+    # Its few control points made a curve over both faces; on one face it needs some of its own.
+    breaks = np.unique(spline.within(spline.knots))
+    finer = spline.refined(0.5 * (breaks[:-1] + breaks[1:]))
     at = np.linspace(*spline.range, SAMPLES)
     seen = seen_at(camera, spline.value(at))
     if not np.isfinite(seen).all():
         return spline
-    controls = np.linalg.lstsq(basis(spline, at), seen, rcond=None)[0]
-    sheet = with_controls(spline, np.asarray(controls, float))
+    controls = np.linalg.lstsq(basis(finer, at), seen, rcond=None)[0]
+    sheet = with_controls(finer, np.asarray(controls, float))
     sight = look_along(sheet, camera, scene)
     # The ends are on the edge itself: rays through them may pass it.
     return at_depth(sheet, camera, sight) if sight.on[2:-2].all() else spline
