@@ -16,11 +16,12 @@ from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.joints import Boundary, Joint
 from bozzetto_product.model.patches import CurveGroup, Patch
-from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.planes import Plane, Point
 from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 
 WallSide = Literal["inside", "outside"]
 SurfaceKind = Literal["fair", "paper"]
+Lay = Literal["surface", "upright", "plane"]
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,8 @@ class ProductState(PartsState):
     rejected : tuple of Boundary
         Loops that a person switched off.
     symmetry : Plane
+    plane_places : tuple of (x, y, z)
+        Places that were touched to set the plane of new curves, three at most, mm.
     """
 
     nodes: tuple[Curve | Patch | Detail | RoughShape | FollowedShape | CurveGroup, ...] = ()
@@ -86,6 +89,20 @@ class ProductState(PartsState):
             choices=(("drawn", "Along the strokes"), ("principal", "Along the principal axis")),
         ),
     ] = "drawn"
+    lay: Annotated[
+        Lay,
+        Parameter(
+            "New curves lie",
+            advanced=True,
+            help="On what is seen under them, upright on it from end to end, or in a set plane.",
+            choices=(
+                ("surface", "On the surface"),
+                ("upright", "Upright on the surface"),
+                ("plane", "In the plane of three places"),
+            ),
+        ),
+    ] = "surface"
+    plane_places: tuple[Point, ...] = ()
     rounding: Annotated[
         float,
         Parameter("Fillet", 1e-3, 1e5, unit="mm", help="Radius of the next fillet.", advanced=True),

@@ -160,11 +160,11 @@ def _images(
         elif curve.in_plane:
             images.append(each)
         elif curve.across:
-            images.append(replace(each, at=_image_place(curve.spline, each.at, reflection)))
+            images.append(replace(each, at=image_place(curve.spline, each.at, reflection)))
     return images
 
 
-def _image_place(spline: Spline, at: float, reflection: Reflection) -> float:
+def image_place(spline: Spline, at: float, reflection: Reflection) -> float:
     """Return where a curve that is its own mirror image has the image of one of its places."""
     begin, end = spline.range
     image = reflection.points(spline.value([begin + at * (end - begin)]))

@@ -44,6 +44,11 @@ class ProductTool(Tool[ProductState]):
         return erased(state, ink.strokes[-1])
 
 
+def has_curves(state: ProductState) -> bool:
+    """Whether there is a curve that was drawn."""
+    return any(curve.spline is not None for curve in state.of_kind(Curve))
+
+
 def erased(state: ProductState, path: Stroke) -> ProductState:
     """Return the state without the curves that a path runs along.
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh, Spline, flattened
@@ -19,6 +20,7 @@ from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Edge
 from bozzetto_product.network.reflection import Reflection
+from bozzetto_product.projection.planes import plane_through
 from bozzetto_product.solve.canvas import Canvas, canvases_of
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.view.colors import colors_of
@@ -65,7 +67,17 @@ LIT_OPACITY: Final = 0.5
 
 LOOP_TOOL: Final = "loop"
 MOVE_TOOL: Final = "move"
+PLANE_TOOL: Final = "plane"
 """Ids of the tools that show a layer of their own."""
+
+JOIN_TOOL: Final = "join"
+"""Id of the tool that closes wide gaps."""
+
+DOT: Final = 11.0
+"""Size of a dot at a place that is meant, px."""
+
+AROUND: Final = 1.3
+"""Half the side of the square that shows a plane, in distances of its places from their middle."""
 
 JOINT: Final = "joint "
 """How the handle of a joint begins; its id follows."""
@@ -88,6 +100,7 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
         layers.append(Layer("let go", tuple(_as_drawn(state, result))))
         layers.append(Layer("margins of curves", tuple(_margins(state, curves))))
     layers.append(Layer("curves", tuple(_curves(state, curves))))
+    layers.append(Layer("plane", tuple(_plane(state)), tool="" if _lies_so(state) else PLANE_TOOL))
     if result is not None:
         layers += [
             Layer("chosen surface", tuple(_chosen(state, result))),
@@ -188,6 +201,35 @@ def _as_drawn(state: ProductState, result: ProductResult) -> Iterator[Lines]:
             yield lines([points], "ghost", DRAWN_WIDTH)
             if curve.mirrored:
                 yield lines([mirror.points(points)], "ghost", DRAWN_WIDTH)
+
+
+def _lies_so(state: ProductState) -> bool:
+    """Whether new curves lie in the plane that was set."""
+    return state.lay == "plane" and len(state.plane_places) == 3
+
+
+def _plane(state: ProductState) -> Iterator[Points | Lines]:
+    """Yield the places of the plane of new curves, and a square in it."""
+    if not state.plane_places:
+        return
+    places = np.array(state.plane_places)
+    yield dots(places)
+    if len(places) < 3:
+        return
+    middle = places.mean(axis=0)
+    reach = float(np.linalg.norm(places - middle, axis=1).max())
+    normal = np.asarray(plane_through(places).normal)
+    along = (places[1] - places[0]) / np.linalg.norm(places[1] - places[0])
+    across = np.cross(normal, along)
+    corners = np.array(((1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)))
+    square = middle + AROUND * reach * (corners @ np.stack((along, across)))
+    yield lines([square], "second", DRAWN_WIDTH)
+
+
+def dots(places: ArrayLike, *, opacity: float = 0.8) -> Points:
+    """Return dots at places that are meant."""
+    points = np.asarray(places, np.float32).reshape(-1, 3)
+    return Points(points, color="accent", size=DOT, opacity=opacity)
 
 
 @remembered(limit=2048, key=lambda spline: spline)

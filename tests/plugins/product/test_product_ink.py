@@ -136,7 +136,7 @@ def test_tools_and_facts_of_parts_are_steps(tmp_path: Path) -> None:
     assert np.abs(moved).max() > 2.0
 
 
-REFUSED = {"join-wider", "trim", "add", "forget-pulls"}
+REFUSED = {"join-wider", "trim", "add", "forget-pulls", "split-creases"}
 """Commands that have nothing to do on a rectangle that is joined, and say so."""
 
 UNCHANGED = {"edge-auto", "find-surfaces", "straighten"}
