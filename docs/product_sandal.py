@@ -23,7 +23,7 @@ LONG = 280.0
 FRONT, BACK = (78.0, 96.0), (22.0, 26.0)
 """Where the edges of the strap are along the foot: at the sole, and on top; mm."""
 
-SHORT = 0.246
+SHORT = 0.25
 """Share of a turn at which a half of the strap ends: a little before the top, where it meets the
 other half."""
 
