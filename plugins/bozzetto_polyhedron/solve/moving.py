@@ -9,10 +9,12 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, frozen
+from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
+from bozzetto_polyhedron.mechanism.convex_parts import Polytope, convex_parts
 from bozzetto_polyhedron.mechanism.fittings import fastened
-from bozzetto_polyhedron.mechanism.pieces import METRE, Machine, Shape, machine_of
+from bozzetto_polyhedron.mechanism.pieces import METRE, Machine, Shape, machine_of, meeting
 from bozzetto_polyhedron.mechanism.stepper import Stepper
 from bozzetto_polyhedron.model.fittings import Anchor, Trace
 from bozzetto_polyhedron.model.limits import is_near
@@ -123,10 +125,12 @@ def moving(state: PolyhedronState) -> Moving:
         shapes,
         gravity=GRAVITY if state.gravity else 0.0,
         planar=AXES[state.planar],
-        friction=state.friction if state.ground else None,
+        ground=state.ground,
+        friction=state.friction,
     )
     aliases = {part: numbers[whole] for part, whole in joined.items() if whole in numbers}
     machine = fastened(machine, fastenings_of(state, numbers | aliases))
+    machine = meeting(machine) if state.contact else machine
     made = Moving(machine, Stepper(machine.assembly), numbers, joined)
     tolerance = 1e-6 * made.extent * METRE
     stepper = Stepper(machine.assembly, damping=state.damping, tolerance=tolerance)
@@ -224,7 +228,18 @@ def _shape(body: Body, found: Solved, state: PolyhedronState) -> Shape | None:
         density=body.density,
         thickness=body.wall,
         solid=solid,
+        parts=parts_of(found.mesh) if moves == "whole" and found.mesh is not None else (),
     )
+
+
+def _triangles(mesh: Mesh) -> Hashable:
+    return mesh.vertices.tobytes(), mesh.faces.tobytes()
+
+
+@remembered(limit=32, key=_triangles)
+def parts_of(mesh: Mesh) -> tuple[Polytope, ...]:
+    """Return the convex parts of a body that meet others, mm."""
+    return convex_parts(mesh)
 
 
 def _held(body: Body, found: Solved, state: PolyhedronState, vertices: Array) -> dict[int, Array]:
