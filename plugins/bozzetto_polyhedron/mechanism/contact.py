@@ -74,7 +74,7 @@ def _holding_impulses(response: Array, speeds: Array, friction: float) -> Array 
     """Return the impulses that stop all places, if they are in the cones: what stands, stands."""
     found = np.linalg.lstsq(response, -speeds.ravel(), rcond=ALIKE)[0]
     left = float(np.abs(response @ found + speeds.ravel()).max())
-    impulses = found.reshape(-1, 3)
+    impulses: Array = np.asarray(found.reshape(-1, 3), float)
     away = float(np.abs(in_cones(impulses, friction) - impulses).max())
     small = left <= SETTLED * float(np.abs(speeds).max())
     return impulses if small and away <= SETTLED * float(np.abs(impulses).max()) else None

@@ -26,6 +26,12 @@ MOST_CUTS: Final = 10
 HOLLOW: Final = 2e-3
 """Share of the volume of a body by which hulls may be larger than what they stand for."""
 
+MOST_TRIANGLES: Final = 2000
+"""Triangles of a body that is cut: one with more is made plainer first."""
+
+FINEST: Final = 1e-3
+"""Distance, by size, by which a body with more triangles is made plainer at first."""
+
 KERF: Final = 1e-5
 """Width of a cut, by size: what only touches along the plane of a cut comes apart."""
 
@@ -124,6 +130,7 @@ def convex_parts(mesh: Mesh) -> tuple[Polytope, ...]:
     if body.is_empty() or body.volume() <= 0.0:
         whole = polytope_of(np.asarray(mesh.vertices, float))
         return () if whole is None else (whole,)
+    body = _plain(body)
     allowed = HOLLOW * float(body.volume())
     waiting = [body]
     done: list[Manifold] = []
@@ -139,6 +146,14 @@ def convex_parts(mesh: Mesh) -> tuple[Polytope, ...]:
             done.append(piece)
     parts = [polytope_of(np.asarray(piece.hull().to_mesh().vert_properties)) for piece in done]
     return tuple(part for part in parts if part is not None)
+
+
+def _plain(body: Manifold) -> Manifold:
+    """Return a body with a bounded number of triangles: within hundredths of its size the same."""
+    tolerance = FINEST * float(np.ptp(np.reshape(body.bounding_box(), (2, 3)), 0).max())
+    while body.num_tri() > MOST_TRIANGLES and tolerance > 0.0:
+        body, tolerance = body.simplify(tolerance), 2.0 * tolerance
+    return body
 
 
 def _hollow(piece: Manifold) -> float:

@@ -24,7 +24,13 @@ from bozzetto_polyhedron.mechanism.assembly import (
     square_to,
 )
 from bozzetto_polyhedron.mechanism.convex_parts import Polytope
-from bozzetto_polyhedron.mechanism.masses import bar_masses, plate_masses, solid_masses
+from bozzetto_polyhedron.mechanism.masses import (
+    bar_masses,
+    plate_masses,
+    sheet_masses,
+    solid_masses,
+    triangle_masses,
+)
 from bozzetto_polyhedron.mechanism.touches import jointed, lying_in_one_another
 from bozzetto_polyhedron.reconstruction.answer import Rings
 
@@ -62,6 +68,8 @@ class Shape:
         Of its walls, mm; 0 where it is solid, or has those of `THICKNESS`.
     solid : bool
         Whether its faces enclose a volume that is full.
+    triangles : (t, 3) intp, optional
+        Of one whose faces are not plane: it moves as a whole, and stands on its parts.
     parts : tuple of Polytope
         What of it meets other bodies, mm; only one that moves as a whole has any.
     normal : (3,) float64, optional
@@ -76,6 +84,7 @@ class Shape:
     density: float = 1240.0
     thickness: float = 0.0
     solid: bool = False
+    triangles: Index | None = None
     parts: tuple[Polytope, ...] = ()
     normal: Array | None = None
 
@@ -276,7 +285,14 @@ class _Builder:
     def _whole(self, shape: Shape) -> None:
         """Add the body as one piece: full, or its mass where its walls are."""
         points = shape.vertices * METRE
-        if shape.solid:
+        if shape.triangles is not None:
+            if shape.solid:
+                piece = self._piece(*triangle_masses(points, shape.triangles, shape.density))
+            else:
+                piece = self._piece(
+                    *sheet_masses(points, shape.triangles, shape.wall, shape.density)
+                )
+        elif shape.solid:
             piece = self._piece(*solid_masses(points, shape.faces, shape.density))
         else:
             parts = [
@@ -299,8 +315,14 @@ class _Builder:
 
     def joined(self, shapes: Sequence[Shape]) -> None:
         """Join corners of different bodies that lie on one another."""
-        points = [shape.vertices * METRE for shape in shapes]
-        extent = float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0)))
+        points = [
+            shape.vertices[: len(shape.vertices) if shape.triangles is None else 0] * METRE
+            for shape in shapes
+        ]
+        every = np.concatenate(points)
+        if not len(every):
+            return
+        extent = float(np.linalg.norm(np.ptp(every, axis=0)))
         for one in range(len(shapes)):
             for other in range(one):
                 away = np.linalg.norm(points[one][:, None] - points[other][None], axis=2)
@@ -331,6 +353,11 @@ class _Builder:
         """Return the ground: at z = 0, or under the lowest corner at rest where that is below."""
         bodies, points = [], []
         for shape, holders, plates in zip(shapes, self.holders, self.plates, strict=True):
+            if shape.triangles is not None:
+                for part in shape.parts:
+                    bodies += [int(holders[0])] * len(part.corners)
+                    points += list(part.corners * METRE - self.places[int(holders[0])])
+                continue
             vertices = shape.vertices * METRE
             pairs = {(int(piece), k) for k, piece in enumerate(holders) if piece != GROUND}
             for rings, piece in zip(shape.faces, plates, strict=False):

@@ -33,6 +33,7 @@ from bozzetto_polyhedron.model.fittings import (
     Slider,
     Trace,
 )
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.limits import require_near
 
 Color: TypeAlias = tuple[int, int, int]
@@ -300,6 +301,7 @@ class PolyhedronState(PartsState):
         | Hinge
         | Crank
         | Trace
+        | Followed
         | BodyGroup,
         ...,
     ] = ()
