@@ -251,7 +251,9 @@ class FileQuestions:
         asked.setDoubleRange(0.2, LONGEST_FILM)
         asked.setDoubleDecimals(1)
         asked.setDoubleValue(4.0)
-        asked.doubleValueSelected.connect(lambda seconds: self._session.films.make(path, seconds))
+        asked.doubleValueSelected.connect(
+            lambda seconds: self._session.files.films.make(path, seconds)
+        )
         asked.finished.connect(asked.deleteLater)
         asked.open()
 

@@ -26,7 +26,6 @@ from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_model import DocumentModel
 from bozzetto_app.session.files import Files
-from bozzetto_app.session.films import Films
 from bozzetto_app.session.from_shapes import ShapeInput
 from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.gestures import Gestures
@@ -111,12 +110,10 @@ class Session(QObject):
         self.files = Files(
             bench, drawing, view, toolbox, scene, context, self.pictures, notices, self
         )
-        self.films = Films(bench, drawing, view, notices, self)
         self._was_busy = False
         self._shown_work: tuple[_Work, ...] = (
-            *(solver, edits, self.files, self.films.channel),
-            *(self.shapes.channel, self.pictures.channel),
-        )
+            solver, edits, self.files, self.shapes.channel, self.pictures.channel
+        )  # fmt: skip
         for work in self._shown_work:
             work.progressed.connect(self.progressed)
             work.busy_changed.connect(self._update_busy)
@@ -173,10 +170,8 @@ class Session(QObject):
         self.gestures.restart()
 
     def _cancel_shown_work(self) -> None:
-        for part in (self.solver, self.files):
+        for part in (self.solver, self.files, self.shapes.channel, self.pictures.channel):
             part.cancel()
-        for channel in (self.films.channel, self.shapes.channel, self.pictures.channel):
-            channel.cancel()
 
     def _update_busy(self) -> None:
         busy = any(work.busy for work in self._shown_work)

@@ -39,7 +39,7 @@ def test_a_film_is_made_of_the_next_seconds_and_changes_nothing(
     settle(session)
     before, steps = session.drawing.document, len(session.drawing.history.entries)
     for ending in ("glb", "gif"):
-        session.films.make(tmp_path / f"ball.{ending}", 0.4)
+        session.files.films.make(tmp_path / f"ball.{ending}", 0.4)
     settle(session)
     data = (tmp_path / "ball.glb").read_bytes()
     (length,) = struct.unpack_from("<I", data, 12)
@@ -57,7 +57,7 @@ def test_a_film_that_never_ends_is_refused_with_a_sentence(
     hang_a_ball(session, settle)
     said = []
     monkeypatch.setattr(session.notices, "complain", said.append)
-    session.films.make(tmp_path / "ball.glb", 1e6)
+    session.files.films.make(tmp_path / "ball.glb", 1e6)
     settle(session)
     assert not (tmp_path / "ball.glb").exists()
     assert "frames" in said[0].message
