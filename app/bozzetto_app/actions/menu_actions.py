@@ -103,6 +103,18 @@ def _file(window: Window) -> Iterator[Action]:
         ),
         tip=tr("File", "For a 3D printer, for Blender, for the web"),
     )
+    yield Action(
+        "file.film",
+        tr("File", "&Film of what moves…"),
+        files.ask_film,
+        "play",
+        (),
+        menu,
+        "save",
+        enabled=lambda: session.gestures.motion.can_play,
+        why_not=lambda: tr("File", "Nothing moves here. Take a tool that moves an object."),
+        tip=tr("File", "The next seconds as an animated GLB or GIF, as Play would show them"),
+    )
     yield Action("file.quit", tr("File", "&Quit"), window.close, "quit", ("Ctrl+Q",), menu, "quit")
 
 

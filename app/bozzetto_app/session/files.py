@@ -25,6 +25,7 @@ from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim, Claims
 from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.films import Films
 from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.notices import Notice, Notices
 from bozzetto_app.session.pictures import PictureInput
@@ -159,14 +160,16 @@ class Files(QObject):
             "file", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
         )
         self._reads.slow.connect(notices.tell_slow)
-        for channel in (self._saves, self._reads):
+        self.films = Films(workbench, drawing, view, notices, self)
+        for channel in (self._saves, self._reads, self.films.channel):
             channel.progressed.connect(self.progressed)
             channel.busy_changed.connect(self.busy_changed)
 
     @property
     def busy(self) -> bool:
         """Whether a file is being read or written."""
-        return self._saves.busy or self._reads.busy or self._claims.busy
+        channels = (self._saves, self._reads, self._claims, self.films.channel)
+        return any(channel.busy for channel in channels)
 
     @property
     def saving(self) -> bool:
@@ -176,6 +179,7 @@ class Files(QObject):
     def cancel(self) -> None:
         """Stop reading and exporting; a document that is being saved is not disturbed."""
         self._reads.cancel()
+        self.films.channel.cancel()
 
     def close(self) -> None:
         """Give up the document: the program ends, and others may open it."""

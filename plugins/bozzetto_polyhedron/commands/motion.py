@@ -23,7 +23,7 @@ SAME: Final = 0.9
 def swing(state: PolyhedronState, context: Context) -> PolyhedronState:
     """Return the state pushed into the next of its free motions, one extent a second at most."""
     state = as_held(state)
-    made = moving(state)
+    made = moving(state, context.sources)
     if not made.numbers:
         raise UserError("There is nothing to move yet. Turn a drawing into a solid first.")
     motion = made.motion(state.moved)

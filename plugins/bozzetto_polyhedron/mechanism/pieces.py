@@ -12,6 +12,7 @@ from bozzetto.arrays import Array, Index
 from bozzetto_polyhedron.mechanism.assembly import (
     GROUND,
     Assembly,
+    Colliding,
     Ground,
     Joints,
     Motion,
@@ -22,7 +23,15 @@ from bozzetto_polyhedron.mechanism.assembly import (
     spherical,
     square_to,
 )
-from bozzetto_polyhedron.mechanism.masses import bar_masses, plate_masses, solid_masses
+from bozzetto_polyhedron.mechanism.convex_parts import Polytope
+from bozzetto_polyhedron.mechanism.masses import (
+    bar_masses,
+    plate_masses,
+    sheet_masses,
+    solid_masses,
+    triangle_masses,
+)
+from bozzetto_polyhedron.mechanism.touches import jointed, lying_in_one_another
 from bozzetto_polyhedron.reconstruction.answer import Rings
 
 Moves = Literal["whole", "links", "plates", "flat"]
@@ -59,6 +68,10 @@ class Shape:
         Of its walls, mm; 0 where it is solid, or has those of `THICKNESS`.
     solid : bool
         Whether its faces enclose a volume that is full.
+    triangles : (t, 3) intp, optional
+        Of one whose faces are not plane: it moves as a whole, and stands on its parts.
+    parts : tuple of Polytope
+        What of it meets other bodies, mm; only one that moves as a whole has any.
     normal : (3,) float64, optional
         Of the plane in which the bars of a flat shape lie and move.
     """
@@ -71,6 +84,8 @@ class Shape:
     density: float = 1240.0
     thickness: float = 0.0
     solid: bool = False
+    triangles: Index | None = None
+    parts: tuple[Polytope, ...] = ()
     normal: Array | None = None
 
     @property
@@ -270,7 +285,14 @@ class _Builder:
     def _whole(self, shape: Shape) -> None:
         """Add the body as one piece: full, or its mass where its walls are."""
         points = shape.vertices * METRE
-        if shape.solid:
+        if shape.triangles is not None:
+            if shape.solid:
+                piece = self._piece(*triangle_masses(points, shape.triangles, shape.density))
+            else:
+                piece = self._piece(
+                    *sheet_masses(points, shape.triangles, shape.wall, shape.density)
+                )
+        elif shape.solid:
             piece = self._piece(*solid_masses(points, shape.faces, shape.density))
         else:
             parts = [
@@ -293,8 +315,14 @@ class _Builder:
 
     def joined(self, shapes: Sequence[Shape]) -> None:
         """Join corners of different bodies that lie on one another."""
-        points = [shape.vertices * METRE for shape in shapes]
-        extent = float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0)))
+        points = [
+            shape.vertices[: len(shape.vertices) if shape.triangles is None else 0] * METRE
+            for shape in shapes
+        ]
+        every = np.concatenate(points)
+        if not len(every):
+            return
+        extent = float(np.linalg.norm(np.ptp(every, axis=0)))
         for one in range(len(shapes)):
             for other in range(one):
                 away = np.linalg.norm(points[one][:, None] - points[other][None], axis=2)
@@ -321,10 +349,15 @@ class _Builder:
             made += replace(rows, second_point=np.tile(at, (count, 1)))
         return made
 
-    def ground(self, shapes: Sequence[Shape], friction: float) -> Ground:
+    def ground(self, shapes: Sequence[Shape]) -> Ground:
         """Return the ground: at z = 0, or under the lowest corner at rest where that is below."""
         bodies, points = [], []
         for shape, holders, plates in zip(shapes, self.holders, self.plates, strict=True):
+            if shape.triangles is not None:
+                for part in shape.parts:
+                    bodies += [int(holders[0])] * len(part.corners)
+                    points += list(part.corners * METRE - self.places[int(holders[0])])
+                continue
             vertices = shape.vertices * METRE
             pairs = {(int(piece), k) for k, piece in enumerate(holders) if piece != GROUND}
             for rings, piece in zip(shape.faces, plates, strict=False):
@@ -337,7 +370,6 @@ class _Builder:
             np.array(bodies, np.intp),
             np.reshape(np.array(points, float), (-1, 3)),
             min(0.0, lowest * METRE),
-            friction,
         )
 
 
@@ -346,7 +378,8 @@ def machine_of(
     *,
     gravity: float = 0.0,
     planar: int | None = None,
-    friction: float | None = None,
+    ground: bool = False,
+    friction: float = 0.5,
 ) -> Machine:
     """Return what moves of some bodies.
 
@@ -358,8 +391,10 @@ def machine_of(
         Downwards, m/s².
     planar : int, optional
         The axis of the world along which nothing moves.
-    friction : float, optional
-        Of the ground; None where there is none.
+    ground : bool
+        Whether there is any.
+    friction : float
+        Coefficient of Coulomb's friction.
     """
     builder = _Builder()
     for shape in shapes:
@@ -372,7 +407,8 @@ def machine_of(
         np.reshape(np.array(builder.inertias, float), (-1, 3, 3)),
         builder.joints(rest),
         gravity=np.array([0.0, 0.0, -gravity]),
-        ground=None if friction is None else builder.ground(shapes, friction),
+        ground=builder.ground(shapes) if ground else None,
+        friction=friction,
         planar=None if planar is None else np.eye(3)[planar],
     )
     return Machine(
@@ -383,6 +419,21 @@ def machine_of(
         tuple(builder.plates),
         tuple(builder.edges),
     )
+
+
+def meeting(machine: Machine) -> Machine:
+    """Return a machine whose bodies meet; those at a joint, or drawn in one another, never do."""
+    bodies, parts = [], []
+    for shape, holders in zip(machine.shapes, machine.holders, strict=True):
+        for part in shape.parts:
+            bodies.append(int(holders[0]))
+            parts.append(part.scaled(METRE, -machine.rest.places[bodies[-1]] / METRE))
+    if len(set(bodies)) < 2:
+        return machine
+    made = Colliding(np.array(bodies, np.intp), tuple(parts))
+    passing = jointed(machine.assembly.joints) | lying_in_one_another(made, machine.rest)
+    assembly = replace(machine.assembly, colliding=replace(made, passing=passing))
+    return replace(machine, assembly=assembly)
 
 
 def _no_numbers() -> Index:

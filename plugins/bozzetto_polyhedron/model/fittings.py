@@ -22,7 +22,8 @@ class Spot:
     body : str
         Id; "" for what does not move.
     point : (x, y, z)
-        Where it is at rest, mm, in the frame of the drawing of its body; of the model without one.
+        Where it is at rest, mm, in the frame of the drawing of its body; of the model where it has
+        none.
     corner : (x, y), optional
         Place in the drawing, px, of the corner that it is at, and goes with.
     """

@@ -33,6 +33,7 @@ from bozzetto_polyhedron.model.fittings import (
     Slider,
     Trace,
 )
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.limits import require_near
 
 Color: TypeAlias = tuple[int, int, int]
@@ -300,6 +301,7 @@ class PolyhedronState(PartsState):
         | Hinge
         | Crank
         | Trace
+        | Followed
         | BodyGroup,
         ...,
     ] = ()
@@ -335,8 +337,13 @@ class PolyhedronState(PartsState):
     ground: Annotated[bool, Parameter("Ground", help="Whether what falls lands on the ground.")] = (
         False
     )
+    contact: Annotated[
+        bool,
+        Parameter("Contact", help="Whether solids that move as one piece meet one another."),
+    ] = True
     friction: Annotated[
-        float, Parameter("Friction", 0.0, 2.0, step=0.05, help="Of the ground (Coulomb's μ).")
+        float,
+        Parameter("Friction", 0.0, 2.0, step=0.05, help="Of all that touches (Coulomb's μ)."),
     ] = 0.5
     forces: Annotated[
         bool,
