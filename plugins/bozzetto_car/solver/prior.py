@@ -43,11 +43,14 @@ SMOOTH: Final = 60.0
 REACH: Final = 700.0
 """Distance at which that has fallen to e^(-1/2), mm."""
 
-KINSHIP: Final = 0.3
+KINSHIP: Final = 0.2
 """Standard deviation of the way toward each other template, as a share of the whole way."""
 
 HELD: Final = 1e-4
 """Standard deviation of the size of a car whose size is held, as a share."""
+
+FREE: Final = 1.0
+"""The same where something else tells the size: next to nothing."""
 
 PAPER_SHARE: Final = 0.5
 """The weights α and β of the paper's cost."""
@@ -167,7 +170,7 @@ class Prior:
         The weights.
     size : float, optional
         The size of the car relative to the template, where it is known. All lengths of the prior
-        are multiplied by it, and size costs nothing else. By default it varies as that of real cars.
+        are multiplied by it, and size costs nothing else. By default it varies as in real cars.
     held : bool
         Whether the car has that size; else something else must tell it, such as a locked dimension.
 
@@ -189,9 +192,8 @@ class Prior:
             larger = template.variables
             pushed = self._squared @ larger
             self._squared = self._squared - np.outer(pushed, pushed) / (larger @ pushed)
-            if held:
-                measure = size_measure(template) / (HELD * scale)
-                self._squared += np.outer(measure, measure)
+            measure = size_measure(template) / (scale * (HELD if held else FREE))
+            self._squared += np.outer(measure, measure)
 
     def value(self, variables: Array) -> float:
         """Return the cost of a car (q,); that of the template is 0."""
@@ -232,7 +234,7 @@ def _covariance(template: Template, cost: Cost) -> Array:
     if cost.kinship > 0.0:
         ways = kin_directions(template)
         covariance = covariance + cost.kinship**2 * ways @ ways.T
-    return covariance
+    return np.asarray(covariance, float)
 
 
 @lru_cache(maxsize=KNOWN)

@@ -26,6 +26,10 @@ from bozzetto_car.template.model import Template
 OUTER: Final = ("length", "width", "wheelbase", "height")
 """Outer dimensions, in the order of the covariance."""
 
+BY_ITSELF: Final = 0.04
+"""Standard deviation by which each dimension differs besides, as a share: the tabled cars are of
+1990 to 1993, and a template is no mean of its kind."""
+
 OVERHANG_SHARE: Final = 0.03
 """Standard deviation of the share that the front has of both overhangs: that of the templates."""
 
@@ -38,9 +42,9 @@ KNOWN: Final = 16
 
 @cache
 def size_covariance() -> Array:
-    """Return the covariance (4, 4) of the logarithms of the outer dimensions of real cars."""
+    """Return the covariance (4, 4) of the logarithms of outer dimensions about a template's."""
     text = files("bozzetto_car").joinpath("solver/car_sizes.json").read_text("utf-8")
-    return np.asarray(json.loads(text)["covariance"], float)
+    return np.asarray(json.loads(text)["covariance"], float) + BY_ITSELF**2 * np.eye(len(OUTER))
 
 
 def outer_dimensions(template: Template, positions: Array) -> Array:
@@ -159,4 +163,4 @@ def _of_outer_dimensions(template: Template, wanted: Array) -> Array:
     overhangs, half = length - wheelbase, 0.5 * wheelbase
     knots = [-half - share * overhangs, -half, half, half + (1.0 - share) * overhangs]
     places[:, 0] = np.interp(places[:, 0], [low, front, rear, high], knots)
-    return places * [1.0, width / was[1], height / was[3]]
+    return np.asarray(places * [1.0, width / was[1], height / was[3]])
