@@ -42,8 +42,8 @@ def bridged(lines: list[Array], reach: float, width: float) -> list[Array]:
     """
     from scipy.spatial import cKDTree
 
-    closed = [line for line in lines if _is_closed(line)]
-    rows = {number: line for number, line in enumerate(lines) if not _is_closed(line)}
+    closed = [line for line in lines if is_closed(line)]
+    rows = {number: line for number, line in enumerate(lines) if not is_closed(line)}
     if not rows:
         return lines
     numbers = list(rows)
@@ -78,7 +78,8 @@ def bridged(lines: list[Array], reach: float, width: float) -> list[Array]:
     return [*closed, *rows.values()]
 
 
-def _is_closed(line: Array) -> bool:
+def is_closed(line: Array) -> bool:
+    """Whether a line ends where it begins."""
     return len(line) > 3 and bool(np.array_equal(line[0], line[-1]))
 
 

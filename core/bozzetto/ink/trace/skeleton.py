@@ -145,7 +145,32 @@ def _without_spurs(chains: list[LineChain], half_width: Array) -> list[LineChain
             if length(chain.points) <= reach + 1.0:
                 continue
         kept.append(chain)
-    return kept
+    return _merged(kept)
+
+
+def _merged(chains: list[LineChain]) -> list[LineChain]:
+    """Join the two chains at each node where no third one ends."""
+    rows = dict(enumerate(chains))
+    at: dict[int, list[int]] = {}
+    for number, chain in rows.items():
+        for end in chain.ends:
+            at.setdefault(end, []).append(number)
+    for node, numbers in at.items():
+        if len(numbers) != 2 or numbers[0] == numbers[1]:
+            continue
+        first, second = rows[numbers[0]], rows.pop(numbers[1])
+        one = first if first.ends[1] == node else _reversed(first)
+        other = second if second.ends[0] == node else _reversed(second)
+        rows[numbers[0]] = LineChain(
+            np.vstack((one.points, other.points[1:])), (one.ends[0], other.ends[1])
+        )
+        beyond = at[other.ends[1]]
+        beyond[beyond.index(numbers[1])] = numbers[0]
+    return list(rows.values())
+
+
+def _reversed(chain: LineChain) -> LineChain:
+    return LineChain(chain.points[::-1], (chain.ends[1], chain.ends[0]))
 
 
 def length(points: Array) -> float:

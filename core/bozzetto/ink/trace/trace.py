@@ -13,7 +13,8 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.curves.smooth import smooth
-from bozzetto.ink.trace.gaps import bridged
+from bozzetto.ink.trace.corners import split_at_corners
+from bozzetto.ink.trace.gaps import bridged, is_closed
 from bozzetto.ink.trace.junctions import joined_lines
 from bozzetto.ink.trace.page import find_page, straightened
 from bozzetto.ink.trace.skeleton import Skeleton, length, skeleton_of
@@ -97,7 +98,7 @@ class TracedLine:
     @property
     def is_closed(self) -> bool:
         """Whether it is an outline."""
-        return len(self.points) > 3 and bool(np.array_equal(self.points[0], self.points[-1]))
+        return is_closed(self.points)
 
 
 def sheet_of(
@@ -194,8 +195,16 @@ def trace(
             "picture."
         )
     checkpoint(0.9, "Weighing the lines")
-    kept.sort(key=length, reverse=True)
-    placed = [_even(line, width) for line in kept]
+    placed = [
+        piece
+        for line in kept
+        for piece in (
+            [_even(line, width)]
+            if is_closed(line)
+            else split_at_corners(_even(line, width), width)
+        )
+    ]
+    placed.sort(key=length, reverse=True)
     scale = sheet.size[0] / found.mask.shape[1]
     pressures = _pressures(placed, skeleton, found)
     return tuple(
@@ -210,9 +219,9 @@ def _usual_width(lines: list[Array], skeleton: Skeleton) -> float:
 
 def _even(line: Array, width: float) -> Array:
     """Smooth a line from pixel to pixel, and sample it evenly."""
-    closed = len(line) > 3 and np.array_equal(line[0], line[-1])
+    closed = is_closed(line)
     line = line[distinct(line)]
-    plain = smooth(line, SMOOTHING * width, closed=bool(closed))
+    plain = smooth(line, SMOOTHING * width, closed=closed)
     count = max(2, round(float(arc_length(plain)[-1]) / max(2.0, SPACING * width)) + 1)
     even = resample(plain, count=max(count, 8 if closed else 2))
     if closed:

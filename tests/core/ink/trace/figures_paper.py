@@ -167,10 +167,10 @@ class EdgesFound:
     traced_right: bool
 
 
-def directions(lines: Sequence[Points]) -> tuple[Points, Points, NDArray[np.intp]]:
-    """Dense samples of lines, their directions, and which line they are of."""
-    places, along, owner = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros(0, np.intp)]
-    for number, line in enumerate(lines):
+def directions(lines: Sequence[Points]) -> tuple[Points, Points]:
+    """Dense samples of lines, and their directions."""
+    places, along = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    for line in lines:
         dense = resample(line, spacing=2.0)
         if len(dense) < 2:
             continue
@@ -181,8 +181,7 @@ def directions(lines: Sequence[Points]) -> tuple[Points, Points, NDArray[np.intp
         span = dense[ahead] - dense[behind]
         places.append(dense)
         along.append(span / np.maximum(np.linalg.norm(span, axis=1, keepdims=True), 1e-9))
-        owner.append(np.full(len(dense), number, np.intp))
-    return np.vstack(places), np.vstack(along), np.concatenate(owner)
+    return np.vstack(places), np.vstack(along)
 
 
 def edges_found(seed: int, conditions: Conditions) -> EdgesFound | None:
@@ -199,21 +198,15 @@ def edges_found(seed: int, conditions: Conditions) -> EdgesFound | None:
     lines = placed(paths)
     size = diagonal(lines)
     found, raw, _, _ = traced(lines, conditions, seed, [np.asarray(s.pressure) for s in strokes])
-    places, along, owner = directions(found)
+    places, along = directions(found)
     tree = cKDTree(places) if len(places) else None
     followed = {number: [0, 0] for number in range(len(edges))}
     for number, line in enumerate(lines):
-        at, way, _ = directions([line])
+        at, way = directions([line])
         near = [[] for _ in at] if tree is None else tree.query_ball_point(at, NEAR * size)
-        by: dict[int, int] = {}
         for sample, numbers in enumerate(near):
-            runs = {
-                int(owner[k]) for k in numbers if abs(float(along[k] @ way[sample])) >= ALONG
-            }
-            for run in runs:
-                by[run] = by.get(run, 0) + 1
-        # A line that is drawn in one go comes back in one stroke.
-        followed[owners[number]][0] += max(by.values(), default=0)
+            have = any(abs(float(along[k] @ way[sample])) >= ALONG for k in numbers)
+            followed[owners[number]][0] += have
         followed[owners[number]][1] += len(at)
     good = [have >= FOLLOWED * all_of for have, all_of in followed.values()]
     drawn = cKDTree(np.vstack([resample(line, spacing=2.0) for line in lines]))
