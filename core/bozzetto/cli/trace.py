@@ -22,9 +22,13 @@ def trace(options: argparse.Namespace) -> int:
     refuse_overwriting([options.picture], [options.output], None)
     find(options.output, writers("ink"))
     if not is_picture(options.picture):
-        raise UserError(f"“{options.picture.name}” is no picture. Trace a PNG or JPEG, for example.")
+        raise UserError(
+            f"“{options.picture.name}” is no picture. Trace a PNG or JPEG, for example."
+        )
     if not 0.0 <= options.sensitivity <= 1.0:
-        raise UserError("--sensitivity is a number from 0 (only dark lines) to 1 (faint ones, too).")
+        raise UserError(
+            "--sensitivity is a number from 0 (only dark lines) to 1 (faint ones, too)."
+        )
     pixels = read_image(options.picture, trusted=options.trust_file)
     sheet = tracing.sheet_of(pixels, page=not options.whole)
     lines = tracing.trace(sheet, options.sensitivity)

@@ -20,7 +20,7 @@ NEAR: Final = 1.0
 FAR: Final = 6.0
 """Distance from a junction, in widths, up to which the direction of a line is looked at."""
 
-STRAIGHT: Final = np.deg2rad(30.0)
+STRAIGHT: Final = np.deg2rad(20.0)
 """Largest turn of a line that goes on through a junction."""
 
 
@@ -73,15 +73,11 @@ def joined_lines(skeleton: Skeleton) -> list[Array]:
         if len(keys) > 2:
             for number, side in keys:
                 passes = (number, side) in partner
-                points[number] = _ended(
-                    points[number], side, middle[node], skeleton, passes=passes
-                )
+                points[number] = _ended(points[number], side, middle[node], skeleton, passes=passes)
     return _walked(points, partner)
 
 
-def _junctions(
-    chains: list[LineChain], skeleton: Skeleton
-) -> tuple[dict[int, int], set[int]]:
+def _junctions(chains: list[LineChain], skeleton: Skeleton) -> tuple[dict[int, int], set[int]]:
     """Return the junction of each node, and the chains that lie within a junction."""
     degree: dict[int, int] = {}
     for chain in chains:
@@ -147,9 +143,7 @@ def _outward(points: Array, side: int, skeleton: Skeleton, middle: Array) -> Arr
     return along
 
 
-def _ended(
-    points: Array, side: int, middle: Array, skeleton: Skeleton, *, passes: bool
-) -> Array:
+def _ended(points: Array, side: int, middle: Array, skeleton: Skeleton, *, passes: bool) -> Array:
     """Take away what a junction bends of a chain, and lead it to the junction's middle.
 
     A line that goes on is led straight through instead.

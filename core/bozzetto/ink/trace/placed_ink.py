@@ -23,6 +23,9 @@ DISTANCE: Final = 500.0
 FILLED: Final = 0.9
 """Share of a view that the page fills."""
 
+SLANT: Final = 0.03
+"""Greatest departure from a square view, in shares of a pixel's side."""
+
 
 def page_camera(size: tuple[int, int]) -> Camera:
     """Return the parallel front view of a page that stands on the ground, centred.
@@ -103,6 +106,29 @@ def strokes_on_picture(
         seen, _ = camera.project(corner + share @ np.stack((across, down)))
         made.append(_stroke(seen, line, camera))
     return tuple(made)
+
+
+def is_seen_square(
+    size: tuple[int, int], place: tuple[ArrayLike, ArrayLike, ArrayLike], camera: Camera
+) -> bool:
+    """Whether a picture is seen as it is: turned or larger at most, and neither slanted nor mirrored.
+
+    Parameters
+    ----------
+    size, place, camera
+        As in `strokes_on_picture`.
+    """
+    corner, across, down = (np.asarray(vector, float) for vector in place)
+    seen, _ = camera.project(
+        np.stack((corner, corner + across, corner + down, corner + across + down))
+    )
+    if not np.isfinite(seen).all():
+        return False
+    right, below = (seen[1] - seen[0]) / size[0], (seen[2] - seen[0]) / size[1]
+    turned = np.array([-right[1], right[0]])
+    far = np.abs(seen[3] - seen[1] - seen[2] + seen[0]).max() / max(size)
+    least = float(np.linalg.norm(right))
+    return bool(max(float(np.linalg.norm(below - turned)), float(far)) <= SLANT * least)
 
 
 def _stroke(points: Array, line: TracedLine, camera: Camera) -> Stroke:

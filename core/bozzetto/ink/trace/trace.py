@@ -14,7 +14,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.curves.smooth import smooth
 from bozzetto.ink.trace.corners import split_at_corners
-from bozzetto.ink.trace.gaps import bridged, is_closed
+from bozzetto.ink.trace.gaps import TOUCHING, bridged, is_closed
 from bozzetto.ink.trace.junctions import joined_lines
 from bozzetto.ink.trace.page import find_page, straightened
 from bozzetto.ink.trace.skeleton import Skeleton, length, skeleton_of
@@ -187,8 +187,7 @@ def trace(
     longest = max(found.mask.shape)
     checkpoint(0.8, "Bridging gaps")
     whole = bridged(lines, max(3.0 * width, LONGEST_GAP * longest), width)
-    shortest = max(2.0 * width, SHORTEST * longest)
-    kept = [line for line in whole if length(line) >= shortest]
+    kept = _without_specks(whole, max(2.0 * width, SHORTEST * longest), width)
     if not kept:
         raise UserError(
             "There are only specks in this picture. Raise the sensitivity, or take a sharper "
@@ -199,9 +198,7 @@ def trace(
         piece
         for line in kept
         for piece in (
-            [_even(line, width)]
-            if is_closed(line)
-            else split_at_corners(_even(line, width), width)
+            [_even(line, width)] if is_closed(line) else split_at_corners(_even(line, width), width)
         )
     ]
     placed.sort(key=length, reverse=True)
@@ -211,6 +208,22 @@ def trace(
         TracedLine(scale * points, pressure)
         for points, pressure in zip(placed, pressures, strict=True)
     )
+
+
+def _without_specks(lines: list[Array], shortest: float, width: float) -> list[Array]:
+    """Leave out short lines, but for those that hang on a longer one: dashes that cross it."""
+    from scipy.spatial import cKDTree
+
+    kept = [line for line in lines if length(line) >= shortest]
+    if not kept:
+        return []
+    tree = cKDTree(np.vstack(kept))
+    for line in lines:
+        if width <= length(line) < shortest:
+            apart, _ = tree.query(line[[0, -1]], distance_upper_bound=TOUCHING * width)
+            if np.isfinite(apart).any():
+                kept.append(line)
+    return kept
 
 
 def _usual_width(lines: list[Array], skeleton: Skeleton) -> float:

@@ -95,7 +95,9 @@ def on_page(sheet: Sheet, corners: Points) -> Callable[[Points], Points]:
     back = np.eye(3)
     if sheet.corners is not None:
         width, height = sheet.size
-        back = homography(np.array([(0, 0), (width, 0), (width, height), (0, height)]), sheet.corners)
+        back = homography(
+            np.array([(0, 0), (width, 0), (width, height), (0, height)]), sheet.corners
+        )
     whole = np.array([(0, 0), (PAGE[0], 0), PAGE, (0, PAGE[1])], float)
     matrix = homography(np.asarray(corners), whole) @ back
 
@@ -148,7 +150,9 @@ def outline_found(
     for ring in lines:
         apart = [hausdorff(ring, line) for line in closed]
         worst = max(worst, min(apart, default=np.inf) / size)
-    return OutlineFound(name, len(found) == len(lines) == len(closed) and worst <= NEAR, worst, seconds, megapixels)
+    return OutlineFound(
+        name, len(found) == len(lines) == len(closed) and worst <= NEAR, worst, seconds, megapixels
+    )
 
 
 # -- line drawings ---------------------------------------------------------------------------------
@@ -252,7 +256,9 @@ def main() -> None:
     parser.add_argument("--verbose", action="store_true")
     asked = parser.parse_args()
     every = outlines()
-    print("| Picture | outlines | closed and whole | Hausdorff, median | worst whole | s per megapixel |")
+    print(
+        "| Picture | outlines | closed and whole | Hausdorff, median | worst whole | s per megapixel |"
+    )
     print("|---|---|---|---|---|---|")
     for word in asked.conditions:
         found = [
@@ -270,7 +276,9 @@ def main() -> None:
         if asked.verbose:
             print([(one.name, round(one.hausdorff, 4)) for one in found if not one.whole])
     print()
-    print("| Picture | drawings | edges | followed | of those in dashes | stray ink | read right as drawn | as traced |")
+    print(
+        "| Picture | drawings | edges | followed | of those in dashes | stray ink | read right as drawn | as traced |"
+    )
     print("|---|---|---|---|---|---|---|---|")
     for word in asked.conditions:
         seeds = range(asked.first, asked.first + asked.solids)

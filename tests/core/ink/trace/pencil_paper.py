@@ -87,9 +87,7 @@ def coverage(
     pen = ImageDraw.Draw(image)
     for number, line in enumerate(lines):
         pressure = np.full(len(line), 0.8) if pressures is None else pressures[number]
-        for (a, b), p in zip(
-            zip(line[:-1], line[1:], strict=True), pressure[1:], strict=True
-        ):
+        for (a, b), p in zip(zip(line[:-1], line[1:], strict=True), pressure[1:], strict=True):
             wide = FINER * width * (0.55 + 0.55 * p)
             tone = round(255 * min(1.0, 0.45 + 0.7 * p))
             ends = [tuple(FINER * a), tuple(FINER * b)]
@@ -170,16 +168,16 @@ def _on_table(page: Points, rng: np.random.Generator) -> tuple[Points, Points]:
     return laid * inside + wood * (1.0 - inside), corners
 
 
-def _light(
-    shape: tuple[int, int], conditions: Conditions, rng: np.random.Generator
-) -> Points:
+def _light(shape: tuple[int, int], conditions: Conditions, rng: np.random.Generator) -> Points:
     """Brightness of the light on each pixel."""
     height, width = shape
     y, x = np.mgrid[0:height, 0:width] / max(shape)
     angle = rng.uniform(0, 2 * np.pi)
     slope = np.cos(angle) * (x - 0.5) + np.sin(angle) * (y - 0.4)
-    light = 1.0 - conditions.falloff * (slope + 0.5) - 0.3 * conditions.falloff * (
-        (x - 0.5) ** 2 + (y - 0.4) ** 2
+    light = (
+        1.0
+        - conditions.falloff * (slope + 0.5)
+        - 0.3 * conditions.falloff * ((x - 0.5) ** 2 + (y - 0.4) ** 2)
     )
     if conditions.shadow:
         # The border of a hand's shadow: sharp where it touches the paper, soft farther off.
