@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -46,7 +47,7 @@ def split_at_corners(line: Array, width: float) -> list[Array]:
         if is_corner[place] and all(abs(int(place) + arm - cut) >= arm for cut in cuts):
             cuts.append(int(place) + arm)
     stations = [0, *sorted(cuts), len(line) - 1]
-    return [line[a : b + 1] for a, b in zip(stations[:-1], stations[1:], strict=True)]
+    return [line[a : b + 1] for a, b in pairwise(stations)]
 
 
 def _turns(line: Array, arm: int) -> Array:

@@ -70,7 +70,7 @@ def bridged(lines: list[Array], reach: float, width: float) -> list[Array]:
         first = rows.pop(one) if side == 1 else rows.pop(one)[::-1]
         second = rows.pop(other) if far == 0 else rows.pop(other)[::-1]
         rows[one] = np.vstack((first, second))
-        for end, (number, at) in list(owner.items()):
+        for end, (number, _) in list(owner.items()):
             if number == one:
                 owner[end] = (one, 0)
             elif number == other:

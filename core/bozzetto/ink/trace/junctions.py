@@ -11,8 +11,8 @@ from bozzetto.arrays import Array
 from bozzetto.ink.trace.skeleton import LineChain, Skeleton, length
 
 MERGED: Final = 2.5
-"""Longest piece of a skeleton between two nodes that is one junction, in widths of the line: thinning
-makes two of a crossing."""
+"""Longest piece of a skeleton between two nodes that is one junction, in widths of the line:
+thinning makes two of a crossing."""
 
 NEAR: Final = 1.0
 """Distance from a junction, in widths, within which a skeleton is bent by it."""
@@ -37,12 +37,13 @@ def joined_lines(skeleton: Skeleton) -> list[Array]:
     """Join the chains of a skeleton to lines as a hand draws them.
 
     Nodes that a short chain joins are one junction. Of the chains that meet there, the pair that
-    makes the straightest line is joined first, up to `STRAIGHT`; chains without a partner end at the
-    junction. Where two chains meet they are one line, whatever the corner between them.
+    makes the straightest line is joined first, up to `STRAIGHT`; chains without a partner end at
+    the junction. Where two chains meet they are one line, whatever the corner between them.
 
     Parameters
     ----------
     skeleton : Skeleton
+        Middle lines of the ink.
 
     Returns
     -------

@@ -158,9 +158,9 @@ def aspect_ratio(corners: Array, size: tuple[int, int]) -> float:
     """Return width over height of a rectangle that was photographed.
 
     Zhang and He, "Whiteboard scanning and image enhancement" (Digital Signal Processing 17, 2007),
-    equations 11, 12, 20 and 21: square pixels and the optical axis in the picture's middle are assumed.
-    Where a pair of sides is parallel the picture does not tell the focal length; then, and where the
-    equations have no solution, the mean lengths of opposite sides are taken.
+    equations 11, 12, 20 and 21: square pixels and the optical axis in the picture's middle are
+    assumed. Where a pair of sides is parallel the picture does not tell the focal length; then, and
+    where the equations have no solution, the mean lengths of opposite sides are taken.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def _quadrilateral(hull: Flags) -> Array | None:
     """Return the four corners of a convex region: vertices go whose loss adds the least area."""
     from scipy.spatial import ConvexHull
 
-    border = np.argwhere(hull)[:, ::-1] + 0.5
+    border: Array = np.argwhere(hull)[:, ::-1].astype(float) + 0.5
     if len(border) < 8:
         return None
     corners = border[ConvexHull(border).vertices]

@@ -1,4 +1,4 @@
-"""Traced lines as strokes: on a sheet of their own, in a view, or on a picture that lies in space."""
+"""Traced lines as strokes: on a sheet of their own, in a view, or along a picture in space."""
 
 from __future__ import annotations
 
@@ -52,6 +52,7 @@ def page_drawing(lines: Sequence[TracedLine], size: tuple[int, int], name: str) 
     Parameters
     ----------
     lines : sequence of TracedLine
+        See `trace`.
     size : (width, height)
         Of the page, pixels; see `Sheet.size`.
     name : str
@@ -70,6 +71,7 @@ def strokes_in_view(
     Parameters
     ----------
     lines : sequence of TracedLine
+        See `trace`.
     size : (width, height)
         Of the page, pixels.
     camera : Camera
@@ -92,6 +94,7 @@ def strokes_on_picture(
     Parameters
     ----------
     lines : sequence of TracedLine
+        See `trace`.
     size : (width, height)
         Of the picture, pixels.
     place : (corner, across, down)
@@ -111,7 +114,7 @@ def strokes_on_picture(
 def is_seen_square(
     size: tuple[int, int], place: tuple[ArrayLike, ArrayLike, ArrayLike], camera: Camera
 ) -> bool:
-    """Whether a picture is seen as it is: turned or larger at most, and neither slanted nor mirrored.
+    """Whether a picture is seen as it is: turned or larger at most, not slanted nor mirrored.
 
     Parameters
     ----------

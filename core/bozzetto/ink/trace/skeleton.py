@@ -98,7 +98,7 @@ def _chains(thin: Flags) -> list[LineChain]:
     pixels, near = _neighbours(thin)
     if not len(pixels):
         return []
-    places = pixels[:, ::-1] + 0.5
+    places: Array = pixels[:, ::-1].astype(float) + 0.5
     degree = (near >= 0).sum(1)
     linked = [[int(other) for other in row if other >= 0] for row in near]
     is_node = degree != 2

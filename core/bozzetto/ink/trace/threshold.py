@@ -90,7 +90,7 @@ def gray_of(pixels: NDArray[np.uint8], longest: int = LONGEST_SIDE) -> NDArray[n
         # A picture of ten thousand by one pixels stays one.
         kind = Image.Resampling.BOX if scale < 1.0 else Image.Resampling.BICUBIC
         image = image.resize(size, kind)
-    if image.getextrema()[3][0] < 255:  # type: ignore[index]
+    if np.asarray(image.getchannel("A")).min() < 255:
         white = Image.new("RGBA", image.size, "white")
         image = Image.alpha_composite(white, image)
     return np.asarray(image.convert("L"), np.float32) / 255.0

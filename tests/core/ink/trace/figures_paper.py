@@ -2,8 +2,8 @@
 
     python -m tests.core.ink.trace.figures_paper [--first 9000] [--solids 60]
 
-Outlines and line drawings are drawn on paper in pencil and photographed (`pencil_paper`), with seeds that
-nothing was tuned on, and traced. What was drawn is known to the pixel.
+Outlines and line drawings are drawn on paper in pencil and photographed (`pencil_paper`), with
+seeds that nothing was tuned on, and traced. What was drawn is known to the pixel.
 """
 
 from __future__ import annotations
@@ -256,9 +256,7 @@ def main() -> None:
     parser.add_argument("--verbose", action="store_true")
     asked = parser.parse_args()
     every = outlines()
-    print(
-        "| Picture | outlines | closed and whole | Hausdorff, median | worst whole | s per megapixel |"
-    )
+    print("| Picture | outlines | whole | Hausdorff, median | worst | s per megapixel |")
     print("|---|---|---|---|---|---|")
     for word in asked.conditions:
         found = [
@@ -277,7 +275,7 @@ def main() -> None:
             print([(one.name, round(one.hausdorff, 4)) for one in found if not one.whole])
     print()
     print(
-        "| Picture | drawings | edges | followed | of those in dashes | stray ink | read right as drawn | as traced |"
+        "| Picture | drawings | edges | followed | dashed | stray ink | read as drawn | as traced |"
     )
     print("|---|---|---|---|---|---|---|---|")
     for word in asked.conditions:

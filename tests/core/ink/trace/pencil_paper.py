@@ -1,7 +1,8 @@
 """Drawings on paper as a camera or a scanner sees them, from lines that are known.
 
-A pencil leaves more graphite on the grain than beside it; the paper has fibres and stains; the light
-falls off, a hand throws a shadow with a soft border; the sensor is noisy and the file is a JPEG.
+A pencil leaves more graphite on the grain than beside it; the paper has fibres and stains; the
+light falls off, a hand throws a shadow with a soft border; the sensor is noisy and the file is a
+JPEG.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,7 +89,7 @@ def coverage(
     pen = ImageDraw.Draw(image)
     for number, line in enumerate(lines):
         pressure = np.full(len(line), 0.8) if pressures is None else pressures[number]
-        for (a, b), p in zip(zip(line[:-1], line[1:], strict=True), pressure[1:], strict=True):
+        for (a, b), p in zip(pairwise(line), pressure[1:], strict=True):
             wide = FINER * width * (0.55 + 0.55 * p)
             tone = round(255 * min(1.0, 0.45 + 0.7 * p))
             ends = [tuple(FINER * a), tuple(FINER * b)]
