@@ -143,7 +143,10 @@ class Tracing(QObject):
             lines = trace(sheet, sensitivity, checkpoint=job.checkpoint)
             return Traced(sheet, lines, _small(sheet))
 
-        self.channel.submit(Request(work, self.found.emit, self._fail))
+        def stopped() -> None:
+            self.failed.emit(tr("Session", "Stopped. Move the slider to try again."))
+
+        self.channel.submit(Request(work, self.found.emit, self._fail, stopped=stopped))
 
     def cancel(self) -> None:
         """Trace no more."""

@@ -20,6 +20,12 @@ NEAR: Final = 1.0
 FAR: Final = 6.0
 """Distance from a junction, in widths, up to which the direction of a line is looked at."""
 
+TIP: Final = 5.0
+"""Longest dead end, in widths, that is the tip of a limb whose two sides have run together."""
+
+NARROW: Final = float(np.cos(np.deg2rad(60.0)))
+"""Cosine of the largest angle between the sides of such a limb."""
+
 STRAIGHT: Final = np.deg2rad(20.0)
 """Largest turn of a line that goes on through a junction."""
 
@@ -70,6 +76,19 @@ def joined_lines(skeleton: Skeleton) -> list[Array]:
     for node, keys in at.items():
         if len(keys) == 1:
             continue
+        tip = _tip(keys, chains, skeleton, middle[node], at, group)
+        if tip is not None:
+            points.pop(tip[0])
+            one, other = (key for key in keys if key != tip)
+            partner[one], partner[other] = other, one
+            for key in (one, other):
+                points[key[0]] = _ended(
+                    points[key[0]], key[1], middle[node], skeleton, passes=False
+                )
+            out = chains[tip[0]].points if tip[1] == 0 else chains[tip[0]].points[::-1]
+            side = points[one[0]]
+            points[one[0]] = np.vstack((out[::-1], side) if one[1] == 0 else (side, out))
+            continue
         _pair(keys, chains, skeleton, middle[node], partner)
         if len(keys) > 2:
             for number, side in keys:
@@ -101,6 +120,37 @@ def _junctions(chains: list[LineChain], skeleton: Skeleton) -> tuple[dict[int, i
             inner.add(number)
             group[root(a)] = root(b)
     return {node: root(node) for node in degree}, inner
+
+
+def _tip(
+    keys: list[tuple[int, int]],
+    chains: list[LineChain],
+    skeleton: Skeleton,
+    middle: Array,
+    at: dict[int, list[tuple[int, int]]],
+    group: dict[int, int],
+) -> tuple[int, int] | None:
+    """Return the dead end at a junction that is the tip of a narrow limb, if there is one.
+
+    The pencil went along one side to the tip and back along the other.
+    """
+    if len(keys) != 3 or len({number for number, _ in keys}) < 2:
+        return None
+    for number, side in keys:
+        chain = chains[number]
+        is_free = len(at[group[chain.ends[1 - side]]]) == 1
+        width = float(np.median(skeleton.width_at(chain.points)))
+        if not is_free or length(chain.points) > TIP * width:
+            continue
+        tip = _outward(chain.points, side, skeleton, middle)
+        one, other = (
+            _outward(chains[key[0]].points, key[1], skeleton, middle)
+            for key in keys
+            if key != (number, side)
+        )
+        if one @ other > NARROW and tip @ (one + other) < 0.0:
+            return number, side
+    return None
 
 
 def _pair(

@@ -26,13 +26,13 @@ WIDEST_LINE: Final = 0.03
 BLUR: Final = 0.0006
 """Standard deviation of the blur against grain, in longest sides: 1.2 pixels of 2048."""
 
-GRAIN_LEVEL: Final = 5.0
+GRAIN_LEVEL: Final = 7.5
 """Darkness that no grain of the paper has, in standard deviations of it."""
 
 GRAIN_FLOOR: Final = 3.2
 """Darkness down to which a line is followed on, in standard deviations of the grain."""
 
-LEAST_DARKNESS: Final = 0.025
+LEAST_DARKNESS: Final = 0.045
 """Darkness below which nothing is ink, also where the paper has no grain; 1 is black."""
 
 STRONG: Final = 0.40

@@ -32,6 +32,9 @@ LONGEST_GAP: Final = 0.012
 SHORTEST: Final = 0.006
 """Shortest line that is no speck, in longest sides; and two widths at least."""
 
+ATTACHED: Final = 1.5
+"""Shortest line that hangs on a longer one, in widths."""
+
 PAGE_RIM: Final = 0.012
 """Rim of a straightened page on which its border may show, in longest sides."""
 
@@ -219,7 +222,7 @@ def _without_specks(lines: list[Array], shortest: float, width: float) -> list[A
         return []
     tree = cKDTree(np.vstack(kept))
     for line in lines:
-        if width <= length(line) < shortest:
+        if ATTACHED * width <= length(line) < shortest:
             apart, _ = tree.query(line[[0, -1]], distance_upper_bound=TOUCHING * width)
             if np.isfinite(apart).any():
                 kept.append(line)
