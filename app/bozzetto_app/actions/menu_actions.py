@@ -66,6 +66,15 @@ def _file(window: Window) -> Iterator[Action]:
         tip=tr("File", "A picture under the sheet, to be traced; so does Shift with a drop"),
     )
     yield Action(
+        "file.trace",
+        tr("File", "&Trace into ink…"),
+        window.dialogs.open_trace,
+        "pen",
+        ("Ctrl+T",),
+        menu,
+        tip=tr("File", "Strokes from the lines of an underlay, or of a sketch in a file"),
+    )
+    yield Action(
         "file.save",
         tr("File", "&Save"),
         files.ask_save,
