@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from bozzetto_product.network.net import Loop, Net
@@ -17,7 +19,7 @@ def waisted(seed: int) -> tuple[Net, Loop]:
     starts[[0, count // 2]] = 0, count // 2
     starts = 2 * np.pi / count * np.append(starts, count)
     chains = []
-    for start, end in zip(starts[:-1], starts[1:], strict=True):
+    for start, end in itertools.pairwise(starts):
         turn = np.linspace(start, end, 129)
         ends = np.sign(np.cos(turn)) * np.exp(-np.abs(np.sin(turn)) / 0.3)
         x = stretch * np.cos(turn) - notch * ends
