@@ -14,7 +14,9 @@ from bozzetto_product.details.bodies import SolvedDetail
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_mesh import radius_ratios
 from bozzetto_product.hand_over.names import loop_names, piece_names
-from bozzetto_product.model.state import Curve, Detail, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.paper.paper_surface import PaperSurface
 from bozzetto_product.solve.result import ProductResult, SolvedPatch
 

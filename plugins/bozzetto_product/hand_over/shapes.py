@@ -10,7 +10,8 @@ from bozzetto.geometry import Brep, FaceGroup, Mesh, Shapes, Solid, Surface, cou
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import remembered
 from bozzetto_product.details.shell import Shell, group_of
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.shaping.wall import NOBODY, Wall
 from bozzetto_product.solve.bodies import JoinedPatches, is_closed_mesh, joined_patches

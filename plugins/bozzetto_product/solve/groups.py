@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from bozzetto.plugin import remembered
-from bozzetto_product.model.state import Curve, CurveGroup, Patch, Plane, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.patches import CurveGroup, Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.shaping.group_fairing import FairedNet, faired

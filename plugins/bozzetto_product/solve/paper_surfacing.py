@@ -8,7 +8,9 @@ from typing import Final
 
 from bozzetto.plugin import Job, remembered
 from bozzetto_product.fill.normals import edge_normals
-from bozzetto_product.model.state import CurveGroup, Patch, Plane, ProductState
+from bozzetto_product.model.patches import CurveGroup, Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.paper.group_spring import EvenedGroup, evened_group

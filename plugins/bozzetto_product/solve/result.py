@@ -10,7 +10,8 @@ import numpy as np
 from bozzetto.geometry import Mesh
 from bozzetto_product.details.bodies import DetailedBodies
 from bozzetto_product.fill.fill import Fill
-from bozzetto_product.model.state import Curve, Patch
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.patches import Patch
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.paper.paper_surface import PaperSurface
 from bozzetto_product.shaping.wall import Wall

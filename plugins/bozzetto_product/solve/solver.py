@@ -14,15 +14,12 @@ from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.network_fills import fill_net
 from bozzetto_product.loops.boundaries import loop_of, mirrored_boundary
 from bozzetto_product.loops.orientation import orient_loops
-from bozzetto_product.model.state import (
-    Boundary,
-    Curve,
-    Detail,
-    Joint,
-    Patch,
-    Plane,
-    ProductState,
-)
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.joints import Boundary, Joint
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.network.reflection import Reflection

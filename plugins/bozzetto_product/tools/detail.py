@@ -10,7 +10,9 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Ink, Job, NextStep, override
 from bozzetto_product.details.outline_places import NO_SURFACE, places_of_ink
-from bozzetto_product.model.state import Detail, Patch, ProductState
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.paper_surfacing import UNCARVED
 from bozzetto_product.solve.solver import grounds_of, solve_product
 from bozzetto_product.tools.product_tool import ProductTool

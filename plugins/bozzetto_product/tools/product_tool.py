@@ -12,7 +12,8 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline, resample
 from bozzetto.plugin import Context, Ink, Tool, override
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.pieces import delete_curves
 from bozzetto_product.solve.found_patches import with_patches_found
@@ -41,6 +42,11 @@ class ProductTool(Tool[ProductState]):
     def erase(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Take away the curves that the eraser's path runs along."""
         return erased(state, ink.strokes[-1])
+
+
+def has_curves(state: ProductState) -> bool:
+    """Whether there is a curve that was drawn."""
+    return any(curve.spline is not None for curve in state.of_kind(Curve))
 
 
 def erased(state: ProductState, path: Stroke) -> ProductState:

@@ -11,7 +11,8 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, resample
 from bozzetto.plugin import Context, Gesture, Ink, Job, NextStep, override
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
-from bozzetto_product.model.state import Patch, ProductState
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.shaping.pull import pulled
 from bozzetto_product.solve.paper_surfacing import UNPULLED
 from bozzetto_product.solve.result import SolvedPatch
@@ -31,6 +32,7 @@ class Pull(ProductTool):
     id = "pull"
     title = "Pull"
     icon = "icons/pull.svg"
+    group = "Reshape"
     hint = "See a surface from the side, and draw where its contour is to be."
 
     @override

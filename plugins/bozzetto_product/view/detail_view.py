@@ -11,7 +11,7 @@ from bozzetto.geometry import Mesh, shaded_faces
 from bozzetto.plugin import remembered
 from bozzetto.scene import Lines, Shaded
 from bozzetto_product.details.shell import Owner, Shell, group_of
-from bozzetto_product.model.state import Color
+from bozzetto_product.model.appearance import Color
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.view.colors import SHOWN_FINISHES
 

@@ -19,7 +19,8 @@ from bozzetto_product.fill.network_fills import fill_net, mesh_spacing
 from bozzetto_product.hand_over.imported import product_of_network
 from bozzetto_product.loops.finding import find_loops
 from bozzetto_product.loops.orientation import orient_loops
-from bozzetto_product.model.state import CurveGroup, Patch, ProductState, SurfaceKind
+from bozzetto_product.model.patches import CurveGroup, Patch
+from bozzetto_product.model.state import ProductState, SurfaceKind
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.paper.group_spring import evened_group

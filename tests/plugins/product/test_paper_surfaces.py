@@ -15,7 +15,9 @@ from bozzetto_product import modeler
 from bozzetto_product.fill.fill_mesh import corner_ratios
 from bozzetto_product.hand_over.imported import product_of_network
 from bozzetto_product.loops.orientation import orient_loops
-from bozzetto_product.model.state import CurveGroup, Detail, Patch, ProductState
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.patches import CurveGroup, Patch
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.paper.group_spring import evened_group
 from bozzetto_product.paper.membrane import pressed, voronoi_areas
