@@ -93,7 +93,9 @@ def sides_of_loop(
         kinks += [corner.turn] + [0.0] * (len(cut) - 1)
         ordered = cut if forward else cut[::-1]
         pieces += [SidePiece(number, each, forward, normals.fields[number]) for each in ordered]
-    starts = _side_starts(kinds, kinks, [p.piece.length for p in pieces], _turns(pieces, normals))
+    plain = kinds.count(1) >= FEWEST and -1 not in kinds
+    turns = [0.0] * len(pieces) if plain else _turns(pieces, normals)
+    starts = _side_starts(kinds, kinks, [piece.piece.length for piece in pieces], turns)
     sides = []
     for start, end in zip(starts, [*starts[1:], starts[0] + len(pieces)], strict=True):
         run = [index % len(pieces) for index in range(start, end)]

@@ -27,7 +27,7 @@ STEP: Final = 0.5
 TANGENTIAL: Final = 0.3
 """Share of the way to the mean of the neighbours, within the tangent plane, likewise."""
 
-REST: Final = 5e-4
+REST: Final = 1e-3
 """Greatest displacement of one iteration, in mean lengths of edges, at which all are at rest."""
 
 ITERATIONS: Final = 300

@@ -27,6 +27,7 @@ from bozzetto_product.paper.group_spring import evened_group
 from bozzetto_product.paper.membrane import pressed
 from bozzetto_product.paper.network_surfaces import paper_surfaces
 from bozzetto_product.paper.triangulation import triangulated
+from bozzetto_product.report import meeting_angle
 from bozzetto_product.shaping.group_fairing import faired
 from bozzetto_product.shaping.pressure import inflated
 from tests.plugins.product.drawn_networks import DRAWN
@@ -144,19 +145,10 @@ def groups() -> None:
                 for share in (0.0, 1.0):
                     net = faired(sheet.net, sheet.loops, sheet.members, share, plane).net
                     fills = fill_net(net, sheet.loops)
-                    error = [error_of(sheet, fills[k]) for k in sorted(sheet.members)]
-                    angle = max(
-                        angle
-                        for k in sheet.members
-                        for angle, (edge, _) in zip(
-                            fills[k].g1_degrees, sheet.loops[k], strict=True
-                        )
-                        if edge in inner
-                    )
-                    rows.setdefault(f"fair {share}", []).append((float(np.mean(error)), angle))
+                    rows.setdefault(f"fair {share}", []).append(judged(sheet, fills, inner))
                     made = evened_group(sheet.net, start, sheet.members, 1.0, share, plane).surfaces
-                    rows.setdefault(f"paper {share}", []).append(_of_paper(sheet, made, inner))
-                rows.setdefault("paper alone", []).append(_of_paper(sheet, start, inner))
+                    rows.setdefault(f"paper {share}", []).append(judged(sheet, made, inner))
+                rows.setdefault("paper alone", []).append(judged(sheet, start, inner))
         name = f"groups of 4, noise {100 * noise:.0f} %"
         for what, fair, paper in (
             ("each surface alone", None, "paper alone"),
@@ -175,18 +167,18 @@ def error_of(sheet, fill) -> float:
     return 100 * float(sheet.surface.distance(centres).mean()) / sheet.diagonal
 
 
-def _of_paper(sheet, surfaces, inner) -> tuple[float, float]:
+def judged(sheet, surfaces, inner) -> tuple[float, float]:
+    """Mean error in percent, and the worst angle over the edges between the surfaces, degrees."""
     errors = [error_of(sheet, surfaces[k]) for k in sorted(sheet.members)]
     worst = 0.0
     for edge in inner:
-        sides = [
-            surfaces[k].normals[surfaces[k].border_of(place)]
+        (one, here), (other, there) = (
+            (surfaces[k], place)
             for k in sorted(sheet.members)
             for place, (number, _) in enumerate(sheet.loops[k])
             if number == edge
-        ]
-        cosine = np.clip((sides[0] * sides[1]).sum(axis=1), -1, 1)
-        worst = max(worst, float(np.degrees(np.arccos(cosine)).max()))
+        )
+        worst = max(worst, meeting_angle(one, here, other, there))
     return float(np.mean(errors)), worst
 
 
