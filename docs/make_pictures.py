@@ -13,6 +13,7 @@ import tempfile
 from typing import TYPE_CHECKING
 
 import car_pictures
+import paper_pictures
 import product_pictures
 import solid_pictures
 import symmetry_pictures
@@ -45,6 +46,7 @@ def main() -> int:
     solid_pictures.linkages()
     product_pictures.gallery()
     product_pictures.paper()
+    paper_pictures.paper_to_ink()
     return 0
 
 
