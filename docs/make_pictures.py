@@ -43,6 +43,7 @@ def main() -> int:
     car_pictures.window()
     solid_pictures.samples()
     solid_pictures.linkages()
+    solid_pictures.gallery()
     product_pictures.gallery()
     return 0
 
