@@ -121,7 +121,8 @@ class Machine:
     def piece_at(self, number: int, place: Array) -> int:
         """Return the piece of a shape that is at a place at rest, mm; that of the nearest corner.
 
-        Of bars it is the nearest one. Where plates meet in a corner it is the one whose face lies nearest.
+        Of bars it is the nearest one. Where plates meet in a corner it is the one whose face lies
+        nearest.
         """
         if number == GROUND:
             return GROUND
