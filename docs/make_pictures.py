@@ -45,6 +45,7 @@ def main() -> int:
     solid_pictures.linkages()
     solid_pictures.gallery()
     product_pictures.gallery()
+    product_pictures.paper()
     return 0
 
 

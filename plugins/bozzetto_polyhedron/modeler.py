@@ -24,7 +24,7 @@ from bozzetto.view import Camera, with_kind
 from bozzetto_polyhedron.commands.listing import all_commands
 from bozzetto_polyhedron.hand_over import shapes_of, traced_curves
 from bozzetto_polyhedron.model.assign_stroke import drawings_in, new_body
-from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Join, Mirror, Push
+from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Fillet, Join, Mirror, Push
 from bozzetto_polyhedron.model.earlier_states import with_spots
 from bozzetto_polyhedron.model.fittings import Coil, Crank, Hinge, Link, Pin, Slider, Trace
 from bozzetto_polyhedron.model.followed import Followed
@@ -51,7 +51,7 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
     state_type = PolyhedronState
     state_version = 2
     part_types = (
-        *(Body, Measure, Slant, Push, Added, Chamfer, Mirror, Copies, Join),
+        *(Body, Measure, Slant, Push, Added, Chamfer, Fillet, Mirror, Copies, Join),
         *(Link, Coil, Slider, Pin, Hinge, Crank, Trace, Followed, BodyGroup),
     )
     first_parameters = ("answer", "length", "depth")

@@ -17,15 +17,13 @@ from bozzetto_polyhedron.mechanism.pieces import METRE
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of
 from bozzetto_polyhedron.solve.followed import Sources, followed_meshes
 from bozzetto_polyhedron.solve.forces import forces_of
 from bozzetto_polyhedron.solve.moving import MOST_POSES, NOTHING, is_mechanism, moving
 from bozzetto_polyhedron.solve.pipeline import Solved
-
-SURE: Final = 0.5
-"""Confidence below which the program asks."""
 
 FIGURES: Final[Mapping[str, Figure]] = {
     "closed": Figure("Closed", "Whether the faces bound a volume", good=True, bad=False),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 from bozzetto_app.actions.registry import Action
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.toolbox import TOOL_KEYS
+from bozzetto_app.session.tool_groups import TOOL_KEYS
 from bozzetto_app.session.view_state import Shading
 
 if TYPE_CHECKING:
@@ -64,6 +64,15 @@ def _file(window: Window) -> Iterator[Action]:
         (),
         menu,
         tip=tr("File", "A picture under the sheet, to be traced; so does Shift with a drop"),
+    )
+    yield Action(
+        "file.trace",
+        tr("File", "&Trace into ink…"),
+        window.dialogs.open_trace,
+        "pen",
+        ("Ctrl+T",),
+        menu,
+        tip=tr("File", "Strokes from the lines of an underlay, or of a sketch in a file"),
     )
     yield Action(
         "file.save",
@@ -517,22 +526,22 @@ def _help(window: Window) -> Iterator[Action]:
 
 
 def number_keys(window: Window) -> Iterator[Action]:
-    """1 … 9 and 0 take the tools of the active modeler."""
+    """1 … 9 and 0 take what the buttons of the tool rail show, and then the next of their group."""
 
     def there_is(place: int) -> bool:
-        return place < len(window.session.toolbox.tools)
+        return place < len(window.session.toolbox.groups)
 
     def take(place: int) -> None:
         if there_is(place):
-            window.session.toolbox.take_tool(window.session.toolbox.tools[place].id)
+            window.session.toolbox.take_group(place)
 
     def too_few() -> str:
         session = window.session
         if not session.toolbox.modeler:
             return tr("Tool", "Choose a modeler at the top right first.")
         title = session.registry.info(session.toolbox.modeler).title
-        count = len(session.toolbox.tools)
-        return tr("Tool", "{title} has {count} tools.", title=title, count=count)
+        count = len(session.toolbox.groups)
+        return tr("Tool", "{title} has keys up to {count}.", title=title, count=count)
 
     for number, key in enumerate(TOOL_KEYS, 1):
         yield Action(

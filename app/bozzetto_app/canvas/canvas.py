@@ -383,6 +383,8 @@ class Canvas(QWidget):
             self.overlay.light_up(())  # what was wrong is gone, or was mended
         self._marked = len(marked)
         self.overlay.set_pending(self._good_ink(), self._session.view.camera, marked)
+        if self._session.drawing.pending:
+            self._fade_hint()  # ink that no pen brought
 
     def _good_ink(self) -> tuple[Stroke, ...]:
         return tuple(

@@ -120,13 +120,22 @@ class FileQuestions:
 
     def ask_underlay(self) -> None:
         """Ask for a picture and put it under the sheet."""
+        path = self.ask_picture(tr("Files", "Place a picture under the sheet"))
+        if path is not None:
+            self._session.pictures.take_file(path, under=True)
+
+    def ask_picture(self, title: str) -> Path | None:
+        """Ask for the file of a picture; None if the person would rather not.
+
+        Parameters
+        ----------
+        title : str
+            Of the dialog.
+        """
         from bozzetto.exchange.formats import readers
 
         endings = " ".join(f"*{ending}" for one in readers("image") for ending in one.endings)
-        kinds = tr("Files", "Pictures ({endings})").format(endings=endings)
-        path = self._chosen(tr("Files", "Place a picture under the sheet"), kinds)
-        if path is not None:
-            self._session.pictures.take_file(path, under=True)
+        return self._chosen(title, tr("Files", "Pictures ({endings})").format(endings=endings))
 
     def paste(self, *, under: bool = False) -> None:
         """Take the picture or the files that were copied elsewhere."""

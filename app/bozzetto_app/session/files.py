@@ -467,8 +467,11 @@ class Files(QObject):
 
         self._reads.submit(Request(work, done, self._notices.complain))
 
-    def import_file(self, path: Path) -> None:
-        """Bring a drawing, a mesh or a picture onto the sheet."""
+    def import_file(self, path: Path, title: str = "") -> None:
+        """Bring a drawing, a mesh or a picture onto the sheet.
+
+        A drawing with a title is called by it, any other one by its file.
+        """
         from bozzetto.exchange.import_file import is_picture
 
         if is_picture(path):
@@ -488,6 +491,7 @@ class Files(QObject):
                 shapes = read_mesh(path, checkpoint=reading)
                 return bench.sources.from_shapes(MESH_MODELER, shapes, path.stem), False, None, ()
             ink = read_drawing(path, checkpoint=reading)
+            ink = replace(ink, name=title or ink.name)
             facts_only = not len(ink.strokes)
             modeler = (facts_only and bench.registry.told_by(ink.facts)) or active
             if not modeler:
@@ -503,7 +507,9 @@ class Files(QObject):
             model, pictured, view, left_out = answer
             if not pictured:
                 self.imported.emit(view)
-            drawing.apply_model(tr("Files", "Import {name}", name=path.name), model, is_new=True)
+            drawing.apply_model(
+                tr("Files", "Import {name}", name=title or path.name), model, is_new=True
+            )
             if pictured:
                 self._pictures.taken.emit(model.id)
             if left_out:  # stays until the next one, as with exports

@@ -16,6 +16,7 @@ from bozzetto_polyhedron.model.changes import (
     Chamfer,
     Change,
     Copies,
+    Fillet,
     Join,
     Mirror,
     Point,
@@ -291,6 +292,7 @@ class PolyhedronState(PartsState):
         | Push
         | Added
         | Chamfer
+        | Fillet
         | Mirror
         | Copies
         | Join

@@ -112,6 +112,7 @@ class DrawLink(_TyingTool):
     id = "link"
     title = "Link"
     icon = "icons/link.svg"
+    group = "Mechanism"
     hint = "Draw from one corner to another; a bar keeps them apart."
     noun = "Link"
 
@@ -127,6 +128,7 @@ class DrawSpring(_TyingTool):
     id = "spring"
     title = "Spring"
     icon = "icons/spring.svg"
+    group = "Mechanism"
     hint = "Draw from one corner to another, or into the open; a spring pulls them together."
     noun = "Spring"
 
@@ -144,6 +146,7 @@ class DrawHinge(_JoiningTool):
     id = "hinge"
     title = "Hinge"
     icon = "icons/hinge.svg"
+    group = "Mechanism"
     hint = "Draw an axis from one place of a body to another; choose a motor in its form."
     noun = "Hinge"
 
@@ -164,6 +167,7 @@ class DrawSlider(_JoiningTool):
     id = "slider"
     title = "Slider"
     icon = "icons/slider.svg"
+    group = "Mechanism"
     hint = "Draw from a corner along the straight way on which it may slide."
     noun = "Slider"
 
@@ -181,6 +185,7 @@ class DrawCrank(_JoiningTool):
     id = "motor"
     title = "Motor"
     icon = "icons/motor.svg"
+    group = "Mechanism"
     hint = "Draw along a bar of a flat drawing, from its axis outwards: it turns steadily."
     noun = "Motor"
 
@@ -208,6 +213,7 @@ class DrawPin(ErasingTool):
     id = "pin"
     title = "Pin"
     icon = "icons/pin.svg"
+    group = "Mechanism"
     hint = "Touch the crossing of two bars of a flat drawing, and they are pinned there."
     gesture = "tap"
 
@@ -241,6 +247,7 @@ class TraceCorner(ErasingTool):
     id = "trace"
     title = "Trace"
     icon = "icons/trace.svg"
+    group = "Mechanism"
     hint = "Touch a corner: its path is drawn while things move."
     gesture = "tap"
 

@@ -126,7 +126,7 @@ def test_pulling_takes_hold_of_a_followed_body():
     state = replace(MODELER.follow(given), damping=5.0)
     start = at(49.0, -15.0, 59.0)
     for frame in range(30):
-        path = stroke(start, start + np.array([2.0 * frame + 1.0, 0.0]))
+        path = stroke(start, start + np.array((2.0 * frame + 1.0, 0.0)))
         state = Move().step(state, Drag("", path), FRAME, Context(sources=given))
     moved = state.moved.places[0] - moving(state, given).machine.rest.places[0]
     assert moved[0] > 0.01
