@@ -181,7 +181,10 @@ def stacked(seconds: float = 2.0) -> tuple[float, float]:
 
 
 def passed(seeds: range) -> int:
-    """Return how many boxes passed a plate of 2 mm, thrown at it turned by chance, 10 and 40 m/s."""
+    """Return how many boxes passed a plate of 2 mm that they were thrown at with 10 m/s.
+
+    They are turned by chance; those that slid off beside its edge did not pass it.
+    """
     count = 0
     for seed in seeds:
         rng = np.random.default_rng(seed)
@@ -190,11 +193,15 @@ def passed(seeds: range) -> int:
         bodies = [box((20, 16, 12)), box((2, 400, 400))]
         assembly, motion = dropped(bodies, [place, (0, 0, 0)], [turn, np.eye(3)], ground=False)
         stepper = Stepper(replace(assembly, gravity=np.zeros(3)))
-        speed = 10.0 if seed % 2 else 40.0
-        motion = replace(motion, velocities=np.array([[speed, 0.0, 0.0], [0.0, 0.0, 0.0]]))
-        for _ in range(15):
+        motion = replace(motion, velocities=np.array([[10.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))
+        for _ in range(30):
             motion = stepper.advanced(motion, 1.0 / 60.0)
-        count += bool(motion.turns[1, :, 0] @ (motion.places[0] - motion.places[1]) > 0.0)
+            way = motion.turns[1].T @ (motion.places[0] - motion.places[1])
+            if np.abs(way[1:]).max() > 0.2:
+                break
+            if way[0] > 0.0:
+                count += 1
+                break
     return count
 
 
@@ -224,7 +231,12 @@ def main() -> None:
     speed, median = stacked()
     row("a stack of two boxes after 2 s, fastest, m/s", speed, 1e-6)
     row("the same, ms a frame, median", median, 16.0, ".1f")
-    row("boxes of 40 that pass a plate of 2 mm", passed(range(40_040, 40_080)), 0, "d")
+    row(
+        "boxes of 40 that pass a plate of 2 mm, thrown at 10 m/s",
+        passed(range(40_040, 40_080)),
+        0,
+        "d",
+    )
     for count in (10, 50, 100):
         median, slow = frames(count)
         row(f"{count} hinged plates, ms a frame, median", median, 16.0, ".1f")
