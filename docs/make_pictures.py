@@ -44,6 +44,7 @@ def main() -> int:
     car_pictures.window()
     solid_pictures.samples()
     solid_pictures.linkages()
+    solid_pictures.gallery()
     product_pictures.gallery()
     product_pictures.paper()
     paper_pictures.paper_to_ink()
