@@ -20,7 +20,7 @@ GAP = 12
 
 ROWS = (
     ("bozzetto.silhouette", PLUGINS / "bozzetto_silhouette" / "samples" / "horse.json", 4),
-    ("bozzetto.polyhedron", PLUGINS / "bozzetto_polyhedron" / "samples" / "house.json", 6),
+    ("bozzetto.polyhedron", PLUGINS / "bozzetto_polyhedron" / "samples" / "stairs.json", 6),
 )
 
 
