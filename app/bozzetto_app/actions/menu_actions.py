@@ -66,6 +66,15 @@ def _file(window: Window) -> Iterator[Action]:
         tip=tr("File", "A picture under the sheet, to be traced; so does Shift with a drop"),
     )
     yield Action(
+        "file.trace",
+        tr("File", "&Trace into ink…"),
+        window.dialogs.open_trace,
+        "pen",
+        ("Ctrl+T",),
+        menu,
+        tip=tr("File", "Strokes from the lines of an underlay, or of a sketch in a file"),
+    )
+    yield Action(
         "file.save",
         tr("File", "&Save"),
         files.ask_save,
@@ -102,6 +111,18 @@ def _file(window: Window) -> Iterator[Action]:
             else tr("File", "There is nothing to export yet. Draw something first.")
         ),
         tip=tr("File", "For a 3D printer, for Blender, for the web"),
+    )
+    yield Action(
+        "file.film",
+        tr("File", "&Film of what moves…"),
+        files.ask_film,
+        "play",
+        (),
+        menu,
+        "save",
+        enabled=lambda: session.gestures.motion.can_play,
+        why_not=lambda: tr("File", "Nothing moves here. Take a tool that moves an object."),
+        tip=tr("File", "The next seconds as an animated GLB or GIF, as Play would show them"),
     )
     yield Action("file.quit", tr("File", "&Quit"), window.close, "quit", ("Ctrl+Q",), menu, "quit")
 

@@ -9,7 +9,8 @@ from bozzetto.document.model import Model
 from bozzetto.ink.steps import DragStep, DrawStep, Step
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.job import Job
-from bozzetto.workbench.play_steps import run_steps
+from bozzetto.workbench.part_edits import PartEdit
+from bozzetto.workbench.play_steps import steps_taken
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.pen_replay import PenReplay
 from bozzetto_app.workers.channel import Request
@@ -32,7 +33,13 @@ class StepReplay(PenReplay):
         self._runs = True
         bench, context = self.session.workbench, self._context()
         name = self.drawing.name
-        self._submit(lambda job: bench.create(self._modeler, context, name=name), is_new=True)
+
+        def work(job: Job) -> PartEdit:
+            title = bench.registry.info(self._modeler).title
+            made = bench.create(self._modeler, context, name=name)
+            return PartEdit(made, tr("Replay", "New {title}", title=title))
+
+        self._submit(work)
 
     def stop(self) -> None:
         """Take the pen away; steps that were taken stay."""
@@ -67,20 +74,30 @@ class StepReplay(PenReplay):
 
     def _take(self) -> None:
         """Take the first step that is left."""
-        step, model = self._steps.pop(0), self._model
+        number, model = len(self.drawing.steps) - len(self._steps) + 1, self._model
         bench, context = self.session.workbench, self._context()
         assert model is not None
-        one = replace(self.drawing, steps=(step,))
-        self._submit(lambda job: run_steps(bench, model, one, context, job))
+        one = replace(self.drawing, steps=(self._steps.pop(0),))
+        self._submit(lambda job: next(steps_taken(bench, model, one, context, job, first=number)))
 
-    def _submit(self, work: Callable[[Job], Model], *, is_new: bool = False) -> None:
-        session = self.session
+    def _submit(self, work: Callable[[Job], PartEdit]) -> None:
+        """Take a step in a worker; one that only chooses a part is none of the history."""
+        session, before = self.session, self._model
 
-        def done(model: Model) -> None:
+        def taken(job: Job) -> tuple[PartEdit, bool]:
+            made = work(job)
+            bench = session.workbench
+            chosen = before is not None and bench.parts.only_choice_differs(before, made.model)
+            return made, chosen
+
+        def done(answer: tuple[PartEdit, bool]) -> None:
             if not self._runs:
                 return
+            (model, label), only_chosen = answer
             self.inked.emit(None)
-            session.drawing.apply_model(tr("Replay", "Drawing"), model, is_new=is_new)
+            session.drawing.apply_model(
+                label, model, is_new=before is None, only_chosen=only_chosen
+            )
             self._model = session.drawing.document.model(model.id)
             self._next()
 
@@ -88,7 +105,7 @@ class StepReplay(PenReplay):
             session.notices.complain(problem)
             self.stop()
 
-        session.gestures.edits.submit(Request(work, done, failed))
+        session.gestures.edits.submit(Request(taken, done, failed))
 
 
 def _strokes_of(step: Step) -> Sequence[int]:

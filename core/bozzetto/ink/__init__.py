@@ -39,10 +39,9 @@ if TYPE_CHECKING:
     from bozzetto.ink.oversketch.lift import lift_curve as lift_curve
     from bozzetto.ink.oversketch.ordered_feet import FEET_LAPS as FEET_LAPS
     from bozzetto.ink.oversketch.ordered_feet import ordered_feet as ordered_feet
-    from bozzetto.ink.oversketch.snake import SNAKE_LOCATION as SNAKE_LOCATION
-    from bozzetto.ink.oversketch.snake import SNAKE_PRESSURE as SNAKE_PRESSURE
-    from bozzetto.ink.oversketch.snake import SNAKE_RESTITUTION as SNAKE_RESTITUTION
+    from bozzetto.ink.oversketch.snake import DEFAULT_FORCES as DEFAULT_FORCES
     from bozzetto.ink.oversketch.snake import Oversketched as Oversketched
+    from bozzetto.ink.oversketch.snake import SnakeForces as SnakeForces
     from bozzetto.ink.oversketch.snake import oversketch_curve as oversketch_curve
     from bozzetto.ink.same_view import SAME_VIEW as SAME_VIEW
     from bozzetto.ink.same_view import carried_places as carried_places
@@ -69,8 +68,8 @@ else:
             "bozzetto.ink.merge.weights": "stroke_weights",
             "bozzetto.ink.oversketch.lift": "lift_curve",
             "bozzetto.ink.oversketch.ordered_feet": "FEET_LAPS ordered_feet",
-            "bozzetto.ink.oversketch.snake": "Oversketched SNAKE_LOCATION SNAKE_PRESSURE "
-            "SNAKE_RESTITUTION oversketch_curve",
+            "bozzetto.ink.oversketch.snake": "DEFAULT_FORCES Oversketched SnakeForces "
+            "oversketch_curve",
             "bozzetto.ink.same_view": "SAME_VIEW carried_places is_one_view on_canvas",
             "bozzetto.ink.stroke": "Stroke Strokes",
         },

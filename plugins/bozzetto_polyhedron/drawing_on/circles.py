@@ -118,33 +118,6 @@ def circle_on_face(body: PlanarBody, stroke: ArrayLike, camera: Camera) -> Circl
     return found if found is not None and found.deviation < ROUND else None
 
 
-def circle_about_axis(
-    axes: ArrayLike, through: ArrayLike, stroke: ArrayLike, camera: Camera
-) -> Circle | None:
-    """Return the circle whose axis is one of three; None if it is round in no such plane.
-
-    Parameters
-    ----------
-    axes : (3, 3) array_like
-        Rows are unit vectors: the frame of a body.
-    through : (3,) array_like
-        A point of its plane, mm.
-    stroke : (n, 2) array_like
-        An ellipse, or at least half of one; canvas px.
-    camera : Camera
-        Through which it was drawn.
-    """
-    pixels = _samples(stroke)
-    place = np.asarray(through, float)
-    found = [
-        circle
-        for axis in np.asarray(axes, float)
-        if (circle := _fitted(pixels, camera, axis, float(axis @ place), -1)) is not None
-    ]
-    best = min(found, key=lambda circle: circle.deviation, default=None)
-    return best if best is not None and best.deviation < ROUND else None
-
-
 def area_radius(radius: float) -> float:
     """Return the radius of the corners of a polygon of `SIDES` sides with a circle's area."""
     turn = 2.0 * np.pi / SIDES

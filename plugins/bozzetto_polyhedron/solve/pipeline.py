@@ -116,6 +116,16 @@ def solved(
     return Solved(graph, answers, number, placed_body(base, body.placement), placed, mesh)
 
 
+def joined_bodies(results: Mapping[str, Solved]) -> dict[str, str]:
+    """Return the bodies that have become part of another one, by their ids, and which that is."""
+    return {
+        part: body_id
+        for body_id, found in results.items()
+        if found.changed is not None
+        for part in found.changed.joined
+    }
+
+
 def changed_until(body: Body, state: PolyhedronState, change: Change | None = None) -> Changed:
     """Return a body, in the frame of its drawing, as it was before one of its changes.
 

@@ -50,7 +50,7 @@ class DrawLines(ErasingTool):
         made = state
         for stroke in gesture.strokes:
             made = with_added(made, stroke) or made
-        return Scene() if made is state else scene_after(made)
+        return Scene() if made is state else scene_after(made, context.sources)
 
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:

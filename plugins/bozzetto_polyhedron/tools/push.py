@@ -101,7 +101,7 @@ class PushLoop(ErasingTool):
     @override
     def preview(self, state: PolyhedronState, gesture: Gesture, context: Context) -> Scene:
         """Return the body as it would be."""
-        return scene_after(self.apply(state, gesture, context))
+        return scene_after(self.apply(state, gesture, context), context.sources)
 
 
 def _with_loop(state: PolyhedronState, body: Body, strokes: tuple[Stroke, ...]) -> PolyhedronState:

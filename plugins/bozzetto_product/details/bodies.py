@@ -21,7 +21,8 @@ from bozzetto_product.details.ground import Ground, followed_outline
 from bozzetto_product.details.region import faces_over
 from bozzetto_product.details.ring import Ring, ring_through
 from bozzetto_product.details.shell import Owner, Shell
-from bozzetto_product.model.state import Detail, Plane
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.network.reflection import Reflection
 
 BEHIND: Final = 1e-4

@@ -23,7 +23,8 @@ from bozzetto_product.hand_over.checked_values import (
     an_object,
     point_rows,
 )
-from bozzetto_product.model.state import Detail, DetailKind, ProductState
+from bozzetto_product.model.details import Detail, DetailKind
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.solver import grounds_of, solve_product
 
 KEYS: Final = (

@@ -20,7 +20,8 @@ from bozzetto_product.hand_over.checked_values import (
 )
 from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
 from bozzetto_product.hand_over.point_joints import joints_of
-from bozzetto_product.model.state import Curve, EdgeKind, ProductState
+from bozzetto_product.model.curves import Curve, EdgeKind
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.settling import settled_state
 
 KEYS: Final = ("curves", "loops", "creases", "pressure", "details")

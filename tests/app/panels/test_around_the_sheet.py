@@ -405,7 +405,7 @@ def strip(qtbot, shown, fake_session):
 def test_samples_and_recent_files_can_be_chosen(qtbot, strip):
     with qtbot.waitSignal(strip.sample_chosen) as sample:
         button(strip, "Glasses").click()
-    assert sample.args == ["bozzetto.symmetry", Path("/samples/glasses.json")]
+    assert sample.args == ["bozzetto.symmetry", Path("/samples/glasses.json"), "Glasses"]
     with qtbot.waitSignal(strip.sample_watched) as watched:
         button(strip, "Watch Fish being drawn").click()
     assert watched.args == ["bozzetto.silhouette", Path("/samples/fish.json")]

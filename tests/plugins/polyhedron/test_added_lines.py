@@ -14,6 +14,7 @@ from bozzetto.view import turn
 from bozzetto_polyhedron.model.changes import Added, Join
 from bozzetto_polyhedron.model.state import Body
 from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
+from bozzetto_polyhedron.solve.moving import moving
 from bozzetto_polyhedron.tools.draw_lines import DrawLines
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
 from tests.plugins.polyhedron.objects import OBJECTS
@@ -200,6 +201,12 @@ def test_strokes_from_corner_to_corner_bridge_two_solids(two):
     assert volume_of(made) > volume_of(one) + volume_of(other)
     assert genus_of(made) == 0
     assert len(two.shapes().breps) == 1
+    machine = moving(two.state)
+    assert list(machine.numbers) == ["n1"]
+    assert machine.number_of("n2") == 0
+    assert len(machine.machine.rest.places) == 1
+    volume = machine.machine.assembly.masses[0] / two.state.node("n1").density * 1e9
+    assert volume == pytest.approx(volume_of(made), rel=1e-9)
 
 
 def test_a_stroke_to_a_corner_brings_the_other_solid_there(box):
