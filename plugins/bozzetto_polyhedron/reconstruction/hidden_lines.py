@@ -61,6 +61,8 @@ class _Whole:
 def hidden_lines(graph: LineGraph, most: int = 3) -> tuple[HiddenLines, ...]:
     """Guess the lines that are hidden, the guess that explains most of the drawing first.
 
+    Mirror images come after all others; the best one has the last place at least.
+
     Parameters
     ----------
     graph : LineGraph
@@ -79,22 +81,27 @@ def hidden_lines(graph: LineGraph, most: int = 3) -> tuple[HiddenLines, ...]:
         return ()
     reach = NEAR + 3.0 * drawing.noise
     junctions = junctions_of(drawing, reach / 2.0)
+    # Much of a prism is a mirror image of something: mirrors are asked where the others end.
     wholes = [
-        *_extruded(drawing, junctions, reach),
-        *_turned(drawing, junctions, reach),
-        *_mirrored(drawing, junctions, reach),
+        *((False, whole) for whole in _extruded(drawing, junctions, reach)),
+        *((False, whole) for whole in _turned(drawing, junctions, reach)),
+        *((True, whole) for whole in _mirrored(drawing, junctions, reach)),
     ]
-    found: list[tuple[float, int, HiddenLines]] = []
+    found: list[tuple[bool, float, int, HiddenLines]] = []
     seen: list[_Whole] = []
-    for whole in wholes:
+    for is_mirrored, whole in wholes:
         missing, unexplained = _compared(drawing, junctions, whole, reach)
         if unexplained > UNEXPLAINED or not len(missing) or _is_known(whole, seen, reach):
             continue
         seen.append(whole)
         pixels = (missing * (1.0, -1.0)) * drawing.diagonal + drawing.center
-        found.append((round(unexplained, 3), len(missing), HiddenLines(pixels, unexplained)))
-    found.sort(key=lambda each: each[:2])
-    return tuple(each[2] for each in found[:most])
+        guess = HiddenLines(pixels, unexplained)
+        found.append((is_mirrored, round(unexplained, 3), len(missing), guess))
+    found.sort(key=lambda each: each[:3])
+    others = sum(not each[0] for each in found)
+    if others < len(found):
+        del found[max(1, most - 1) : others]
+    return tuple(each[3] for each in found[:most])
 
 
 def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
