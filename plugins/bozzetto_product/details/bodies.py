@@ -21,7 +21,7 @@ from bozzetto_product.details.ground import Ground, followed_outline
 from bozzetto_product.details.region import faces_over
 from bozzetto_product.details.ring import Ring, ring_through
 from bozzetto_product.details.shell import Owner, Shell
-from bozzetto_product.model.state import Detail, Plane
+from bozzetto_product.model.state import Detail, OutlinePlaces, Plane
 from bozzetto_product.network.reflection import Reflection
 
 BEHIND: Final = 1e-4
@@ -157,34 +157,21 @@ def _with_detail(
     if detail.places is None:
         row = SolvedDetail(detail, mirrored, problem=UNDRAWN)
         return replace(made, details=(*made.details, row))
-    followed = followed_outline(grounds, detail.places)
-    if followed is None:
+    plane = symmetry if mirrored else None
+    laid = _laid(grounds, detail.places, detail.closed, plane)
+    if laid is None:
         row = SolvedDetail(detail, mirrored, problem=LOST)
         return replace(made, details=(*made.details, row))
-    points, normals = followed.points, followed.normals
-    if mirrored:
-        mirror = Reflection(symmetry)
-        points = mirror.points(points)
-        normals = normals - 2.0 * (normals @ mirror.normal)[:, None] * mirror.normal
-    told = ASIDE if followed.lost else ""
+    told = ASIDE if laid.lost else ""
     if not detail.closed and detail.kind != "split":
         told = OPEN
-    pieces = np.split(np.arange(len(points)), detail.places.starts[1:].tolist())
-    outlines = tuple(
-        np.vstack((points[rows], points[rows[:1]])) if detail.closed else points[rows]
-        for rows in pieces
-    )
-    solved = SolvedDetail(detail, mirrored, outlines, told=told)
-    shells, problem, deviation = list(made.shells), "", 0.0
+    solved = SolvedDetail(detail, mirrored, laid.outlines, laid.problem, told)
+    shells, deviation = list(made.shells), 0.0
     try:
-        chart = Chart.facing(points, normals)
-        near = _nearest_of(chart, points)
-        if detail.closed:
-            regions = _regions(chart, points, detail.places.corners > 0, pieces)
-        else:
-            regions = [[ring_through(chart.flat(points), detail.places.corners > 0, closed=False)]]
         form = Form(detail.kind, detail.depth, float(np.radians(detail.draft)), detail.gap)
-        for region in regions:
+        for region in laid.regions:
+            chart, near = laid.chart, laid.near
+            assert chart is not None and near is not None
             which = _shell_under(shells, chart, region[0], near)
             if which < 0:
                 under = _shell_under(made.plain, chart, region[0], near)
@@ -195,10 +182,75 @@ def _with_detail(
                 done = parted(shells[which], chart, region[0], near, number)
             shells[which], deviation = done.shell, max(deviation, done.deviation)
     except UserError as error:
-        problem = str(error)
-        shells = list(made.shells)
-    row = replace(solved, problem=problem, deviation=deviation)
+        return replace(made, details=(*made.details, replace(solved, problem=str(error))))
+    row = replace(solved, deviation=deviation)
     return replace(made, shells=tuple(shells), details=(*made.details, row))
+
+
+@dataclass(frozen=True, eq=False)
+class _Laid:
+    """Outlines on the surfaces as they are now.
+
+    Parameters
+    ----------
+    outlines : tuple of (n, 3) float
+        Polylines, mm.
+    lost : tuple of str
+        Ids of patches that are gone.
+    problem : str
+        Why there are no regions, for a person.
+    chart : Chart, optional
+        None with a problem, as is `near`.
+    near : callable, optional
+        See `Near`.
+    regions : tuple of tuple of Ring
+        The outline round each region, and those of holes in it; of an open outline itself.
+    """
+
+    outlines: tuple[Array, ...]
+    lost: tuple[str, ...]
+    problem: str = ""
+    chart: Chart | None = None
+    near: Near | None = None
+    regions: tuple[tuple[Ring, ...], ...] = ()
+
+
+@remembered(
+    limit=128,
+    key=lambda grounds, places, closed, plane: (
+        places,
+        closed,
+        plane,
+        tuple((g.patch, g.mirrored, g.fill.key) for g in grounds),
+    ),
+)
+def _laid(
+    grounds: tuple[Ground, ...], places: OutlinePlaces, closed: bool, plane: Plane | None
+) -> _Laid | None:
+    """Return where outlines are now, or their mirror images; None where their surfaces are gone."""
+    followed = followed_outline(grounds, places)
+    if followed is None:
+        return None
+    points, normals = followed.points, followed.normals
+    if plane is not None:
+        mirror = Reflection(plane)
+        points = mirror.points(points)
+        normals = normals - 2.0 * (normals @ mirror.normal)[:, None] * mirror.normal
+    pieces = np.split(np.arange(len(points)), places.starts[1:].tolist())
+    outlines = tuple(
+        np.vstack((points[rows], points[rows[:1]])) if closed else points[rows] for rows in pieces
+    )
+    corners = places.corners > 0
+    try:
+        chart = Chart.facing(points, normals)
+        if closed:
+            regions = _regions(chart, points, corners, pieces)
+        else:
+            regions = [[ring_through(chart.flat(points), corners, closed=False)]]
+    except UserError as error:
+        return _Laid(outlines, followed.lost, str(error))
+    near = _nearest_of(chart, points)
+    return _Laid(outlines, followed.lost, "", chart, near, tuple(map(tuple, regions)))
 
 
 def _nearest_of(chart: Chart, points: Array) -> Near:

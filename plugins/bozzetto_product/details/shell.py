@@ -59,8 +59,9 @@ class Shell:
 
     @cached_property
     def size(self) -> float:
-        """Diagonal of the box round the control points of the surfaces, mm."""
-        nets = {id(f.surface): f.surface.control_points.reshape(-1, 3) for f in self.faces}
+        """Diagonal of the box round the control points of patches, mm: no detail changes it."""
+        own = [f.surface for f, o in zip(self.faces, self.owners, strict=True) if not o.made]
+        nets = {id(surface): surface.control_points.reshape(-1, 3) for surface in own}
         return float(np.linalg.norm(np.ptp(np.concatenate(list(nets.values())), axis=0)))
 
     @cached_property
