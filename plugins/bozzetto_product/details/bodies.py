@@ -88,11 +88,19 @@ class DetailedBodies:
     details : tuple of SolvedDetail
     plain : tuple of Shell
         The same surfaces without details.
+    grounds : tuple of Ground
+        What they lie on.
     """
 
     shells: tuple[Shell, ...] = ()
     details: tuple[SolvedDetail, ...] = ()
     plain: tuple[Shell, ...] = ()
+    grounds: tuple[Ground, ...] = ()
+
+    def number_of(self, detail: Detail, mirrored: bool) -> int:
+        """Return the number of a detail, or of its mirror image."""
+        rows = ((one.detail, one.mirrored) for one in self.details)
+        return next(k for k, row in enumerate(rows) if row == (detail, mirrored))
 
     @property
     def changed(self) -> tuple[Shell, ...]:
@@ -111,13 +119,19 @@ def detailed_bodies(
 
     What cannot be carved is left as it is and told by its `SolvedDetail.problem`.
     """
-    plain = _shells(tuple(grounds))
-    made = DetailedBodies(plain, plain=plain)
+    made = _plain_bodies(tuple(grounds))
     for detail in details:
         for mirrored in (False, True) if detail.mirrored else (False,):
             checkpoint()
             made = _with_detail(made, tuple(grounds), detail, mirrored, symmetry)
     return made
+
+
+@remembered(limit=4, key=lambda grounds: tuple((g.patch, g.mirrored, g.fill.key) for g in grounds))
+def _plain_bodies(grounds: tuple[Ground, ...]) -> DetailedBodies:
+    """Return the bodies without details: what those with details are remembered by."""
+    plain = _shells(grounds)
+    return DetailedBodies(plain, plain=plain, grounds=grounds)
 
 
 @remembered(limit=4, key=lambda grounds: tuple(g.fill.key for g in grounds))

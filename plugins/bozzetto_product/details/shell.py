@@ -11,7 +11,11 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Brep, Curve, Face, ParameterCurve, Trim
+from bozzetto.geometry import Brep, Curve, Face, Mesh, ParameterCurve, Trim, shaded_faces
+from bozzetto.plugin import remembered
+
+COARSE: Final = 2e-4
+"""Distance of shown triangles from the surface, as share of the size of the whole."""
 
 SAMPLES: Final = 8
 """Places on each span of a curved edge for its polyline."""
@@ -114,6 +118,13 @@ class Shell:
             edges += parts
         faces = tuple(_with_pieces(face, pieces) for face in self.faces)
         return Shell(tuple(edges), faces, self.owners), pieces
+
+
+@remembered(limit=8, key=lambda shell: shell)
+def face_meshes(shell: Shell) -> tuple[Mesh, ...]:
+    """Return the triangles of each face with its normals, as they are shown."""
+    count = len(shell.faces)
+    return shaded_faces(shell.brep([""] * count, [None] * count), COARSE * shell.size)
 
 
 EdgePieces = dict[int, tuple[tuple[float, ...], tuple[int, ...]]]

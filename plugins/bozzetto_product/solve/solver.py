@@ -79,7 +79,8 @@ def solve_product(state: ProductState, job: Job) -> ProductResult:
         patches.append(SolvedPatch(patch, mirrored, loop, surface, problem, limited, unfit))
     job.checkpoint(0.95, "Details")
     detailed = _detailed(patches, state, job)
-    walls = walled_bodies(state, [one for one in patches if one.fill is not None], job)
+    filled = [one for one in patches if one.fill is not None]
+    walls = walled_bodies(state, filled, detailed, job)
     job.checkpoint(1.0, "Surfaces")
     return ProductResult(
         curves,

@@ -7,16 +7,14 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.geometry import Mesh, shaded_faces
+from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
 from bozzetto.scene import Lines, Shaded
-from bozzetto_product.details.shell import Owner, Shell, group_of
+from bozzetto_product.details.shell import Owner, Shell, face_meshes, group_of
 from bozzetto_product.model.state import Color
-from bozzetto_product.solve.result import ProductResult
+from bozzetto_product.solve.result import ProductResult, WalledBody
+from bozzetto_product.shaping.wall import NOBODY
 from bozzetto_product.view.colors import SHOWN_FINISHES
-
-COARSE: Final = 2e-4
-"""Distance of triangles from the surface, as share of the size of the whole."""
 
 APART: Final = 0.82
 """Lightness of a piece that a split tells apart, where no colour is given, against its patch's."""
@@ -28,12 +26,10 @@ WIDTH: Final = 1.6
 @remembered(limit=8, key=lambda shell: shell)
 def detail_meshes(shell: Shell) -> tuple[tuple[Owner, Mesh], ...]:
     """Return the triangles of every patch that has details, and of every detail, by its owner."""
-    count = len(shell.faces)
-    brep = shell.brep([""] * count, [None] * count)
     groups: dict[tuple[int, int], list[int]] = {}
     for number, owner in enumerate(shell.owners):
         groups.setdefault(group_of(owner), []).append(number)
-    meshes = shaded_faces(brep, COARSE * shell.size)
+    meshes = face_meshes(shell)
     return tuple(
         (shell.owners[rows[0]], _joined([meshes[k] for k in rows])) for rows in groups.values()
     )
@@ -68,11 +64,32 @@ def surface_items(result: ProductResult, colors: Sequence[Color]) -> Iterator[Sh
         mesh = changed.get(number, EMPTY if number in gone else one.fill.mesh)
         finish, opacity = SHOWN_FINISHES[one.patch.finish]
         yield Shaded(mesh, color=color, opacity=opacity, finish=finish)
+    opened = frozenset().union(*(body.opened for body in result.walls))
     for owner, mesh in sorted(details, key=lambda row: row[0].detail):
+        if result.detailed.details[owner.detail].detail.kind == "cut" and owner.detail in opened:
+            continue  # it ends in the walls, which show it
         detail = result.detailed.details[owner.detail].detail
         color = detail.color or _apart(colors[owner.patch])
         finish, opacity = SHOWN_FINISHES[detail.finish]
         yield Shaded(mesh, color=color, opacity=opacity, finish=finish)
+
+
+def wall_meshes(body: WalledBody, result: ProductResult) -> Iterator[Mesh]:
+    """Yield the far side of walls with their rims, and the sides of what is cut through them."""
+    if body.wall is None:
+        return
+    yield body.wall.offset
+    details = result.detailed.details
+    shown = [
+        number != NOBODY
+        and own
+        and body.owners[number].made
+        and details[body.owners[number].detail].detail.kind == "cut"
+        for number, own, _ in body.wall.groups
+    ]
+    if any(shown):
+        counts = [count for *_, count in body.wall.groups]
+        yield Mesh(body.wall.mesh.vertices, body.wall.mesh.faces[np.repeat(shown, counts)])
 
 
 EMPTY: Final = Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))

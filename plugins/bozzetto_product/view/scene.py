@@ -25,7 +25,7 @@ from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.solve.canvas import Canvas, canvases_of
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.view.colors import colors_of
-from bozzetto_product.view.detail_view import outline_lines, surface_items
+from bozzetto_product.view.detail_view import outline_lines, surface_items, wall_meshes
 
 ROUGH_OPACITY: Final = 0.34
 """Of a rough shape: the back of it is seen, and that it is no part of the product."""
@@ -135,8 +135,8 @@ def _surfaces(result: ProductResult) -> Layer:
 
 @remembered(limit=4, key=lambda result: result)
 def _walls(result: ProductResult) -> Layer:
-    """Return the far sides of walls, and their rims."""
-    items = [Shaded(body.wall.offset) for body in result.walls if body.wall is not None]
+    """Return the far sides of walls, their rims, and what is cut through them."""
+    items = [Shaded(mesh) for body in result.walls for mesh in wall_meshes(body, result)]
     return Layer("walls", tuple(items))
 
 

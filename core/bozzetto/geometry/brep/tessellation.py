@@ -229,9 +229,7 @@ def _run(trim: Trim, t: Array) -> Array:
     return kept(curve, ("run", t.tobytes()), lambda: curve.value(np.clip(t, *curve.range)))
 
 
-def _filled(
-    surface: BSplineSurface, rings: list[Array], grid: _Grid
-) -> tuple[Array, Array, Index]:
+def _filled(surface: BSplineSurface, rings: list[Array], grid: _Grid) -> tuple[Array, Array, Index]:
     """Return u, v and places of corners inside of rings, and triangles with these behind them."""
 
     def filled() -> tuple[Array, Array, Index]:
