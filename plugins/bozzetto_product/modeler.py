@@ -34,6 +34,7 @@ from bozzetto_product.model.state import (
     Curve,
     CurveGroup,
     Detail,
+    Emblem,
     FollowedShape,
     Patch,
     Plane,
@@ -61,7 +62,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
 
     id = "bozzetto.product"
     state_type = ProductState
-    part_types = (Curve, Patch, Detail, RoughShape, FollowedShape, CurveGroup)
+    part_types = (Curve, Patch, Detail, Emblem, RoughShape, FollowedShape, CurveGroup)
     first_parameters = ("mirror",)
     figures = FIGURES
 

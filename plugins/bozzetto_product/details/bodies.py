@@ -17,11 +17,12 @@ from bozzetto.view import Rays
 from bozzetto_product.details.carve import Form, Near, Thickness, carved, parted
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.course import CROSSES
-from bozzetto_product.details.ground import Ground, followed_outline
+from bozzetto_product.details.emblem_places import LOST, emblem_outlines
+from bozzetto_product.details.ground import Ground, followed_outline, kept_places
 from bozzetto_product.details.region import faces_over
 from bozzetto_product.details.ring import Ring, ring_through
 from bozzetto_product.details.shell import Owner, Shell
-from bozzetto_product.model.state import Detail, OutlinePlaces, Plane
+from bozzetto_product.model.state import Detail, Emblem, FlatOutlines, OutlinePlaces, Plane
 from bozzetto_product.network.reflection import Reflection
 
 BEHIND: Final = 1e-4
@@ -35,7 +36,6 @@ LAYERS: Final = 4
 triangles lie a little beside a surface."""
 
 OFF: Final = "The outline is on no surface. Draw it on a surface."
-LOST: Final = "its surface is gone. Switch the surface on again, or delete the detail."
 UNDRAWN: Final = "it has no outline. Draw it with the tool “Detail”."
 ASIDE: Final = "a surface under it is gone; it lies on those beside it."
 OPEN: Final = (
@@ -172,11 +172,18 @@ def _with_detail(
         row = SolvedDetail(detail, mirrored, problem=UNDRAWN)
         return replace(made, details=(*made.details, row))
     plane = symmetry if mirrored else None
-    laid = _laid(grounds, detail.places, detail.closed, plane)
+    try:
+        places = outline_of(detail, grounds)
+    except UserError as error:
+        row = SolvedDetail(detail, mirrored, problem=str(error))
+        return replace(made, details=(*made.details, row))
+    laid = _laid(grounds, places, detail.closed, plane)
     if laid is None:
         row = SolvedDetail(detail, mirrored, problem=LOST)
         return replace(made, details=(*made.details, row))
     told = ASIDE if laid.lost else ""
+    if isinstance(detail, Emblem) and detail.flat is not None and detail.flat.missing:
+        told = f"there are no letters for “{detail.flat.missing}”; it is written without."
     if not detail.closed and detail.kind != "split":
         told = OPEN
     solved = SolvedDetail(detail, mirrored, laid.outlines, laid.problem, told)
@@ -199,6 +206,45 @@ def _with_detail(
         return replace(made, details=(*made.details, replace(solved, problem=str(error))))
     row = replace(solved, deviation=deviation)
     return replace(made, shells=tuple(shells), details=(*made.details, row))
+
+
+def outline_of(detail: Detail, grounds: tuple[Ground, ...]) -> OutlinePlaces:
+    """Return the places of a detail's outlines; those of an emblem are laid on the surfaces.
+
+    Raises
+    ------
+    UserError
+        If an emblem has no outlines, or they are beside the surfaces.
+    """
+    assert detail.places is not None
+    if not isinstance(detail, Emblem):
+        return detail.places
+    assert detail.flat is not None or not detail.text
+    return _emblem_places(detail.places, detail.flat, detail.height, detail.turn, grounds)
+
+
+@remembered(
+    limit=64,
+    key=lambda places, flat, height, turn, grounds: (
+        places,
+        flat,
+        height,
+        turn,
+        tuple((g.patch, g.mirrored, g.fill.key) for g in grounds),
+    ),
+)
+def _emblem_places(
+    places: OutlinePlaces,
+    flat: FlatOutlines | None,
+    height: float,
+    turn: float,
+    grounds: tuple[Ground, ...],
+) -> OutlinePlaces:
+    text = "" if flat is None else flat.text
+    emblem = Emblem(places=places, flat=flat, height=height, turn=turn, text=text)
+    rows = emblem_outlines(emblem, grounds)
+    assert flat is not None
+    return kept_places(grounds, np.concatenate(rows), flat.corners > 0, flat.starts.tolist())
 
 
 @dataclass(frozen=True, eq=False)
