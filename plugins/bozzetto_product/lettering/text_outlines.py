@@ -105,7 +105,9 @@ def _flattened(contour: Sequence[Sequence[float]]) -> tuple[Array, Array]:
         k += 2 if curved else 1
         if not np.any(end - start):
             continue
-        t = np.arange(PER_CURVE if curved else PER_LINE)[:, None] / (PER_CURVE if curved else PER_LINE)
+        t = np.arange(PER_CURVE if curved else PER_LINE)[:, None] / (
+            PER_CURVE if curved else PER_LINE
+        )
         row = (
             (1 - t) ** 2 * start + 2 * t * (1 - t) * control + t * t * end
             if curved

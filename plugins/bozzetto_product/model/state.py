@@ -481,7 +481,9 @@ class ProductState(PartsState):
     symmetry : Plane
     """
 
-    nodes: tuple[Curve | Patch | Detail | Emblem | RoughShape | FollowedShape | CurveGroup, ...] = ()
+    nodes: tuple[
+        Curve | Patch | Detail | Emblem | RoughShape | FollowedShape | CurveGroup, ...
+    ] = ()
     joints: tuple[Joint, ...] = ()
     rejected: tuple[Boundary, ...] = ()
     symmetry: Plane = Plane((0.0, 0.0, 0.0), (0.0, 1.0, 0.0))

@@ -8,6 +8,7 @@ from bozzetto.plugin import Tool
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.tools.detail import DrawDetail
 from bozzetto_product.tools.draw_curve import DrawCurve
+from bozzetto_product.tools.emblem import LayText
 from bozzetto_product.tools.erase import Erase
 from bozzetto_product.tools.loop import SwitchLoop
 from bozzetto_product.tools.modify import Modify
@@ -17,4 +18,4 @@ from bozzetto_product.tools.pull import Pull
 
 def all_tools() -> Sequence[Tool[ProductState]]:
     """Return the tools of the pen, most used first."""
-    return DrawCurve(), Modify(), SwitchLoop(), Move(), Erase(), DrawDetail(), Pull()
+    return DrawCurve(), Modify(), SwitchLoop(), Move(), Erase(), DrawDetail(), LayText(), Pull()

@@ -7,17 +7,28 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
-from bozzetto.scene import Lines, Shaded
+from bozzetto.scene import Handle, Lines, Shaded
+from bozzetto.view import triple
+from bozzetto_product.details.ground import Ground, followed_outline
+from bozzetto_product.details.outline_places import tangent_axes
 from bozzetto_product.details.shell import Owner, Shell, face_meshes, group_of
-from bozzetto_product.model.state import Color
+from bozzetto_product.model.state import Color, Emblem, ProductState
 from bozzetto_product.solve.result import ProductResult, WalledBody
 from bozzetto_product.shaping.wall import NOBODY
 from bozzetto_product.view.colors import SHOWN_FINISHES
 
 APART: Final = 0.82
 """Lightness of a piece that a split tells apart, where no colour is given, against its patch's."""
+
+EMBLEM_TOOL: Final = "text"
+"""Id of the tool that shows the handles of a text."""
+
+MIDDLE: Final = "text middle"
+SIZED: Final = "text corner"
+"""Handles of the chosen text."""
 
 WIDTH: Final = 1.6
 """Width of an outline that is shown by itself, px."""
@@ -116,3 +127,33 @@ def outline_lines(result: ProductResult, selected: str) -> Iterator[Lines]:
         starts = np.cumsum([0, *(len(row) for row in one.outlines[:-1])]).astype(np.int32)
         color = "warning" if one.problem else "accent"
         yield Lines(points, starts, color=color, width=WIDTH + chosen)
+
+
+def emblem_handles(state: ProductState, result: ProductResult) -> Iterator[Handle]:
+    """Yield the handles of the chosen text: its middle, and a corner that turns and sizes it."""
+    emblem = state.chosen_of(Emblem)
+    grounds = result.detailed.grounds
+    if emblem is None or emblem.places is None or not grounds:
+        return
+    followed = followed_outline(grounds, emblem.places)
+    corner = emblem_corner(emblem, grounds)
+    if followed is None or corner is None:
+        return
+    yield Handle(MIDDLE, triple(followed.points[0]), tip="Move the text")
+    yield Handle(SIZED, triple(corner), "second", tip="Turn and size")
+
+
+def emblem_corner(emblem: Emblem, grounds: Sequence[Ground]) -> Array | None:
+    """Return the lower right corner of a text in its tangent plane, (3,) mm; None without one."""
+    flat = emblem.flat
+    followed = None if emblem.places is None else followed_outline(grounds, emblem.places)
+    if followed is None or flat is None or not len(flat.starts):
+        return None
+    at, above = followed.points[:2]
+    middle, (x, y, _) = tangent_axes(at, above - at, grounds)
+    extent = np.ptp(flat.points, axis=0)
+    half = 0.5 * emblem.height * extent / (1.0 if flat.text else extent[1])
+    turn = np.radians(emblem.turn)
+    across = np.cos(turn) * x + np.sin(turn) * y
+    upright = np.cos(turn) * y - np.sin(turn) * x
+    return np.asarray(middle + half[0] * across - half[1] * upright)

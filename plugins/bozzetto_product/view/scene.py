@@ -25,7 +25,13 @@ from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.solve.canvas import Canvas, canvases_of
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.view.colors import colors_of
-from bozzetto_product.view.detail_view import outline_lines, surface_items, wall_meshes
+from bozzetto_product.view.detail_view import (
+    EMBLEM_TOOL,
+    emblem_handles,
+    outline_lines,
+    surface_items,
+    wall_meshes,
+)
 
 ROUGH_OPACITY: Final = 0.34
 """Of a rough shape: the back of it is seen, and that it is no part of the product."""
@@ -90,6 +96,7 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
             Layer("outlines", tuple(outline_lines(result, state.selected))),
             Layer("joints", tuple(_joints(result))),
             Layer("handles", tuple(_handles(state, result)), tool=MOVE_TOOL),
+            Layer("text handles", tuple(emblem_handles(state, result)), tool=EMBLEM_TOOL),
         ]
     return Scene(tuple(layer for layer in layers if layer.items))
 
