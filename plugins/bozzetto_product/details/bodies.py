@@ -192,7 +192,8 @@ def _with_detail(
         form = Form(detail.kind, detail.depth, float(np.radians(detail.draft)), detail.gap)
         for region in laid.regions:
             chart, near = laid.chart, laid.near
-            assert chart is not None and near is not None
+            assert chart is not None
+            assert near is not None
             which = _shell_under(shells, chart, region[0], near)
             if which < 0:
                 under = _shell_under(made.plain, chart, region[0], near)

@@ -326,7 +326,7 @@ def laid_flat(
 
 
 def tangent_axes(at: Array, up: Array, grounds: Sequence[Ground]) -> tuple[Array, Array]:
-    """Return the nearest place of surfaces, (3,) mm, and axes there: x, y near up, and the normal."""
+    """Return the nearest place of surfaces, (3,) mm, and axes there: x, y near up, normal."""
     place = located(grounds, at[None])
     normal, middle = place.normals[0], place.points[0]
     y = up - (up @ normal) * normal

@@ -1,8 +1,8 @@
 """The outlines of a text, from letters that come with the modeler.
 
-A document must look the same on every machine, and the command line has no fonts: so the letters are
-those of one free font, as outlines in a file (`docs/write_letters.py` makes it), and a recipe keeps
-the outlines that it was made with.
+A document must look the same on every machine, and the command line has no fonts: so the letters
+are those of one free font, as outlines in a file (`docs/write_letters.py` makes it), and a recipe
+keeps the outlines that it was made with.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def text_outlines(text: str) -> TextOutlines:
         advance, contours = letters[letter]
         for contour in contours:
             points, corners = _flattened(contour)
-            rows.append((points + (at, 0.0)) / cap)
+            rows.append((points + np.array((at, 0.0))) / cap)
             marks.append(corners)
         at += advance
         before = letter
@@ -84,8 +84,8 @@ def _letters() -> dict[str, Any]:
 def _flattened(contour: Sequence[Sequence[float]]) -> tuple[Array, Array]:
     """Return points of a contour of lines and parabolas, and which are corners.
 
-    Between two control points that follow one another lies an unwritten place of the outline, half-way
-    (TrueType).
+    Between two control points that follow one another lies an unwritten place of the outline,
+    half-way (TrueType).
     """
     places: list[tuple[Array, bool]] = []
     for number, (x, y, on) in enumerate(contour):

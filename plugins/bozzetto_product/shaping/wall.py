@@ -297,7 +297,8 @@ def _between(
     tree = cKDTree(places)
     for _ in range(MENDS):
         other, inner, more = _taken(limit.simplify(SLIVER * size), tags)
-        away, feet = tree.query(other)
+        found = tree.query(other)
+        away, feet = np.asarray(found[0]), np.asarray(found[1])
         near = away < THIN * thickness
         if rounded or not near.any():
             break
@@ -349,7 +350,7 @@ def _opened(meshes: Sequence[Mesh], walls: Wall) -> Wall | None:
         for number, own, count in walls.groups
         if not own
     ]
-    hollow, other = _manifold(far.vertices.astype(float) @ TURN.T, far.faces[:, ::-1], groups)
+    hollow, other = _manifold(far.vertices.astype(float) @ TURN.T, far.faces[:, ::-1].astype(np.intp), groups)
     tags |= other
     made = body - hollow
     size = _size(made)

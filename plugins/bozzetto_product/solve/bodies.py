@@ -74,6 +74,7 @@ def walled_bodies(
         The same with details. What is pressed in or raised is so on both sides of a wall; what is
         cut goes through it.
     job : Job
+        Called between the parts.
     """
     if state.wall <= 0.0 or job.quality != "final":
         return ()

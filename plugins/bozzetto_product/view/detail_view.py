@@ -16,8 +16,8 @@ from bozzetto_product.details.ground import Ground, followed_outline
 from bozzetto_product.details.outline_places import tangent_axes
 from bozzetto_product.details.shell import Owner, Shell, face_meshes, group_of
 from bozzetto_product.model.state import Color, Emblem, ProductState
-from bozzetto_product.solve.result import ProductResult, WalledBody
 from bozzetto_product.shaping.wall import NOBODY
+from bozzetto_product.solve.result import ProductResult, WalledBody
 from bozzetto_product.view.colors import SHOWN_FINISHES
 
 APART: Final = 0.82

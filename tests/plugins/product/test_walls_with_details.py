@@ -34,7 +34,8 @@ def test_a_wall_is_as_thick_behind_what_is_pressed_in() -> None:
     result = PRODUCT.solve(state, Job())
     assert not any(one.problem for one in result.detailed.details)
     (body,) = result.walls
-    assert body.wall is not None and not body.wall.rounded
+    assert body.wall is not None
+    assert not body.wall.rounded
     assert 0.97 * 2.0 <= body.wall.thinnest <= body.wall.thickest <= 1.03 * 2.0
     (solid,) = PRODUCT.shapes(state, result).solids
     made = solid_of(solid.mesh)
