@@ -350,7 +350,9 @@ def _opened(meshes: Sequence[Mesh], walls: Wall) -> Wall | None:
         for number, own, count in walls.groups
         if not own
     ]
-    hollow, other = _manifold(far.vertices.astype(float) @ TURN.T, far.faces[:, ::-1].astype(np.intp), groups)
+    hollow, other = _manifold(
+        far.vertices.astype(float) @ TURN.T, far.faces[:, ::-1].astype(np.intp), groups
+    )
     tags |= other
     made = body - hollow
     size = _size(made)
