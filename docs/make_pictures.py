@@ -44,6 +44,7 @@ def main() -> int:
     solid_pictures.samples()
     solid_pictures.linkages()
     product_pictures.gallery()
+    product_pictures.paper()
     return 0
 
 

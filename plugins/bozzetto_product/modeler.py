@@ -30,17 +30,13 @@ from bozzetto_product.commands.rough_commands import with_rough_shape
 from bozzetto_product.hand_over.imported import product_of_network, product_of_shapes
 from bozzetto_product.hand_over.shapes import curves_of, shapes_of
 from bozzetto_product.hand_over.template_facts import with_template
-from bozzetto_product.model.state import (
-    Curve,
-    CurveGroup,
-    Detail,
-    Emblem,
-    FollowedShape,
-    Patch,
-    Plane,
-    ProductState,
-    RoughShape,
-)
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.emblems import Emblem
+from bozzetto_product.model.patches import CurveGroup, Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.pieces import without_idle_joints
 from bozzetto_product.report import FIGURES, cautions_of, report_of
 from bozzetto_product.solve.found_patches import with_patches_found

@@ -33,16 +33,23 @@ if TYPE_CHECKING:
     from bozzetto.ink.curves.spline_fit import SplineFit as SplineFit
     from bozzetto.ink.curves.spline_fit import fit_spline as fit_spline
     from bozzetto.ink.drawing import Drawing as Drawing
+    from bozzetto.ink.file_values import PIXELS as PIXELS
+    from bozzetto.ink.file_values import PLANE as PLANE
+    from bozzetto.ink.file_values import SPACE as SPACE
+    from bozzetto.ink.file_values import a_list as a_list
+    from bozzetto.ink.file_values import a_number as a_number
+    from bozzetto.ink.file_values import a_point as a_point
+    from bozzetto.ink.file_values import an_object as an_object
+    from bozzetto.ink.file_values import point_rows as point_rows
     from bozzetto.ink.merge.merge import MergedStrokes as MergedStrokes
     from bozzetto.ink.merge.merge import merge_strokes as merge_strokes
     from bozzetto.ink.merge.weights import stroke_weights as stroke_weights
     from bozzetto.ink.oversketch.lift import lift_curve as lift_curve
     from bozzetto.ink.oversketch.ordered_feet import FEET_LAPS as FEET_LAPS
     from bozzetto.ink.oversketch.ordered_feet import ordered_feet as ordered_feet
-    from bozzetto.ink.oversketch.snake import SNAKE_LOCATION as SNAKE_LOCATION
-    from bozzetto.ink.oversketch.snake import SNAKE_PRESSURE as SNAKE_PRESSURE
-    from bozzetto.ink.oversketch.snake import SNAKE_RESTITUTION as SNAKE_RESTITUTION
+    from bozzetto.ink.oversketch.snake import DEFAULT_FORCES as DEFAULT_FORCES
     from bozzetto.ink.oversketch.snake import Oversketched as Oversketched
+    from bozzetto.ink.oversketch.snake import SnakeForces as SnakeForces
     from bozzetto.ink.oversketch.snake import oversketch_curve as oversketch_curve
     from bozzetto.ink.same_view import SAME_VIEW as SAME_VIEW
     from bozzetto.ink.same_view import carried_places as carried_places
@@ -65,12 +72,14 @@ else:
             "bozzetto.ink.curves.smooth": "smooth",
             "bozzetto.ink.curves.spline_fit": "SplineFit fit_spline",
             "bozzetto.ink.drawing": "Drawing",
+            "bozzetto.ink.file_values": "PIXELS PLANE SPACE a_list a_number a_point an_object "
+            "point_rows",
             "bozzetto.ink.merge.merge": "MergedStrokes merge_strokes",
             "bozzetto.ink.merge.weights": "stroke_weights",
             "bozzetto.ink.oversketch.lift": "lift_curve",
             "bozzetto.ink.oversketch.ordered_feet": "FEET_LAPS ordered_feet",
-            "bozzetto.ink.oversketch.snake": "Oversketched SNAKE_LOCATION SNAKE_PRESSURE "
-            "SNAKE_RESTITUTION oversketch_curve",
+            "bozzetto.ink.oversketch.snake": "DEFAULT_FORCES Oversketched SnakeForces "
+            "oversketch_curve",
             "bozzetto.ink.same_view": "SAME_VIEW carried_places is_one_view on_canvas",
             "bozzetto.ink.stroke": "Stroke Strokes",
         },

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, assert_never
 
@@ -25,11 +25,13 @@ from bozzetto.ink.steps import (
     TapStep,
     UngroupStep,
 )
+from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
+from bozzetto.workbench.part_edits import PartEdit
 
 if TYPE_CHECKING:
     from bozzetto.workbench.workbench import Workbench
@@ -41,7 +43,22 @@ MOST_SEEN: Final = 32
 def run_steps(
     bench: Workbench, model: Model, drawing: Drawing, context: Context, job: Job | None = None
 ) -> Model:
-    """Return the model after all steps of a drawing.
+    """Return the model after all steps of a drawing; see `steps_taken`."""
+    for taken in steps_taken(bench, model, drawing, context, job):
+        model = taken.model
+    return model
+
+
+def steps_taken(
+    bench: Workbench,
+    model: Model,
+    drawing: Drawing,
+    context: Context,
+    job: Job | None = None,
+    *,
+    first: int = 1,
+) -> Iterator[PartEdit]:
+    """Yield the model after each step of a drawing, with the label that it has in a history.
 
     Parameters
     ----------
@@ -56,6 +73,8 @@ def run_steps(
         preview quality.
     job : Job, optional
         Is told of each step, and stops in the middle of one when nobody waits any more.
+    first : int
+        Number of the first step, as messages name it.
 
     Raises
     ------
@@ -66,23 +85,24 @@ def run_steps(
     """
     job = job or Job()
     count = len(drawing.steps)
-    for number, step in enumerate(drawing.steps, 1):
-        job.checkpoint((number - 1) / count, f"Step {number} of {count}")
+    for number, step in enumerate(drawing.steps, first):
+        job.checkpoint((number - first) / count, f"Step {number}")
         before = model.state
         try:
-            model = _after(bench, model, step, drawing, context, job)
+            taken = _after(bench, model, step, drawing, context, job)
         except UserError as problem:
             raise UserError(f"Step {number}: {problem.message}", places=problem.places) from problem
         except Unfinished as problem:
             raise UserError(f"Step {number} is not complete. {problem.hint}") from problem
+        yield taken
+        model = taken.model
         # A hand that was quicker than the view drew on what it saw.
         context = replace(context, seen=(before, *context.seen)[:MOST_SEEN])
-    return model
 
 
 def _after(
     bench: Workbench, model: Model, step: Step, drawing: Drawing, context: Context, job: Job
-) -> Model:
+) -> PartEdit:
     edits = bench.parts
     strokes = drawing.strokes
 
@@ -91,8 +111,9 @@ def _after(
         curves = context.curves + bench.curves.of((model,))
         return replace(context, camera=camera, scene=scene, curves=curves)
 
-    def gesture(tool: str, made: Gesture) -> Model:
-        return bench.apply(model, bench.tool(model.modeler, tool), made, seen(made.camera))
+    def gesture(tool_id: str, made: Gesture) -> PartEdit:
+        tool = bench.tool(model.modeler, tool_id)
+        return PartEdit(bench.apply(model, tool, made, seen(made.camera)), tool.title)
 
     part = _finder(bench, model)
     match step:
@@ -103,30 +124,42 @@ def _after(
         case TapStep(tool, (x, y), shift, ctrl, camera):
             return gesture(tool, Tap(x, y, camera or drawing.camera, shift, ctrl))
         case SetStep(values, ""):
-            return bench.set_parameters(model, values)
+            return PartEdit(bench.set_parameters(model, values), _labels(bench, model, values))
         case SetStep(values, name):
-            return edits.set(model, part(name), values).model
+            return edits.set(model, part(name), values)
         case SelectStep(name):
-            return edits.select(model, part(name) if name else "")
+            return PartEdit(edits.select(model, part(name) if name else ""), "Choose")
         case RenameStep(wish, name):
-            return edits.rename(model, part(name), wish).model
+            return edits.rename(model, part(name), wish)
         case ShowStep(visible, name):
-            return edits.show(model, part(name), visible).model
+            return edits.show(model, part(name), visible)
         case DeleteStep(name):
-            return edits.delete(model, part(name)).model
+            return edits.delete(model, part(name))
         case DuplicateStep(name):
-            return edits.duplicate(model, part(name)).model
+            return edits.duplicate(model, part(name))
         case MoveStep(name, at, into):
-            return edits.move(model, part(name), part(into) if into else "", at).model
+            return edits.move(model, part(name), part(into) if into else "", at)
         case GroupStep(names):
-            return edits.group(model, [part(name) for name in names]).model
+            return edits.group(model, [part(name) for name in names])
         case UngroupStep(name):
-            return edits.ungroup(model, part(name)).model
+            return edits.ungroup(model, part(name))
         case CommandStep(name):
             command = bench.commands.find(model.modeler, name)
-            return bench.commands.run(model, command, seen(drawing.camera))
+            made = bench.commands.run(model, command, seen(drawing.camera))
+            return PartEdit(made, command.title)
         case _:
             assert_never(step)
+
+
+def _labels(bench: Workbench, model: Model, values: Iterable[str]) -> str:
+    """Return the labels of the parameters of a model, or of its parts, that have these names."""
+    tree = bench.parts.of(model)
+    kinds = (type(model.state), *(() if tree is None else map(type, tree.parts)))
+    known = {
+        field.name: field.parameter.label for kind in kinds for field in parameter_fields(kind)
+    }
+    names = (value.rpartition(".")[2] for value in values)
+    return ", ".join(known.get(name, name) for name in names)
 
 
 def _finder(bench: Workbench, model: Model) -> Callable[[str], str]:

@@ -10,14 +10,19 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import Command, Context
-from bozzetto.scene import Shaded
-from bozzetto_product.model.state import Curve, Joint, Meeting, ProductState
+from bozzetto.scene import Scene, Shaded
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.operations.crease_split import split_at_creases
 from bozzetto_product.operations.curve_edits import (
     make_in_plane,
     make_planar,
     make_symmetric,
     straighten,
 )
+from bozzetto_product.operations.drawing_plane import plane_of_places
 from bozzetto_product.operations.fillet import fillet
 from bozzetto_product.operations.meetings import is_end, splines_of
 from bozzetto_product.operations.offset import offset_curve
@@ -25,6 +30,7 @@ from bozzetto_product.operations.pieces import delete_curves, join_curves, split
 from bozzetto_product.operations.tangents import match_tangents
 from bozzetto_product.operations.trim import accept, trim
 from bozzetto_product.solve.found_patches import with_patches_found
+from bozzetto_product.view.scene import canvas_layer_name
 
 Edit = Callable[[ProductState, Curve, Context], ProductState]
 
@@ -49,13 +55,24 @@ def curve_commands() -> Sequence[Command]:
         ),
         _command("split", "Split the curve", "Cut the chosen curve at its joints.", _split),
         _command(
+            "split-creases",
+            "Split at edges of the surface",
+            "Cut the chosen curve where the surface that it was drawn on has an edge.",
+            _split_at_creases,
+        ),
+        _command(
             "join",
             "Join curves to one",
             "Make one smooth curve of the chosen one and the one that it ends at.",
             _joined,
         ),
         _command("straighten", "Straighten", "Make the chosen curve a straight line.", _straight),
-        _command("planar", "Make planar", "Lay the chosen curve in the nearest plane.", _planar),
+        _command(
+            "planar",
+            "Make planar",
+            "Lay the chosen curve in the nearest plane, or in the one that new curves lie in.",
+            _planar,
+        ),
         _command(
             "mirror",
             "Mirror the curve",
@@ -153,7 +170,15 @@ def _straight(state: ProductState, curve: Curve, context: Context) -> ProductSta
 
 
 def _planar(state: ProductState, curve: Curve, context: Context) -> ProductState:
-    return make_planar(state, curve.id)
+    plane = plane_of_places(state) if state.lay == "plane" else None
+    return make_planar(state, curve.id, plane)
+
+
+def _split_at_creases(state: ProductState, curve: Curve, context: Context) -> ProductState:
+    shapes = (*state.shown(RoughShape), *state.shown(FollowedShape))
+    names = {canvas_layer_name(part.id) for part in shapes}
+    layers = tuple(layer for layer in context.scene.layers if layer.name in names)
+    return split_at_creases(state, curve.id, Scene(layers) if layers else context.scene)
 
 
 def _mirrored(state: ProductState, curve: Curve, context: Context) -> ProductState:

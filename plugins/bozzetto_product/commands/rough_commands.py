@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import get_args
 
 from bozzetto.plugin import Command, Context
-from bozzetto_product.model.state import FollowedShape, ProductState, RoughKind, RoughShape
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughKind, RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.rough_shapes.shapes import SIZES
 
 

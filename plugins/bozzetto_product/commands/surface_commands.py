@@ -9,7 +9,9 @@ from functools import partial
 from bozzetto.errors import UserError
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Command, Context
-from bozzetto_product.model.state import Curve, EdgeKind, Patch, ProductState
+from bozzetto_product.model.curves import Curve, EdgeKind
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.found_patches import confirmed, with_patches_found, without_patch
 
 

@@ -22,7 +22,9 @@ from bozzetto_product.details.ground import Ground, followed_outline, kept_place
 from bozzetto_product.details.region import faces_over
 from bozzetto_product.details.ring import Ring, ring_through
 from bozzetto_product.details.shell import Owner, Shell
-from bozzetto_product.model.state import Detail, Emblem, FlatOutlines, OutlinePlaces, Plane
+from bozzetto_product.model.details import Detail, OutlinePlaces
+from bozzetto_product.model.emblems import Emblem, FlatOutlines
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.network.reflection import Reflection
 
 BEHIND: Final = 1e-4

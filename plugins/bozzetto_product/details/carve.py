@@ -36,7 +36,7 @@ from bozzetto_product.details.region import (
 from bozzetto_product.details.ring import Ring, spline_of_stretch
 from bozzetto_product.details.shell import Owner, Shell
 from bozzetto_product.details.walls import with_walls
-from bozzetto_product.model.state import DetailKind
+from bozzetto_product.model.details import DetailKind
 
 NUDGES: Final = ((0.0, 0.0), (0.61, 0.37), (-0.43, 0.71), (0.29, -0.83))
 """Ways to move an outline that goes through a corner of faces, in units of `NUDGE`."""

@@ -11,7 +11,8 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto_product.details.ground import Ground, followed_outline, kept_places
 from bozzetto_product.details.outline_places import laid_flat
-from bozzetto_product.model.state import Emblem, OutlinePlaces
+from bozzetto_product.model.details import OutlinePlaces
+from bozzetto_product.model.emblems import Emblem
 
 UNWRITTEN: Final = "it has no outline. Type a text, in letters of Latin, Greek or Cyrillic."
 LOST: Final = "its surface is gone. Switch the surface on again, or delete the detail."

@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import BSplineSurface
 from bozzetto_product.fill.fill import Fill
-from bozzetto_product.model.state import OutlinePlaces
+from bozzetto_product.model.details import OutlinePlaces
 
 GRID: Final = 13
 """Places along each parameter of a surface from which the nearest one is sought."""

@@ -23,7 +23,7 @@ from bozzetto.ink import (
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, Rays
 from bozzetto_product.details.ground import Ground, kept_places, located
-from bozzetto_product.model.state import OutlinePlaces
+from bozzetto_product.model.details import OutlinePlaces
 
 CONTROLS: Final = (6, 8, 12, 18, 26, 40)
 """Control points of a stretch of ink, fewest first."""

@@ -10,6 +10,15 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.ink import (
+    PLANE,
+    SPACE,
+    a_list,
+    a_number,
+    a_point,
+    an_object,
+    point_rows,
+)
 from bozzetto.plugin import Job
 from bozzetto_product.details.emblem_places import anchored
 from bozzetto_product.details.ground import Ground
@@ -19,20 +28,9 @@ from bozzetto_product.details.outline_places import (
     places_of_points,
     polygon_corners,
 )
-from bozzetto_product.hand_over.checked_values import (
-    a_list,
-    a_number,
-    a_point,
-    an_object,
-    point_rows,
-)
-from bozzetto_product.model.state import (
-    LONGEST_TEXT,
-    Detail,
-    DetailKind,
-    Emblem,
-    ProductState,
-)
+from bozzetto_product.model.details import Detail, DetailKind
+from bozzetto_product.model.emblems import LONGEST_TEXT, Emblem
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.solver import grounds_of, solve_product
 
 KEYS: Final = (
@@ -167,12 +165,12 @@ def _outlines(
     if "outlines" in values:
         rows = a_list(values["outlines"], f"{where}.outlines", MOST_OUTLINES)
         return [
-            _open_ended(point_rows(row, f"{where}.outlines[{k}]", 3) * scale)
+            _open_ended(point_rows(row, f"{where}.outlines[{k}]", SPACE) * scale)
             for k, row in enumerate(rows or [None])
         ]
     rows = a_list(values["flat"], f"{where}.flat", MOST_OUTLINES)
     flat = [
-        _open_ended(point_rows(row, f"{where}.flat[{k}]", 2))
+        _open_ended(point_rows(row, f"{where}.flat[{k}]", PLANE))
         for k, row in enumerate(rows or [None])
     ]
     at, up = _place(values, where, scale)

@@ -18,7 +18,9 @@ from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_t
 from bozzetto_product.hand_over.point_joints import joints_of
 from bozzetto_product.loops.boundaries import boundary_of
 from bozzetto_product.loops.orientation import orient_loops
-from bozzetto_product.model.state import FARTHEST, Curve, Patch, ProductState
+from bozzetto_product.model.curves import FARTHEST, Curve
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.solve.found_patches import with_patches_found
 from bozzetto_product.solve.solver import loops_of_patch, net_of_state

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from bozzetto_product.model.state import Curve
+from bozzetto_product.model.curves import Curve
 from bozzetto_product.network.net import Loop, Net
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Joint, Meeting
+from bozzetto_product.model.joints import Joint, Meeting
 
 ENDS: Final = 1e-4
 """Distance within which ends are one, as share of the diagonal: that of the fit."""

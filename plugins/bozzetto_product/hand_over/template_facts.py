@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any, Final, get_args
 
 from bozzetto.errors import UserError
-from bozzetto_product.model.state import ProductState, RoughKind, RoughShape
+from bozzetto_product.model.rough_shapes import RoughKind, RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.rough_shapes.shapes import SIZES
 
 EXTENT: Final = ("length", "width", "height")

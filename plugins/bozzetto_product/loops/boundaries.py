@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from bozzetto_product.model.state import Boundary, Run
+from bozzetto_product.model.joints import Boundary, Run
 from bozzetto_product.network.half_edges import half_edge_images, half_edges, loop_of_half_edges
 from bozzetto_product.network.net import HalfEdge, Loop, Net
 

@@ -10,7 +10,9 @@ import numpy as np
 
 from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
-from bozzetto_product.model.state import Curve, Joint, Meeting, Plane
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.network.reflection import OWN_IMAGE, Reflection, size_of
 
 SAME_PLACE: Final = 1e-9
@@ -158,11 +160,11 @@ def _images(
         elif curve.in_plane:
             images.append(each)
         elif curve.across:
-            images.append(replace(each, at=_image_place(curve.spline, each.at, reflection)))
+            images.append(replace(each, at=image_place(curve.spline, each.at, reflection)))
     return images
 
 
-def _image_place(spline: Spline, at: float, reflection: Reflection) -> float:
+def image_place(spline: Spline, at: float, reflection: Reflection) -> float:
     """Return where a curve that is its own mirror image has the image of one of its places."""
     begin, end = spline.range
     image = reflection.points(spline.value([begin + at * (end - begin)]))

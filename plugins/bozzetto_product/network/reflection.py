@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Plane
+from bozzetto_product.model.planes import Plane
 
 OWN_IMAGE: Final = 1e-7
 """Share of a curve's size by which it may miss its mirror image and still counts as symmetric:

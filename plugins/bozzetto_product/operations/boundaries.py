@@ -7,7 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from bozzetto_product.model.state import Boundary, Joint, Patch, ProductState, Run
+from bozzetto_product.model.joints import Boundary, Joint, Run
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
 
 
 def with_boundaries(

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_product.model.state import Plane
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.projection.planes import heights, mirror_image
 
 LOOP: Final = 6.0

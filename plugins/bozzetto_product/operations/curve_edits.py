@@ -11,7 +11,12 @@ from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Curve, Joint, Meeting, Plane, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.network.meetings import image_place
+from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.meetings import (
     curve_of,
     is_end,
@@ -24,7 +29,7 @@ from bozzetto_product.operations.meetings import (
 from bozzetto_product.operations.pieces import delete_curves, split_curve
 from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.operations.trim import lies_in
-from bozzetto_product.projection.planes import fitted_plane, heights, in_plane
+from bozzetto_product.projection.planes import fitted_plane, heights, in_plane, mirror_image
 from bozzetto_product.projection.spline_basis import bent, chord_length, greville
 
 LOOKS: Final = 257
@@ -128,6 +133,9 @@ def make_in_plane(state: ProductState, curve_id: str) -> ProductState:
 def move_joint(state: ProductState, joint_id: str, place: ArrayLike) -> ProductState:
     """Return the network with a joint somewhere else; all curves that meet there go along.
 
+    A curve that is its own mirror image stays so where the joint has a mirror image: its other half
+    goes along.
+
     Parameters
     ----------
     state : ProductState
@@ -152,7 +160,28 @@ def move_joint(state: ProductState, joint_id: str, place: ArrayLike) -> ProductS
             point = in_plane(point, curve.plane)
     if joint.in_plane:
         point = in_plane(point, state.symmetry)
-    return settled_state(state, {}, {joint_id: point})
+    pins, joints = {joint_id: point}, state.joints
+    images = _images_on_own_curves(state, joint)
+    if images:
+        (name,) = unused_joint_ids(joints, 1)
+        pins[name] = mirror_image(point, state.symmetry)
+        joints = (*joints, Joint(name, images))
+    moved = settled_state(replace(state, joints=joints), {}, pins)
+    return replace(moved, joints=state.joints)
+
+
+def _images_on_own_curves(state: ProductState, joint: Joint) -> tuple[Meeting, ...]:
+    """Return where curves that are their own mirror images have the image of a joint."""
+    curves = {meet.curve: curve_of(state, meet.curve) for meet in joint.meetings}
+    if joint.in_plane or not any(curve.mirrored for curve in curves.values()):
+        return ()
+    reflection = Reflection(state.symmetry)
+    found = []
+    for meet in joint.meetings:
+        spline = spline_of(state, meet.curve)
+        if not curves[meet.curve].mirrored and reflection.keeps(spline):
+            found.append(Meeting(meet.curve, image_place(spline, meet.at, reflection)))
+    return tuple(found)
 
 
 def _crossings(spline: Spline, plane: Plane) -> list[float]:

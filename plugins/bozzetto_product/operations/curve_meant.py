@@ -11,8 +11,11 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke, distances_to_polyline, nearest_curve
-from bozzetto.view import Camera
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto.view import Camera, triple
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.planes import Point
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.operations.meetings import spline_of
 from bozzetto_product.projection.planes import mirror_image
 from bozzetto_product.projection.views import seen_at
 
@@ -24,6 +27,13 @@ REACH: Final = 120.0
 
 CHOSEN: Final = 0.6
 """The chosen curve seems nearer than it is by this factor: a person goes on with it."""
+
+
+PLACES: Final = 257
+"""Places of a curve among which the one under the pen is sought."""
+
+CLOSER: Final = 3
+"""How often it is sought among as many, between the neighbours of the last one."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +110,46 @@ def curve_under(
     ]
     best = min(found, key=lambda one: one.distance, default=None)
     return best if best is not None and best.distance <= reach else None
+
+
+@dataclass(frozen=True)
+class CurvePlace:
+    """A place of a curve, or of its mirror image, under the pen.
+
+    Attributes
+    ----------
+    curve : str
+        Id of the curve.
+    at : float
+        Share of its parameter range.
+    point : (x, y, z)
+        Where it is seen, mm: on the mirror image where that is meant.
+    """
+
+    curve: str
+    at: float
+    point: Point
+
+
+def place_under(
+    state: ProductState, camera: Camera, pixel: ArrayLike, *, reach: float
+) -> CurvePlace | None:
+    """Find the place of a curve under the pen; parameters as `curve_under`."""
+    found = curve_under(state, camera, pixel, reach=reach)
+    if found is None:
+        return None
+    spline = spline_of(state, found.curve)
+    begin, end = spline.range
+    low, high = begin, end
+    for _ in range(CLOSER):
+        at = np.linspace(low, high, PLACES)
+        points = spline.value(at)
+        points = mirror_image(points, state.symmetry) if found.mirrored else points
+        away = np.linalg.norm(seen_at(camera, points) - np.asarray(pixel, float), axis=1)
+        best = int(np.nanargmin(away))
+        low, high = at[max(0, best - 1)], at[min(len(at) - 1, best + 1)]
+    share = float((at[best] - begin) / (end - begin))
+    return CurvePlace(found.curve, share, triple(points[best]))
 
 
 _Image = tuple[str, bool, Array]

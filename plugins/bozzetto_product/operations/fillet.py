@@ -11,7 +11,9 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import Strokes
-from bozzetto_product.model.state import Boundary, Joint, Meeting, Patch, ProductState, Run
+from bozzetto_product.model.joints import Boundary, Joint, Meeting, Run
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.boundaries import with_boundaries
 from bozzetto_product.operations.meetings import (
     curve_of,

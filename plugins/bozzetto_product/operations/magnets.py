@@ -1,4 +1,4 @@
-"""Live magnets: what the free ends of curves would be joined to, by pixels of a view."""
+"""Offers: what the free ends of curves nearly meet, by pixels of a view."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.view import Camera
-from bozzetto_product.model.state import Meeting, Point, ProductState
+from bozzetto.view import Camera, triple
+from bozzetto_product.model.planes import Point
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.clusters import End
-from bozzetto_product.operations.trim import nearest_gap, network_ends
+from bozzetto_product.operations.trim import Proposal, nearest_gap, network_ends
 from bozzetto_product.projection.views import pixel_size, seen_at
 
 DEEPER: Final = 3.0
@@ -23,26 +24,20 @@ class NearMiss:
 
     Attributes
     ----------
-    end : Meeting
-        The free end.
-    meets : Meeting or None
-        What it would be joined to; None for the mirror plane.
-    place, target : (x, y, z)
-        Where it is, and where it would be, mm.
+    proposal : Proposal
+        What it would be joined to, and where.
+    place : (x, y, z)
+        Where the end is, mm.
     pixels : float
         How far apart they are seen.
     """
 
-    end: Meeting
-    meets: Meeting | None
+    proposal: Proposal
     place: Point
-    target: Point
     pixels: float
 
 
-def near_misses(
-    state: ProductState, camera: Camera, *, tolerance: float = 12.0, only: str = ""
-) -> tuple[NearMiss, ...]:
+def near_misses(state: ProductState, camera: Camera, *, tolerance: float) -> tuple[NearMiss, ...]:
     """Find the free ends that nearly meet something, as seen in a view.
 
     Parameters
@@ -53,8 +48,6 @@ def near_misses(
         Of the view.
     tolerance : float
         Largest distance on the sheet, px; in space it may be three times as much.
-    only : str
-        Id of a curve whose ends alone are asked for; default all.
 
     Returns
     -------
@@ -71,7 +64,7 @@ def near_misses(
     found = [
         miss
         for end in reaching
-        if not end.joint and (not only or end.curve == only)
+        if not end.joint
         if (miss := _miss(end, reaching, state, camera)) is not None and miss.pixels <= tolerance
     ]
     return tuple(sorted(found, key=lambda miss: (miss.pixels, miss.place)))
@@ -86,6 +79,4 @@ def _miss(end: End, ends: list[End], state: ProductState, camera: Camera) -> Nea
     pixels = float(np.linalg.norm(seen[1] - seen[0]))
     if not np.isfinite(pixels):
         return None
-    x, y, z = end.place.tolist()
-    meets = found.meetings[1] if len(found.meetings) > 1 else None
-    return NearMiss(found.meetings[0], meets, (x, y, z), found.place, pixels)
+    return NearMiss(found, triple(end.place), pixels)

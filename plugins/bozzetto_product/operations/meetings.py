@@ -10,7 +10,10 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Curve, Joint, Meeting, Plane, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.projection.planes import mirror_image
 
 

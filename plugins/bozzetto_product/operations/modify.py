@@ -7,7 +7,7 @@ strokes pull, and its new course goes back to space with the least change.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -16,16 +16,14 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import (
-    SNAKE_LOCATION,
-    SNAKE_PRESSURE,
-    SNAKE_RESTITUTION,
     Stroke,
     arc_length,
     lift_curve,
     oversketch_curve,
 )
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Plane, ProductState
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import CurveMeant, curve_meant
 from bozzetto_product.operations.displacement import displaced
 from bozzetto_product.operations.meetings import curve_of, joint_at
@@ -58,21 +56,11 @@ _EDGE_ON = (
 )
 
 
-@dataclass(frozen=True)
-class Forces:
-    """Weights of what resists and what pulls; only their ratios count."""
-
-    restitution: float = SNAKE_RESTITUTION
-    location: float = SNAKE_LOCATION
-    pressure: float = SNAKE_PRESSURE
-
-
 def modify(
     state: ProductState,
     strokes: Sequence[Stroke],
     *,
     meant: CurveMeant | None = None,
-    forces: Forces | None = None,
 ) -> ProductState:
     """Bend a curve towards the strokes drawn over it.
 
@@ -87,8 +75,6 @@ def modify(
         Drawn in one view.
     meant : CurveMeant, optional
         The curve; default the one that is nearest on the sheet.
-    forces : Forces, optional
-        Weights of what resists and what pulls; default those of the paper.
 
     Returns
     -------
@@ -110,9 +96,7 @@ def modify(
         joint_at(state, curve.id, 0.0) is not None,
         joint_at(state, curve.id, 1.0) is not None,
     )
-    spline = drawn_over(
-        curve.spline, strokes, held=held, plane=curve.plane, mirror=mirror, forces=forces
-    )
+    spline = drawn_over(curve.spline, strokes, held=held, plane=curve.plane, mirror=mirror)
     if spline is curve.spline:
         return state
     node = replace(curve, strokes=curve.strokes.extended(strokes), told=())
@@ -126,7 +110,6 @@ def drawn_over(
     held: tuple[bool, bool] = (False, False),
     plane: Plane | None = None,
     mirror: Plane | None = None,
-    forces: Forces | None = None,
 ) -> Spline:
     """Return a curve after strokes drawn over it.
 
@@ -142,8 +125,6 @@ def drawn_over(
         In which the curve stays; else it changes least.
     mirror : Plane, optional
         The strokes were drawn over the mirror image in this plane.
-    forces : Forces, optional
-        Weights of what resists and what pulls; default those of the paper.
 
     Returns
     -------
@@ -155,7 +136,6 @@ def drawn_over(
     UserError
         If the curve is not seen, or its plane is seen edge-on.
     """
-    weights = forces or Forces()
     camera = strokes[0].camera
     at, points, whole = contour_nodes(spline, camera, mirror)
     pixels = seen_at(camera, points)
@@ -163,9 +143,6 @@ def drawn_over(
         pixels,
         [(stroke.points, stroke.pressure) for stroke in strokes],
         closed=whole,
-        restitution=weights.restitution,
-        location=weights.location,
-        pressure=weights.pressure,
     )
     wanted, moved = new.points, new.moved
     if not spline.closed:

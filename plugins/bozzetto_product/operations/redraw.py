@@ -13,7 +13,8 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import Stroke, arc_length, distances_to_polyline, lift_curve, points_along
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Plane, ProductState
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import CurveMeant, curve_meant
 from bozzetto_product.operations.displacement import displaced
 from bozzetto_product.operations.meetings import curve_of, joint_at, spline_of

@@ -15,7 +15,10 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Curve, Joint, Meeting, Plane, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.end_moves import moved_to_ends
 from bozzetto_product.operations.meetings import (
     is_end,

@@ -3,7 +3,9 @@
 Its image is held and its depth is fitted with the curve's own control points: where the ink is
 on the surface by how squarely that is seen, beside the surface hardly at all, and with as
 little bending as that allows. The depth of a round body falls steeply towards its silhouette, and
-a curve that followed it there would bend back sharply; weights of squared cosines avoid that.
+a curve that ran off it as steeply would bend back sharply; weights of cubed cosines avoid that.
+Bending costs the more, the more of the ink is beside the surface: where all of it is on the
+surface, the depth is known.
 """
 
 from __future__ import annotations
@@ -25,8 +27,16 @@ SAMPLES: Final = 241
 BESIDE: Final = 1e-3
 """Weight of the last depth where the ink is beside the surface."""
 
-BENDING: Final = 1e-5
-"""Weight of the squared second derivative of the depth by the parameter (0 … 1)."""
+STEEPNESS: Final = 3.0
+"""Power of the cosine of incidence that is the weight of a depth on the surface."""
+
+BENDING: Final = 1e-4
+"""Weight of the squared second derivative of the depth by the parameter (0 … 1), of ink that is
+wholly beside the surface; less by the share of the ink that is on it."""
+
+LEAST_BENDING: Final = 1e-3
+"""Share of `BENDING` that is left where all of the ink is on the surface: it holds control points
+that the depth does not."""
 
 IMAGE: Final = 1e4
 """Weight of a mm across the sight against a mm of depth: the image is held."""
@@ -126,11 +136,12 @@ def at_depth(sheet: Spline, camera: Camera, sight: Sight) -> Spline:
     origins, directions = sight.rays
     at = np.linspace(*sheet.range, SAMPLES)
     depth, weight = _depths(sight, sheet.closed)
+    price = BENDING * max(float((~sight.on).mean()), LEAST_BENDING)
     across = _across(directions)
     curve = with_controls(sheet, np.zeros((basis(sheet, at[:1]).shape[1], 3)))
     places = at
     for step in range(ROUNDS):
-        curve = _solved(curve, places, origins, directions, across, depth, weight)
+        curve = _solved(curve, places, origins, directions, across, depth, weight, price)
         if camera.kind == "orthographic":
             break  # the image is that of the sheet, exactly
         if step + 1 < ROUNDS:
@@ -151,7 +162,9 @@ def _depths(sight: Sight, closed: bool) -> tuple[Array, Array]:
     along = np.einsum("nk,nk->n", hit - origins, directions)
     normals = np.where(sight.on[:, None], sight.hits.normals, 0.0)
     cosine = np.einsum("nk,nk->n", normals, directions)
-    return along[nearest], np.where(sight.on, np.maximum(cosine**2, BESIDE), BESIDE)
+    return along[nearest], np.where(
+        sight.on, np.maximum(np.abs(cosine) ** STEEPNESS, BESIDE), BESIDE
+    )
 
 
 def _across(directions: Array) -> Array:
@@ -185,6 +198,7 @@ def _solved(
     across: Array,
     depth: Array,
     weight: Array,
+    price: float,
 ) -> Spline:
     """Solve for the control points: image, depth, and bending of the depth."""
     rows, bending = basis(curve, places), basis(curve, places, 2)
@@ -196,7 +210,7 @@ def _solved(
         for axis, say in (*pieces, (directions, weight))
     ]
     system.append(
-        np.sqrt(BENDING)
+        np.sqrt(price)
         * span**2
         * (bending[:, :, None] * directions[:, None]).reshape(len(rows), -1)
     )

@@ -15,7 +15,7 @@ from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import Context
 from bozzetto.scene import Scene, SurfacePlaces, project_stroke
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Plane, Point
+from bozzetto_product.model.planes import Plane, Point
 from bozzetto_product.projection.depth_fit import SAMPLES, Sight, at_depth, look_along
 from bozzetto_product.projection.planes import canvas_plane, heights, in_plane
 from bozzetto_product.projection.sheet_curve import FAR, SheetCurve, curve_on_sheet
@@ -161,7 +161,7 @@ def _on_surface(sheet: SheetCurve, scene: Scene, anchor: Point | None) -> DrawnC
         plane = canvas_plane(_anchor(scene, sheet.camera, anchor), sheet.camera.axes[2])
         return DrawnCurve(_on_plane(sheet, plane), warnings=(_BESIDE,))
     spline = at_depth(sheet.spline, sheet.camera, sight)
-    creases = _creases(sheet, scene)
+    creases = creases_along(sheet.spline.sampled(SAMPLES), sheet.camera, scene)
     said = (
         (_APART, sight.apart),
         (_RUNS_OFF, not sight.on.all() and not sight.apart),
@@ -183,12 +183,21 @@ def _anchor(scene: Scene, camera: Camera, anchor: Point | None) -> Array:
     return np.asarray(camera.target, float)
 
 
-def _creases(sheet: SheetCurve, scene: Scene) -> tuple[float, ...]:
-    """Return the shares of the curve at which the surface under it has an edge."""
-    points = sheet.spline.sampled(SAMPLES)
-    ink = project_stroke(Stroke(points[:, 0], points[:, 1], sheet.camera), scene)
+def creases_along(points: Array, camera: Camera, scene: Scene) -> tuple[float, ...]:
+    """Return the shares of a curve at which the surface under it has an edge.
+
+    Parameters
+    ----------
+    points : (n, 2) float
+        Its places on the sheet at equal steps of its parameter, px.
+    camera : Camera
+        Of the view.
+    scene : Scene
+        What is visible.
+    """
+    ink = project_stroke(Stroke(points[:, 0], points[:, 1], camera), scene)
     at = np.concatenate([run.creases for run in ink.runs]) if ink.runs else np.zeros(0)
-    return tuple(float(share) for share in np.unique(at / (SAMPLES - 1)))
+    return tuple(float(share) for share in np.unique(at / (len(points) - 1)))
 
 
 def _places(spline: Spline, sight: Sight) -> SurfacePlaces | None:

@@ -12,7 +12,7 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.scene import Scene, cast_rays
-from bozzetto_product.model.state import Plane, Point
+from bozzetto_product.model.planes import Plane, Point
 
 STRAIGHT: Final = 1e-6
 """Sine of an angle, or length as a share of another, below which a plane is not determined."""

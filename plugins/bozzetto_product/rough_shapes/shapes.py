@@ -14,7 +14,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh
-from bozzetto_product.model.state import RoughKind, RoughShape
+from bozzetto_product.model.rough_shapes import RoughKind, RoughShape
 from bozzetto_product.rough_shapes.surfaces import box_surface, closed_rings, mesh_of
 
 SIZES: Final[dict[RoughKind, tuple[float, float, float]]] = {

@@ -134,7 +134,7 @@ def _meshes(
 ) -> tuple[tuple[Mesh, ...], tuple[Owner, ...]]:
     """Return meshes with normals of a part, and what each belongs to."""
     if shell is None:
-        meshes = tuple(one.fill.mesh for one in part.patches if one.fill is not None)
+        meshes = tuple(one.mesh for one in part.patches if one.mesh is not None)
         return meshes, tuple(map(Owner, numbers))
     meshes = face_meshes(shell)
     order = sorted(range(len(meshes)), key=lambda k: group_of(shell.owners[k]))
@@ -161,7 +161,7 @@ def _connected(patches: Sequence[SolvedPatch]) -> Iterator[list[SolvedPatch]]:
 
 def _joined(part: Sequence[SolvedPatch]) -> tuple[Mesh, tuple[FaceGroup, ...]]:
     """Return one mesh, in which vertices at the very same place are one, and its groups."""
-    meshes = [one.fill.mesh for one in part if one.fill is not None]
+    meshes = [one.mesh for one in part if one.mesh is not None]
     vertices = np.concatenate([mesh.vertices for mesh in meshes])
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     faces = np.concatenate([m.faces + start for m, start in zip(meshes, starts, strict=True)])

@@ -10,7 +10,8 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Mesh, Shapes, meshed
 from bozzetto.plugin import remembered
-from bozzetto_product.model.state import FollowedShape, ProductState, RoughShape
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.rough_shapes.shapes import rough_mesh
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import DEGREE, Mesh, Spline, closest_on_mesh, mesh_points
-from bozzetto_product.model.state import Curve, LaidPlaces
+from bozzetto_product.model.curves import Curve, LaidPlaces
 from bozzetto_product.solve.canvas import Canvas
 
 STILL: Final = 1e-6

@@ -8,7 +8,9 @@ from dataclasses import replace
 from bozzetto_product.loops.boundaries import boundary_of, loop_of, mirrored_boundary
 from bozzetto_product.loops.finding import FoundLoops, find_loops
 from bozzetto_product.loops.orientation import orient_loops
-from bozzetto_product.model.state import Boundary, Patch, ProductState
+from bozzetto_product.model.joints import Boundary
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.half_edges import half_edge_images, half_edges
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.solve.solver import loops_of_patch, net_of_state

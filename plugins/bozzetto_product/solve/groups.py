@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from bozzetto.plugin import remembered
-from bozzetto_product.model.state import Curve, CurveGroup, Patch, Plane, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.patches import CurveGroup, Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.shaping.group_fairing import FairedNet, faired
@@ -60,7 +63,7 @@ def faired_groups(
     moved: set[int] = set()
     kept = []
     for group in state.of_kind(CurveGroup):
-        held = _held(state, group)
+        held = parts_within(state, group)
         members = frozenset(k for k, patch in enumerate(patches) if patch.id in held)
         if group.let_go <= 0.0 or len(members) < 2:
             continue
@@ -79,7 +82,7 @@ def _faired(
     return faired(net, loops, members, share, Reflection(symmetry))
 
 
-def _held(state: ProductState, group: CurveGroup) -> set[str]:
+def parts_within(state: ProductState, group: CurveGroup) -> set[str]:
     """Return the ids of all parts within a group, in groups within it too."""
     held = {group.id}
     while True:

@@ -14,18 +14,15 @@ from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, Preview, override
 from bozzetto.scene import Layer, Points, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, triple
-from bozzetto_product.model.state import (
-    Curve,
-    FollowedShape,
-    LaidPlaces,
-    Patch,
-    Plane,
-    ProductState,
-    RoughShape,
-)
+from bozzetto_product.model.curves import Curve, LaidPlaces
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
+from bozzetto_product.operations.drawing_plane import drawing_plane
 from bozzetto_product.operations.pieces import delete_curves
-from bozzetto_product.operations.trim import default_gap, trim
+from bozzetto_product.operations.trim import default_gap, proposals_of, trim
 from bozzetto_product.projection.ink_curve import AT_PLANE, curve_from_ink
 from bozzetto_product.projection.planes import in_plane
 from bozzetto_product.projection.spline_basis import with_controls
@@ -34,7 +31,7 @@ from bozzetto_product.solve.canvas import Canvas, mesh_of_rough_shape
 from bozzetto_product.solve.following import laid_on
 from bozzetto_product.solve.found_patches import with_patches_found
 from bozzetto_product.tools.product_tool import ProductTool
-from bozzetto_product.view.scene import SURFACES, canvas_layer_name
+from bozzetto_product.view.scene import JOIN_TOOL, SURFACES, canvas_layer_name
 
 MAGNET: Final = 16.0
 """Gap on the sheet, px, over which an end is joined at once."""
@@ -60,6 +57,11 @@ LOOKS: Final = 48
 """Places of a stroke that are looked at."""
 
 
+_GAP: Final = (
+    "An end nearly meets a curve, {:.3g} mm away. Touch it with the tool “Join” to join them."
+)
+
+
 class DrawCurve(ProductTool):
     """Draws a curve on whatever is seen under the pen.
 
@@ -82,6 +84,9 @@ class DrawCurve(ProductTool):
         chosen = state.chosen_of(Curve)
         if chosen is not None and chosen.told:
             return NextStep(chosen.told[0])
+        gaps = proposals_of(state, default_gap(state), {chosen.id}) if chosen is not None else ()
+        if gaps:
+            return NextStep(_GAP.format(gaps[0].distance), gaps[0].place, JOIN_TOOL)
         if state.of_kind(Curve) and not state.of_kind(Patch):
             return NextStep("Draw on until curves enclose an area: it gets a surface by itself.")
         return NextStep(self.hint)
@@ -124,11 +129,13 @@ def with_drawn(
     base = state if older is None else delete_curves(state, older.id)
     seen = _with_rough_shapes(state, context.scene)
     context = replace(context, scene=canvas_scene(state, seen, strokes))
+    plane = drawing_plane(state, strokes, context.scene)
     drawn = curve_from_ink(
         strokes,
         context,
         controls=state.controls,
         order=state.order,
+        plane=plane,
         mirror_plane=state.symmetry if state.mirror else None,
         anchor=_last_place(base),
     )
@@ -138,9 +145,11 @@ def with_drawn(
         spline=drawn.spline,
         strokes=Strokes(strokes),
         places=drawn.places,
+        plane=plane,
         told=drawn.warnings,
     )
-    curve = replace(curve, laid=_laid(curve, base, context))
+    if plane is None:
+        curve = replace(curve, laid=_laid(curve, base, context))
     if state.mirror and _is_along_plane(drawn.spline, state.symmetry, strokes[0].camera):
         flat = in_plane(drawn.spline.control_points, state.symmetry)
         spline = with_controls(drawn.spline, flat)

@@ -15,9 +15,11 @@ from bozzetto.view import Camera
 from bozzetto_product.details.emblem_places import anchored, emblem_outlines
 from bozzetto_product.details.ground import Ground, followed_outline
 from bozzetto_product.details.outline_places import NO_SURFACE, tangent_axes
-from bozzetto_product.model.state import Emblem, Patch, ProductState
+from bozzetto_product.model.emblems import Emblem
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.solver import grounds_of, solve_product
-from bozzetto_product.tools.detail import DEPTH, GAP, without_details
+from bozzetto_product.tools.detail import DEPTH, GAP, UNCARVED, without_details
 from bozzetto_product.tools.product_tool import ProductTool
 from bozzetto_product.view.detail_view import EMBLEM_TOOL, MIDDLE, SIZED, emblem_corner
 
@@ -52,6 +54,8 @@ class LayText(ProductTool):
         """Return the gesture, or where to type and what to drag."""
         if not state.of_kind(Patch):
             return NextStep(NO_SURFACE, tool="draw")
+        if state.surfaces == "paper":
+            return NextStep(UNCARVED)
         if state.chosen_of(Emblem) is not None:
             return NextStep(
                 "Type the text in the panel; drag its middle, or its corner to turn it."
@@ -65,8 +69,10 @@ class LayText(ProductTool):
         Raises
         ------
         UserError
-            If there is no surface.
+            If there is no surface that is carved.
         """
+        if state.surfaces == "paper":
+            raise UserError(UNCARVED)
         result = solve_product(replace(state, nodes=without_details(state)), Job())
         grounds = grounds_of(result.patches)
         at, up = _touched(tap.camera, np.array((tap.x, tap.y)), grounds)

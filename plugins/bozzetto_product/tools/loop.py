@@ -10,7 +10,8 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, NextStep, Tap, override
 from bozzetto.scene import Layer, Scene
 from bozzetto_product.loops.picking import loops_at
-from bozzetto_product.model.state import Patch, ProductState
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.solve.found_patches import (
     edges_of,

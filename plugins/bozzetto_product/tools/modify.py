@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final
 
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, Tap, override
 from bozzetto.scene import Layer, Lines, Scene
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.curve_meant import CurveMeant, curve_under
 from bozzetto_product.operations.modify import modify
-from bozzetto_product.tools.product_tool import ProductTool, changed
+from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves
 from bozzetto_product.view.scene import CHOSEN_WIDTH, lines, polyline
 
 LIT: Final = 6.0
 """Width of the light under the curve that is meant, px."""
 
-_NOTHING: Final = "Draw a curve first; then draw over it where it is to run."
+NO_CURVE: Final = "Draw a curve first; then draw over it where it is to run."
 
 
 class Modify(ProductTool):
@@ -25,15 +27,14 @@ class Modify(ProductTool):
     id = "modify"
     title = "Modify"
     icon = "icons/modify.svg"
+    group = "Reshape"
     hint = "Draw over a curve where it is to run; press harder to pull it closer."
     hovers = True
 
     @override
     def next_step(self, state: ProductState) -> NextStep:
         """Return the gesture; where there is no curve, that one is to be drawn."""
-        if not any(curve.spline for curve in state.of_kind(Curve)):
-            return NextStep(_NOTHING, tool="draw")
-        return NextStep(self.hint)
+        return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
@@ -44,9 +45,7 @@ class Modify(ProductTool):
         if not isinstance(gesture, Ink):
             return Scene()
         after = modify(state, gesture.strokes[-1:])
-        before = {curve.id: curve.spline for curve in state.of_kind(Curve)}
-        moved = [c for c in after.of_kind(Curve) if c.spline is not before.get(c.id)]
-        return Scene((Layer("lit", tuple(_moved(state, moved))),))
+        return Scene((Layer("lit", tuple(lit_changes(state, after))),))
 
     @override
     def draw(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
@@ -68,13 +67,14 @@ def _lit(state: ProductState, found: CurveMeant) -> Lines:
     return lines([points], "accent", LIT, opacity=0.55)
 
 
-def _moved(state: ProductState, curves: list[Curve]) -> list[Lines]:
-    mirror = Reflection(state.symmetry)
-    items = []
-    for curve in curves:
-        assert curve.spline is not None
+def lit_changes(before: ProductState, after: ProductState) -> Iterator[Lines]:
+    """Yield the curves that differ, as they would be, with their mirror images."""
+    mirror = Reflection(before.symmetry)
+    old = {curve.id: curve.spline for curve in before.of_kind(Curve)}
+    for curve in after.of_kind(Curve):
+        if curve.spline is None or curve.spline is old.get(curve.id):
+            continue
         points = polyline(curve.spline)
-        items.append(lines([points], "accent", CHOSEN_WIDTH))
+        yield lines([points], "accent", CHOSEN_WIDTH)
         if curve.mirrored:
-            items.append(lines([mirror.points(points)], "second", CHOSEN_WIDTH))
-    return items
+            yield lines([mirror.points(points)], "second", CHOSEN_WIDTH)

@@ -12,7 +12,9 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Job, NextStep, Tap, override
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import triple
-from bozzetto_product.model.state import Curve, ProductState, RoughShape
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.rough_shapes import RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_edits import move_joint
 from bozzetto_product.operations.curve_meant import curve_under
 from bozzetto_product.operations.meetings import meeting_place, splines_of
@@ -47,6 +49,7 @@ class Move(ProductTool):
     id = MOVE_TOOL
     title = "Move joint"
     icon = "icons/move.svg"
+    group = "Reshape"
     hint = "Drag a joint; the curves that meet there come along. Touch a surface to choose it."
     gesture = "drag"
 
@@ -127,7 +130,7 @@ def _surface_under(state: ProductState, tap: Tap, scene: Scene) -> str:
         return ""
     one = filled[met.number]
     # Another product may have surfaces, too.
-    same = one.fill is not None and np.array_equal(one.fill.mesh.vertices, met.item.mesh.vertices)
+    same = one.mesh is not None and np.array_equal(one.mesh.vertices, met.item.mesh.vertices)
     return one.patch.id if same else ""
 
 

@@ -15,7 +15,9 @@ from bozzetto.plugin import Context, Ink, Job, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera
 from bozzetto_product.details.bodies import SolvedDetail
-from bozzetto_product.model.state import Curve, Detail, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.pieces import delete_curves
 from bozzetto_product.solve.found_patches import with_patches_found
@@ -51,6 +53,11 @@ class ProductTool(Tool[ProductState]):
     def erase(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Take away the curves that the eraser's path runs along, or the details under it."""
         return erased(state, ink.strokes[-1])
+
+
+def has_curves(state: ProductState) -> bool:
+    """Whether there is a curve that was drawn."""
+    return any(curve.spline is not None for curve in state.of_kind(Curve))
 
 
 def erased(state: ProductState, path: Stroke) -> ProductState:

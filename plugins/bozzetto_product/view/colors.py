@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final, Literal
 
-from bozzetto_product.model.state import Color, Finish, Patch
+from bozzetto_product.model.appearance import Color, Finish
+from bozzetto_product.model.patches import Patch
 from bozzetto_product.solve.result import SolvedPatch
 
 CALM: Final[tuple[Color, ...]] = (

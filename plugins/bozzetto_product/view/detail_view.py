@@ -15,7 +15,9 @@ from bozzetto.view import triple
 from bozzetto_product.details.ground import Ground, followed_outline
 from bozzetto_product.details.outline_places import tangent_axes
 from bozzetto_product.details.shell import Owner, Shell, face_meshes, group_of
-from bozzetto_product.model.state import Color, Emblem, ProductState
+from bozzetto_product.model.appearance import Color
+from bozzetto_product.model.emblems import Emblem
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.shaping.wall import NOBODY
 from bozzetto_product.solve.result import ProductResult, WalledBody
 from bozzetto_product.view.colors import SHOWN_FINISHES
@@ -71,8 +73,8 @@ def surface_items(result: ProductResult, colors: Sequence[Color]) -> Iterator[Sh
         owner.patch for shell in result.detailed.changed for owner in _plain(result, shell).owners
     }
     for number, (one, color) in enumerate(zip(result.filled, colors, strict=True)):
-        assert one.fill is not None
-        mesh = changed.get(number, EMPTY if number in gone else one.fill.mesh)
+        assert one.mesh is not None
+        mesh = changed.get(number, EMPTY if number in gone else one.mesh)
         finish, opacity = SHOWN_FINISHES[one.patch.finish]
         yield Shaded(mesh, color=color, opacity=opacity, finish=finish)
     opened = frozenset().union(*(body.opened for body in result.walls))

@@ -7,21 +7,20 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh, Spline, flattened
 from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Layer, Lines, Paint, Points, Scene, Shaded
 from bozzetto.view import triple
-from bozzetto_product.model.state import (
-    Curve,
-    FollowedShape,
-    Joint,
-    ProductState,
-    RoughShape,
-)
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Edge
 from bozzetto_product.network.reflection import Reflection
+from bozzetto_product.projection.planes import plane_through
 from bozzetto_product.solve.canvas import Canvas, canvases_of
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.view.colors import colors_of
@@ -51,6 +50,12 @@ DRAWN_WIDTH: Final = 1.2
 CHOSEN_WIDTH: Final = 3.4
 """Width of the chosen curve or of the boundary of the chosen surface, px."""
 
+MARGIN: Final = 1.3
+"""Width of the margin on each side of a curve, px: ink is seen on a dark paint by it, and light
+ink on a light one."""
+
+MARGIN_OPACITY: Final = 0.7
+
 OPEN_WIDTH: Final = 4.5
 """Width of the light on an open edge, px: it shows on both sides of the curve."""
 
@@ -68,7 +73,17 @@ LIT_OPACITY: Final = 0.5
 
 LOOP_TOOL: Final = "loop"
 MOVE_TOOL: Final = "move"
+PLANE_TOOL: Final = "plane"
 """Ids of the tools that show a layer of their own."""
+
+JOIN_TOOL: Final = "join"
+"""Id of the tool that closes wide gaps."""
+
+DOT: Final = 11.0
+"""Size of a dot at a place that is meant, px."""
+
+AROUND: Final = 1.3
+"""Half the side of the square that shows a plane, in distances of its places from their middle."""
 
 JOINT: Final = "joint "
 """How the handle of a joint begins; its id follows."""
@@ -89,7 +104,9 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
             Layer("open edges", tuple(_open(result)), tool=LOOP_TOOL),
         ]
         layers.append(Layer("let go", tuple(_as_drawn(state, result))))
+        layers.append(Layer("margins of curves", tuple(_margins(state, curves))))
     layers.append(Layer("curves", tuple(_curves(state, curves))))
+    layers.append(Layer("plane", tuple(_plane(state)), tool="" if _lies_so(state) else PLANE_TOOL))
     if result is not None:
         layers += [
             Layer("chosen surface", tuple(_chosen(state, result))),
@@ -147,18 +164,39 @@ def _walls(result: ProductResult) -> Layer:
     return Layer("walls", tuple(items))
 
 
+def _margins(state: ProductState, curves: Iterable[Curve]) -> Iterator[Lines]:
+    """Yield what parts curves from the paint of the surfaces on both sides."""
+    for curve, points, _ in _seen(state, curves):
+        yield Lines(
+            points.astype(np.float32),
+            color="paper",
+            width=_width(state, curve) + 2.0 * MARGIN,
+            opacity=MARGIN_OPACITY,
+            hidden="hide",
+        )
+
+
 def _curves(state: ProductState, curves: Iterable[Curve]) -> Iterator[Lines]:
+    for curve, points, mirrored in _seen(state, curves):
+        color = "accent" if curve.id == state.selected else curve.color or "ink"
+        yield lines([points], "second" if mirrored else color, _width(state, curve))
+
+
+def _width(state: ProductState, curve: Curve) -> float:
+    return CHOSEN_WIDTH if curve.id == state.selected else WIDTH
+
+
+def _seen(state: ProductState, curves: Iterable[Curve]) -> Iterator[tuple[Curve, Array, bool]]:
+    """Yield the curves that are shown as chains, and whether they are mirror images."""
     shown = {curve.id for curve in state.shown(Curve)}
     mirror = Reflection(state.symmetry)
     for curve in curves:
         if curve.spline is None or curve.id not in shown:
             continue
-        chosen = curve.id == state.selected
-        width = CHOSEN_WIDTH if chosen else WIDTH
         points = polyline(curve.spline)
-        yield lines([points], "accent" if chosen else curve.color or "ink", width)
+        yield curve, points, False
         if curve.mirrored:
-            yield lines([mirror.points(points)], "second", width)
+            yield curve, mirror.points(points), True
 
 
 def _as_drawn(state: ProductState, result: ProductResult) -> Iterator[Lines]:
@@ -170,6 +208,35 @@ def _as_drawn(state: ProductState, result: ProductResult) -> Iterator[Lines]:
             yield lines([points], "ghost", DRAWN_WIDTH)
             if curve.mirrored:
                 yield lines([mirror.points(points)], "ghost", DRAWN_WIDTH)
+
+
+def _lies_so(state: ProductState) -> bool:
+    """Whether new curves lie in the plane that was set."""
+    return state.lay == "plane" and len(state.plane_places) == 3
+
+
+def _plane(state: ProductState) -> Iterator[Points | Lines]:
+    """Yield the places of the plane of new curves, and a square in it."""
+    if not state.plane_places:
+        return
+    places = np.array(state.plane_places)
+    yield dots(places)
+    if len(places) < 3:
+        return
+    middle = places.mean(axis=0)
+    reach = float(np.linalg.norm(places - middle, axis=1).max())
+    normal = np.asarray(plane_through(places).normal)
+    along = (places[1] - places[0]) / np.linalg.norm(places[1] - places[0])
+    across = np.cross(normal, along)
+    corners = np.array(((1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)))
+    square = middle + AROUND * reach * (corners @ np.stack((along, across)))
+    yield lines([square], "second", DRAWN_WIDTH)
+
+
+def dots(places: ArrayLike, *, opacity: float = 0.8) -> Points:
+    """Return dots at places that are meant."""
+    points = np.asarray(places, np.float32).reshape(-1, 3)
+    return Points(points, color="accent", size=DOT, opacity=opacity)
 
 
 @remembered(limit=2048, key=lambda spline: spline)

@@ -8,7 +8,6 @@ the curve follow, so what was not drawn over stays.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -17,9 +16,8 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import (
-    SNAKE_LOCATION,
-    SNAKE_PRESSURE,
-    SNAKE_RESTITUTION,
+    DEFAULT_FORCES,
+    SnakeForces,
     Stroke,
     arc_length,
     is_on_sheet,
@@ -46,22 +44,13 @@ STEEPEST: Final = 20.0
 little about it: the plane is seen within three degrees of its edge then."""
 
 
-@dataclass(frozen=True)
-class Forces:
-    """Weights of what pulls and what resists; see `bozzetto.ink.oversketch.snake.modified`."""
-
-    restitution: float = SNAKE_RESTITUTION
-    location: float = SNAKE_LOCATION
-    pressure: float = SNAKE_PRESSURE
-
-
 def oversketch(
     curve: SpaceCurve,
     stereo: Stereo,
     strokes: Sequence[Stroke],
     *,
     mirrored: bool = False,
-    forces: Forces | None = None,
+    forces: SnakeForces = DEFAULT_FORCES,
 ) -> SpaceCurve:
     """Return the curve after strokes drawn over it.
 
@@ -79,8 +68,8 @@ def oversketch(
         What was drawn, in one view.
     mirrored : bool
         Of a pair: they were drawn over the mirror image.
-    forces : Forces, optional
-        What pulls and what resists; the usual weights by default.
+    forces : SnakeForces
+        What pulls and what resists.
 
     Returns
     -------
@@ -92,7 +81,6 @@ def oversketch(
     UserError
         If nothing of the curve is seen, or the plane that holds it is seen edge-on.
     """
-    weights = forces or Forces()
     image = MIRROR if mirrored and curve.reading == "pair" else np.ones(3)
     at, points, whole = _nodes(curve.spline, stereo, image)
     pixels = stereo.project(points)
@@ -100,9 +88,7 @@ def oversketch(
         pixels,
         [(stroke.points, stroke.pressure) for stroke in strokes],
         closed=whole,
-        restitution=weights.restitution,
-        location=weights.location,
-        pressure=weights.pressure,
+        forces=forces,
     )
     if not bent.moved.any():
         return curve

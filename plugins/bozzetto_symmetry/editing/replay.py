@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Sequence
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
 from bozzetto_symmetry.editing.join import close_up, join_across, join_curves
-from bozzetto_symmetry.editing.oversketch import Forces, oversketch
+from bozzetto_symmetry.editing.oversketch import oversketch
 from bozzetto_symmetry.editing.snap import snap_end
 from bozzetto_symmetry.editing.trim import trim
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
@@ -60,8 +60,7 @@ def apply_edits(
 
 def _depends_on(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve) -> Hashable:
     return (
-        curve, edit, state.plane, state.centre, state.size,
-        state.restitution, state.location, state.pressure,
+        curve, edit, state.plane, state.centre, state.size, state.forces,
     )  # fmt: skip
 
 
@@ -93,7 +92,7 @@ def _modified(curve: SpaceCurve, edit: Modification, state: SymmetryState) -> Sp
         Stereo.of(edit.strokes[0].camera, state.plane),
         tuple(edit.strokes),
         mirrored=edit.mirrored,
-        forces=Forces(state.restitution, state.location, state.pressure),
+        forces=state.forces,
     )
 
 

@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.ink import Strokes
+from bozzetto.ink import SnakeForces, Strokes
 from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 
@@ -217,6 +217,11 @@ class SymmetryState(PartsState):
         Parameter("Pressure counts", 0.0, 1.0, step=0.05, advanced=True,
                   help="How much the firmer of several strokes pulls."),
     ] = 0.3  # fmt: skip
+
+    @property
+    def forces(self) -> SnakeForces:
+        """What pulls curves that are drawn over, and what resists."""
+        return SnakeForces(self.restitution, self.location, self.pressure)
 
     @property
     def size(self) -> Point:

@@ -160,7 +160,7 @@ def _recipe(curve: Curve, state: SymmetryState) -> Hashable:
         replace(curve, id="", name="", visible=True, within="", color=None),
         state.plane, state.centre, state.size,
         # Only what was drawn over is moulded.
-        (state.restitution, state.location, state.pressure) if curve.edits else (),
+        state.forces if curve.edits else (),
     )  # fmt: skip
 
 

@@ -145,5 +145,10 @@ def test_steps_make_what_they_make_without_a_window(make_session, settle, qtbot,
     for ours, theirs in zip(model.state.nodes[1:5], expected.state.nodes[1:5], strict=True):
         assert (ours.spline.control_points == theirs.spline.control_points).all()
     assert seen.count(len(drawing.strokes[0])) >= 1
-    assert session.drawing.history.position > len(RECTANGLE)
+    history = session.drawing.history
+    drawn = ("Draw curve",) * len(RECTANGLE)
+    hidden = "Hide or show the rough shape"
+    assert history.entries[-len(steps) :] == (
+        "Draw symmetric", *drawn, "Rename to “Last”", hidden,
+    )  # fmt: skip
     replays.stop()

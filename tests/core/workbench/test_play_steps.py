@@ -198,7 +198,7 @@ def test_steps_are_told_and_end_when_nobody_waits(shell):
         {},
         job=Job(progress=lambda share, words: told.append((share, words))),
     )
-    assert [words for _, words in told] == [f"Step {k} of 4" for k in (1, 2, 3, 4)]
+    assert [words for _, words in told] == [f"Step {k}" for k in (1, 2, 3, 4)]
     assert [share for share, _ in told] == [0.0, 0.25, 0.5, 0.75]
     asked = []
     enough = Job(cancelled=lambda: bool(asked.append(1)) or len(asked) > 2)

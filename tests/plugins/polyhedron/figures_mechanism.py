@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bozzetto_polyhedron.mechanism.analysis import bar_forces, mobility_of
+from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.mechanism.stepper import Pull, Stepper
 from tests.plugins.polyhedron.known_linkages import as_rods, peaucellier
 from tests.plugins.polyhedron.mechanisms import (
@@ -21,6 +21,7 @@ from tests.plugins.polyhedron.mechanisms import (
     four_bar,
     linkage,
     plates,
+    tensions,
 )
 
 FIRST_SEED = 40_000
@@ -115,7 +116,7 @@ def truss(seeds: range) -> float:
         pairs = [(k, int(j)) for k in range(3, 9) for j in rng.choice(k, 3, replace=False)]
         assembly, motion, free = bars(places, pairs, {0, 1, 2})
         loads = rng.normal(size=(len(free), 3))
-        forces = bar_forces(assembly, motion, loads)
+        forces = tensions(assembly, motion, loads)
         for number, corner in enumerate(free):
             total = loads[number].copy()
             for (a, b), force in zip(pairs, forces, strict=True):

@@ -166,10 +166,11 @@ def walking(friction: float, rate: float) -> tuple[Assembly, Motion]:
         np.array([rod for rod, _ in feet]),
         np.array([arm for _, arm in feet]),
         min(float(known.corners[leg[4]][1]) for leg in LEGS) / 1e3,
-        friction,
     )
     gravity = np.array([0.0, 0.0, -9.81])
-    return replace(assembly, joints=joints, ground=ground, gravity=gravity), motion
+    return replace(
+        assembly, joints=joints, ground=ground, gravity=gravity, friction=friction
+    ), motion
 
 
 def scissor() -> Linkage:

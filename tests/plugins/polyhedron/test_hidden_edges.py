@@ -11,13 +11,13 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context
 from bozzetto_polyhedron.commands.hidden_edges import draw_hidden_edges, without_guessed
-from bozzetto_polyhedron.graph.build import graph_of
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.model.assign_stroke import new_body
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
 from bozzetto_polyhedron.solve.pipeline import solved
 from tests.plugins.polyhedron.figures_hidden_lines import drawing, outcome, visible_lines
+from tests.plugins.polyhedron.graph_truth import graph_of
 from tests.plugins.polyhedron.hand import SIZE, Hand
 from tests.plugins.polyhedron.objects import OBJECTS, Polyhedron, View, view
 

@@ -15,7 +15,8 @@ from bozzetto.plugin import Job
 from bozzetto_product.details.ground import Ground, kept_places, located
 from bozzetto_product.hand_over.imported import product_of_network
 from bozzetto_product.hand_over.shapes import shapes_of
-from bozzetto_product.model.state import Detail, ProductState
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.solve.solver import grounds_of, solve_product
 

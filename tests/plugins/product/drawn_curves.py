@@ -12,7 +12,10 @@ from bozzetto.geometry import Mesh, Spline
 from bozzetto.ink import Stroke, arc_length, points_along
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Curve, Plane, ProductState, RoughShape
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.rough_shapes import RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import meeting_place, splines_of
 from bozzetto_product.rough_shapes.shapes import rough_mesh
 

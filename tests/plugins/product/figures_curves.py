@@ -17,7 +17,8 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import distances_to_polyline, oversketch_curve
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import splines_of
 from bozzetto_product.operations.modify import contour_nodes, drawn_over, modify
 from bozzetto_product.operations.trim import trim

@@ -28,7 +28,8 @@ from bozzetto_product.details.ground import located
 from bozzetto_product.details.shell import Shell
 from bozzetto_product.hand_over.imported import product_of_network
 from bozzetto_product.hand_over.shapes import shapes_of
-from bozzetto_product.model.state import Detail, ProductState
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.tools.detail import with_detail_drawn
 from tests.plugins.product.detail_kit import (
     ball_curves,

@@ -24,7 +24,7 @@ from bozzetto.exchange.import_file import read_drawing
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
 from bozzetto.workbench.workbench import Workbench
-from bozzetto_product.model.state import Curve
+from bozzetto_product.model.curves import Curve
 from bozzetto_product.report import report_of
 
 DOCS = Path(__file__).parents[3] / "docs"

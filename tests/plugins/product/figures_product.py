@@ -16,7 +16,7 @@ import numpy as np
 from bozzetto.plugin import Job
 from bozzetto_product import modeler
 from bozzetto_product.hand_over.imported import product_of_network
-from bozzetto_product.model.state import Curve
+from bozzetto_product.model.curves import Curve
 from bozzetto_product.operations.curve_edits import move_joint
 from bozzetto_product.operations.meetings import meeting_place, splines_of
 from tests.plugins.product.shaver import bent, shaver

@@ -14,7 +14,8 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
 from bozzetto_product.hand_over.imported import product_of_network
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.solve.found_patches import with_patches_found

@@ -12,7 +12,9 @@ from scipy.interpolate import make_interp_spline
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Curve, Joint, Meeting, Plane
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.network.net import Loop, Net
 

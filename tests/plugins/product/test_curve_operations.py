@@ -10,16 +10,13 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import distances_to_polyline
-from bozzetto_product.model.state import (
-    Curve,
-    Joint,
-    Meeting,
-    Patch,
-    Plane,
-    ProductState,
-    RoughShape,
-    Run,
-)
+from bozzetto_product.loops.boundaries import loop_of
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting, Run
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.rough_shapes import RoughShape
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.operations.curve_edits import (
     make_in_plane,
@@ -31,7 +28,7 @@ from bozzetto_product.operations.curve_edits import (
 from bozzetto_product.operations.curve_meant import curve_meant, curve_under
 from bozzetto_product.operations.fillet import fillet
 from bozzetto_product.operations.meetings import splines_of
-from bozzetto_product.operations.modify import modify
+from bozzetto_product.operations.modify import drawn_over, modify
 from bozzetto_product.operations.offset import offset_spline
 from bozzetto_product.operations.pieces import (
     delete_curves,
@@ -45,6 +42,7 @@ from bozzetto_product.operations.trim import trim
 from bozzetto_product.projection.planes import heights
 from bozzetto_product.projection.views import seen_at
 from bozzetto_product.rough_shapes.shapes import rough_mesh
+from bozzetto_product.solve.found_patches import with_patches_found
 from tests.plugins.product.drawn_curves import MIRROR, SHEET, bow, misses, one_stroke
 
 SIDE = SHEET.__class__(eye=(400.0, -250.0, 200.0))
@@ -371,3 +369,51 @@ def test_the_curve_under_the_pen(network: ProductState) -> None:
 def test_what_cannot_be_done_is_said(network: ProductState, change: object) -> None:
     with pytest.raises(UserError):
         change(network)  # type: ignore[operator]
+
+
+def test_a_joint_of_a_curve_across_the_plane_takes_its_image_along() -> None:
+    """An arch over the plane stands on a rail and on its mirror image: one surface, one joint."""
+    plane = Plane((0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    half = [(-30.0, 40.0, 0.0), (-30.0, 35.0, 30.0), (-30.0, 12.0, 45.0)]
+    arch = Spline.uniform(np.array([*half, *(np.array(half) * (1.0, -1.0, 1.0))[::-1]]))
+    front = Spline.uniform(np.add(arch.control_points, (60.0, 0.0, 0.0)))
+    rail = Spline.uniform(np.linspace((-30.0, 40.0, 0.0), (30.0, 40.0, 0.0), 5))
+    state = ProductState(
+        symmetry=plane,
+        nodes=(
+            Curve(id="a", spline=arch),
+            Curve(id="f", spline=front),
+            Curve(id="r", spline=rail, mirrored=True),
+        ),
+        joints=(
+            Joint("j1", (Meeting("a", 0.0), Meeting("r", 0.0))),
+            Joint("j2", (Meeting("f", 0.0), Meeting("r", 1.0))),
+        ),
+    )
+    state = with_patches_found(state)
+    assert len(state.of_kind(Patch)) == 1
+    moved = with_patches_found(move_joint(state, "j1", (-35.0, 50.0, 4.0)))
+    (patch,) = moved.of_kind(Patch)
+    net = net_of(moved.of_kind(Curve), moved.joints, moved.symmetry)
+    assert loop_of(net, patch.boundary) is not None
+    ends = splines_of(moved)["a"].control_points[[0, -1]]
+    assert (ends == ((-35.0, 50.0, 4.0), (-35.0, -50.0, 4.0))).all()
+
+
+@pytest.mark.parametrize("seed", [7001, 7002])
+def test_a_curve_that_is_drawn_over_again_and_again_stays_light(seed: int) -> None:
+    """Thirty strokes leave it about as many control points as ten do; its ends stay."""
+    random = np.random.default_rng(seed)
+    first = bow(np.array((-80.0, 10.0, -20.0)), np.array((80.0, -30.0, 30.0)), random)
+    spline, counts = first, []
+    for _ in range(30):
+        spots = seen_at(SHEET, spline.sampled(201))
+        low = int(random.integers(10, 80))
+        piece = spots[low : low + 90]
+        share = np.linspace(0.0, np.pi, len(piece))
+        ink = piece + np.outer(np.sin(share) ** 2, random.normal(0.0, 20.0, 2))
+        spline = drawn_over(spline, [one_stroke(ink)], held=(True, True))
+        counts.append(len(spline.control_points))
+    assert counts[9] <= 32
+    assert counts[29] <= 48
+    assert (spline.control_points[[0, -1]] == first.control_points[[0, -1]]).all()

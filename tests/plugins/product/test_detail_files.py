@@ -10,7 +10,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.testing import same
 from bozzetto_product.hand_over.imported import product_of_network
-from bozzetto_product.model.state import Detail
+from bozzetto_product.model.details import Detail
 from tests.plugins.product.detail_kit import RADIUS, ball, ball_curves, body, manifold, solved
 
 A = np.linspace(0.0, 2.0 * np.pi, 33)[:-1]

@@ -8,7 +8,9 @@ import manifold3d
 import numpy as np
 import pytest
 
-from bozzetto_product.model.state import Curve, Detail, Patch
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.patches import Patch
 from bozzetto_product.report import cautions_of
 from tests.plugins.product.detail_kit import (
     RADIUS,

@@ -13,7 +13,8 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.view import Camera
-from bozzetto_product.model.state import Detail, ProductState
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.tools.detail import with_detail_drawn
 from tests.plugins.product.detail_kit import RADIUS, ball, solved
 

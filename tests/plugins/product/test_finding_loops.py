@@ -11,7 +11,8 @@ import pytest
 from bozzetto.geometry import Spline
 from bozzetto_product.loops.boundaries import boundary_of, loop_of
 from bozzetto_product.loops.finding import FoundLoops, find_loops
-from bozzetto_product.model.state import Curve, Joint, Meeting
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.network.net import Loop, Net
 from tests.plugins.product.drawn_networks import DRAWN, sheet

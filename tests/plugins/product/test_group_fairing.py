@@ -11,7 +11,10 @@ import pytest
 from bozzetto.plugin import Job
 from bozzetto_product.fill.network_fills import fill_net
 from bozzetto_product.hand_over.imported import product_of_network
-from bozzetto_product.model.state import Curve, CurveGroup, Patch, Plane, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.patches import CurveGroup, Patch
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.shaping.group_fairing import FairedNet, faired

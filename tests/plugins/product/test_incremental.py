@@ -4,7 +4,7 @@ import pytest
 
 from bozzetto.plugin import Job
 from bozzetto_product import modeler
-from bozzetto_product.model.state import Curve
+from bozzetto_product.model.curves import Curve
 from tests.plugins.product.shaver import bent, shaver
 
 

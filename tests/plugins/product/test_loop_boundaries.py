@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto_product.loops.boundaries import boundary_of, loop_of, mirrored_boundary
 from bozzetto_product.loops.finding import find_loops
-from bozzetto_product.model.state import Joint, Meeting
+from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.network.net import Net
 from tests.plugins.product.drawn_networks import DRAWN

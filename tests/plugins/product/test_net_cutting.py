@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Curve, Joint, Meeting, Plane
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.network.half_edges import half_edge_images
 from bozzetto_product.network.net import Net

@@ -15,7 +15,8 @@ from bozzetto.geometry import Shapes, Spline
 from bozzetto.plugin import Job
 from bozzetto_product.hand_over.imported import product_of_network, product_of_shapes
 from bozzetto_product.hand_over.network_file import network_of
-from bozzetto_product.model.state import Curve, Patch
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.patches import Patch
 from bozzetto_product.modeler import ProductModeler
 
 CORNERS = {

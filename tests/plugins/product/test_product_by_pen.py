@@ -12,7 +12,9 @@ from bozzetto.errors import UserError
 from bozzetto.ink import distances_to_polyline
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen, Shell, same
-from bozzetto_product.model.state import Curve, FollowedShape, Patch, RoughShape
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.report import border_of
 from tests.plugins.product.pen_strokes import (

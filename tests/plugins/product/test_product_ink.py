@@ -24,7 +24,9 @@ from bozzetto.testing import Pen, Shell, same
 from bozzetto.workbench.play_steps import run_steps
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_product.commands.all_commands import all_commands
-from bozzetto_product.model.state import Curve, Patch, RoughShape
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.rough_shapes import RoughShape
 from bozzetto_product.report import report_of
 from bozzetto_product.rough_shapes.shapes import SIZES
 from tests.plugins.product.pen_strokes import FRONT, TOP_EDGES, draw_rectangle, straight
@@ -134,7 +136,7 @@ def test_tools_and_facts_of_parts_are_steps(tmp_path: Path) -> None:
     assert np.abs(moved).max() > 2.0
 
 
-REFUSED = {"join-wider", "trim", "add", "forget-pulls"}
+REFUSED = {"join-wider", "trim", "add", "forget-pulls", "split-creases"}
 """Commands that have nothing to do on a rectangle that is joined, and say so."""
 
 UNCHANGED = {"edge-auto", "find-surfaces", "straighten"}

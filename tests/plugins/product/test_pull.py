@@ -12,7 +12,8 @@ from bozzetto.ink import Stroke
 from bozzetto.plugin import Job
 from bozzetto.view import Camera
 from bozzetto_product.fill.fill import Fill
-from bozzetto_product.model.state import Patch, Plane
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.shaping.pull import pulled

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_product.model.state import RoughKind, RoughShape
+from bozzetto_product.model.rough_shapes import RoughKind, RoughShape
 from bozzetto_product.rough_shapes.shapes import rough_mesh
 
 KINDS = get_args(RoughKind)

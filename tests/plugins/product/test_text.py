@@ -1,4 +1,4 @@
-"""Text on surfaces: letters from the modeler itself, laid, moved, turned, sized, kept and erased."""
+"""Text on surfaces: laid by a touch, moved, turned and sized, kept and erased."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from bozzetto.view import Camera
 from bozzetto_product.details.emblem_places import anchored
 from bozzetto_product.hand_over.imported import product_of_network
 from bozzetto_product.lettering.text_outlines import text_outlines
-from bozzetto_product.model.state import Detail, Emblem, FlatOutlines, ProductState
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.emblems import Emblem, FlatOutlines
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.tools.emblem import LayText
 from bozzetto_product.tools.erase import Erase
@@ -106,7 +108,7 @@ def dragged(state: ProductState, handle: str, goal: np.ndarray) -> ProductState:
 
 def test_the_middle_moves_a_text_over_the_surface() -> None:
     state = touched()
-    goal = MIDDLE + (60.0, -40.0)
+    goal = MIDDLE + np.array((60.0, -40.0))
     moved = handles(dragged(state, "text middle", goal))["text middle"].point
     assert np.linalg.norm(moved) == pytest.approx(RADIUS, rel=1e-3)
     np.testing.assert_allclose(FRONT.project(np.array([moved]))[0][0], goal, atol=0.5)

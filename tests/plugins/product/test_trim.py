@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry import Spline
-from bozzetto_product.model.state import Curve, ProductState
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.operations.curve_edits import move_joint
 from bozzetto_product.operations.end_moves import moved_to_ends, similar
@@ -200,13 +201,13 @@ def test_a_new_curve_comes_to_a_joint_that_stays() -> None:
     assert not left.joints
 
 
-def test_magnets_tell_what_nearly_meets_in_a_view() -> None:
+def test_offers_tell_what_nearly_meets_in_a_view() -> None:
     state = _curves(_line((0, 0, 0), (40, 0, 0)), _line((41, 0, 1), (60, 0, 40)))
     near = near_misses(state, SHEET, tolerance=12.0)
-    assert {miss.end.curve for miss in near} == {"c0", "c1"}
+    assert {miss.proposal.meetings[0].curve for miss in near} == {"c0", "c1"}
     assert all(0.0 < miss.pixels <= 12.0 for miss in near)
-    assert not near_misses(trim(state, gap=2.0).state, SHEET)
-    assert not near_misses(ProductState(), SHEET)
+    assert not near_misses(trim(state, gap=2.0).state, SHEET, tolerance=12.0)
+    assert not near_misses(ProductState(), SHEET, tolerance=12.0)
 
 
 def test_curves_that_cross_are_joined_where_they_cross() -> None:
@@ -241,7 +242,7 @@ def test_a_curve_crosses_the_mirror_image_of_another() -> None:
 
 def test_a_curve_without_length_is_left_alone() -> None:
     state = _curves(Spline.uniform(np.zeros((7, 3))), Spline.uniform(np.zeros((7, 3))))
-    assert near_misses(state, SHEET) == near_misses(state, SHEET)
+    assert all(miss.pixels == 0.0 for miss in near_misses(state, SHEET, tolerance=12.0))
     assert misses(trim(state, gap=1.0).state) == 0.0
 
 
@@ -250,3 +251,37 @@ def test_a_gap_that_is_none_joins_nothing(gap: float) -> None:
     state, _ = grid_network(4008, 1.0, cells=1)
     assert trim(state, gap=gap).state is state
     assert trim(ProductState(), gap=1.0).state.nodes == ()
+
+
+def _meets_plane(degrees: float) -> tuple[Spline, Spline]:
+    """A curve that ends a little before the plane, so far off its normal: before and after."""
+    slope = np.tan(np.radians(degrees))
+    y = -np.linspace(40.0, 0.3, 9)
+    before = Spline.uniform(np.column_stack((slope * y, y, 10.0 - y * y / 200.0)))
+    (after,) = splines_of(trim(_curves(before, mirrored=True), gap=1.0).state).values()
+    return before, after
+
+
+@pytest.mark.parametrize("degrees", [0.0, 4.0, 11.0])
+def test_an_end_nearly_square_to_the_plane_runs_on_into_its_image(degrees: float) -> None:
+    before, after = _meets_plane(degrees)
+    last, beside = after.control_points[-1], after.control_points[-2]
+    assert last[1] == 0.0
+    assert (beside[[0, 2]] == last[[0, 2]]).all()
+    # Elsewhere it stays where it was drawn.
+    share = np.linspace(0.0, 1.0, 60)
+    moved = np.linalg.norm(after.value(share) - before.value(share), axis=1)
+    assert moved[:30].max() < 0.4
+    assert moved.max() < 1.0
+
+
+def test_an_end_that_comes_to_the_plane_at_an_angle_keeps_it() -> None:
+    _, after = _meets_plane(30.0)
+    way = after.control_points[-1] - after.control_points[-2]
+    assert np.degrees(np.arctan2(abs(way[0]), abs(way[1]))) == pytest.approx(30.0, abs=2.0)
+
+
+def test_a_curve_without_an_image_keeps_its_direction_at_the_plane() -> None:
+    before, _ = _meets_plane(11.0)
+    state = _curves(before, mirrored=False)
+    assert _same(trim(state, gap=1.0).state, state)

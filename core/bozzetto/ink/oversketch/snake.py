@@ -24,15 +24,6 @@ from bozzetto.ink.curves.resample import arc_length, distinct, points_along
 from bozzetto.ink.oversketch.bending_energy import Bending
 from bozzetto.ink.oversketch.stroke_forces import Pull, Trace, lengthened, pulls_of, trace_of
 
-SNAKE_RESTITUTION: Final = 0.30
-"""Default resistance of the displacement to bending (Kara & Shimada)."""
-
-SNAKE_LOCATION: Final = 0.40
-"""Default preference for the nearest of several strokes (Kara & Shimada)."""
-
-SNAKE_PRESSURE: Final = 0.30
-"""Default preference for the firmest of several strokes (Kara & Shimada)."""
-
 RESTITUTION_RANGE: Final = (1e-3, 1e3)
 """Least and greatest resistance as a share of the pull. Without any, nodes between the
 strokes would not be told where to go; with more, the whole curve is a rod already, and the
@@ -68,6 +59,41 @@ MOVED: Final = 1e-3
 """A node that moved less, px, is put back: nobody could tell."""
 
 
+@dataclass(frozen=True)
+class SnakeForces:
+    """Weights of what pulls a curve and what resists; only their ratios count.
+
+    The defaults are those of Kara & Shimada, book chapter, section 13.2.2.
+
+    Parameters
+    ----------
+    restitution : float
+        Resistance of the displacement to bending, not below 0.
+    location : float
+        Preference for the nearest of several strokes, not below 0.
+    pressure : float
+        Preference for the firmest of several strokes, not below 0.
+
+    Raises
+    ------
+    UserError
+        If a weight is not finite or below 0.
+    """
+
+    restitution: float = 0.30
+    location: float = 0.40
+    pressure: float = 0.30
+
+    def __post_init__(self) -> None:
+        weights = (self.restitution, self.location, self.pressure)
+        if not np.isfinite(weights).all() or min(weights) < 0:
+            raise UserError("The weights of a modification must be finite and not below 0.")
+
+
+DEFAULT_FORCES: Final = SnakeForces()
+"""The weights of the paper, by default."""
+
+
 @dataclass(frozen=True, eq=False)
 class Oversketched:
     """A curve after oversketching.
@@ -92,9 +118,7 @@ def oversketch_curve(
     strokes: Sequence[tuple[ArrayLike, ArrayLike]],
     *,
     closed: bool = False,
-    restitution: float = SNAKE_RESTITUTION,
-    location: float = SNAKE_LOCATION,
-    pressure: float = SNAKE_PRESSURE,
+    forces: SnakeForces = DEFAULT_FORCES,
 ) -> Oversketched:
     """Bend a curve on the sheet towards the strokes drawn over it.
 
@@ -111,26 +135,23 @@ def oversketch_curve(
         curve or against it.
     closed : bool
         Whether the last node is joined to the first.
-    restitution, location, pressure : float
-        Weights of the three forces, not below 0; only their ratios count. Without location
-        and pressure nothing moves.
+    forces : SnakeForces
+        What pulls and what resists. Without location and pressure nothing moves.
 
     Returns
     -------
-    Modified
+    Oversketched
 
     Raises
     ------
     UserError
-        If the curve or a stroke is empty or not on the sheet, a pressure is not a number
-        from 0 to 1, or a weight is not finite or below 0.
+        If the curve or a stroke is empty or not on the sheet, or a pressure is not a number
+        from 0 to 1.
     """
     nodes = places_on_sheet(curve, "curve")
     ink = [(places_on_sheet(at, "stroke"), _pressures(press)) for at, press in strokes]
-    weights = (restitution, location, pressure)
-    if not np.isfinite(weights).all() or min(weights) < 0:
-        raise UserError("The weights of a modification must be finite and not below 0.")
-    if not ink or location + pressure == 0.0:
+    whole = forces.location + forces.pressure
+    if not ink or whole == 0.0:
         return Oversketched(nodes, np.zeros(len(nodes), bool), 0)
 
     arc = arc_length(nodes)
@@ -141,10 +162,8 @@ def oversketch_curve(
     shape, stations = (start, along) if ring is not None else lengthened(start, along, traces)
     pulls = [pull for trace in traces for pull in pulls_of(trace, stations, ring)]
     free = _within_reach(start, along, traces, ring)
-    whole = location + pressure
-    settled, steps = _settled(
-        shape, stations, pulls, free, restitution / whole, location / whole, ring
-    )
+    stiffness, nearest = forces.restitution / whole, forces.location / whole
+    settled, steps = _settled(shape, stations, pulls, free, stiffness, nearest, ring)
 
     shift = settled - start
     if ring is not None:

@@ -17,7 +17,7 @@ from bozzetto.ink.curves.resample import arc_length, resample
 from bozzetto.ink.curves.smooth import smooth
 from bozzetto.ink.oversketch.bending_energy import SOFTNESS, Bending
 from bozzetto.ink.oversketch.ordered_feet import ordered_feet
-from bozzetto.ink.oversketch.snake import oversketch_curve
+from bozzetto.ink.oversketch.snake import SnakeForces, oversketch_curve
 
 SCRIBBLES = Path(__file__).parents[5] / "shared" / "data" / "ink" / "strokestrip" / "examples"
 FINE = np.linspace(0, 1, 2000)
@@ -122,12 +122,14 @@ def test_the_firmer_stroke_wins_and_gradually():
 
 def test_without_the_pressure_force_pressure_does_not_count():
     strokes = [pressed(arch(FINE) - (0, -10), 0.9), pressed(arch(FINE) - (0, 10), 0.1)]
-    made = oversketch_curve(CURVE, strokes, pressure=0.0)
+    made = oversketch_curve(CURVE, strokes, forces=SnakeForces(pressure=0.0))
     assert np.abs(made.points[30:90] - CURVE[30:90]).max() < 0.2
 
 
 def test_no_pull_no_change():
-    made = oversketch_curve(CURVE, [pressed(arch(FINE, 140.0))], location=0.0, pressure=0.0)
+    made = oversketch_curve(
+        CURVE, [pressed(arch(FINE, 140.0))], forces=SnakeForces(location=0.0, pressure=0.0)
+    )
     assert (made.points == CURVE).all()
 
 
@@ -203,7 +205,7 @@ def test_broken_numbers_are_refused_with_words(bad):
     with pytest.raises(UserError):
         oversketch_curve(CURVE, [pressed(CURVE, bad)])
     with pytest.raises(UserError):
-        oversketch_curve(CURVE, [pressed(CURVE)], restitution=bad if bad != 1e300 else -1.0)
+        SnakeForces(restitution=bad if bad != 1e300 else -1.0)
     with pytest.raises(UserError):
         oversketch_curve(np.zeros((0, 2)), [pressed(CURVE)])
 
@@ -242,9 +244,7 @@ def test_any_ink_gives_finite_nodes(inks, closed, weights, seed):
         curve,
         list(zip(strokes, pressure, strict=True)),
         closed=closed,
-        restitution=weights[0],
-        location=weights[1],
-        pressure=weights[2],
+        forces=SnakeForces(*weights),
     )
     assert made.points.shape == curve.shape
     assert np.isfinite(made.points).all()

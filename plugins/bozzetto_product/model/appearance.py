@@ -1,0 +1,19 @@
+"""What surfaces and details look like."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+Color = tuple[int, int, int]
+
+
+Finish = Literal["matt", "gloss", "rubber", "metal", "glass"]
+
+
+FINISHES = (
+    ("matt", "Matt"),
+    ("gloss", "Gloss"),
+    ("rubber", "Rubber"),
+    ("metal", "Metal"),
+    ("glass", "Glass"),
+)
