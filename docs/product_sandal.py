@@ -33,12 +33,12 @@ def footbed(x: Array) -> Array:
     return np.asarray(HEEL + (TOE - HEEL) * (np.asarray(x) / LONG + 0.5))
 
 
-def last(grow: float) -> Body:
-    """A foot that stands a little below the footbed, so much larger all round, mm."""
-    size = np.array((250.0, 95.0, 90.0)) + 2.0 * grow
-    length, width, height = map(float, size)
+def last(size: tuple[float, float, float], middle: float) -> Body:
+    """A foot of a size, its middle at a height, mm: its sole is a little below the footbed."""
+    length, width, height = size
+    centre = (0.0, 0.0, middle)
     return Body(
-        RoughShape(kind="shoe last", length=length, width=width, height=height, centre=(0, 0, 60))
+        RoughShape(kind="shoe last", length=length, width=width, height=height, centre=centre)
     )
 
 
@@ -96,7 +96,7 @@ def straight(first: Array, end: Array, count: int = 100) -> Array:
 
 def nearest(ring: Array, place: Array) -> Array:
     """The place of a ring nearest to one in plan (3,), mm."""
-    return np.asarray(ring[int(np.argmin(np.linalg.norm(ring[:, :2] - place[:2], axis=1)))])
+    return ring[int(np.argmin(np.linalg.norm(ring[:, :2] - place[:2], axis=1)))].copy()
 
 
 def upright(top: Array, low: Array, waist: Array, count: int = 80) -> Array:
@@ -107,7 +107,7 @@ def upright(top: Array, low: Array, waist: Array, count: int = 80) -> Array:
 
 def sandal() -> Hand:
     """A sandal: a sole of cork with a broad strap."""
-    inner, outer = last(0.0), last(4.0)
+    inner, outer = last((250.0, 95.0, 90.0), 60.0), last((258.0, 105.0, 104.0), 66.0)
     bed = Board(
         RoughShape(
             kind="wedge",
@@ -119,10 +119,9 @@ def sandal() -> Hand:
     )
     middle = np.array((0.0, 0.0, 12.0))
     ground = board("z", 0.0, (290.0, 130.0, 0.0), middle)
-    lengthwise = board("y", 0.0, (300.0, 0.0, 60.0), middle)
     stations = {"Rear": -70.0, "Waist": -12.0, "Ball": 50.0}
     sections = {name: board("x", x, (0.0, 130.0, 60.0), middle) for name, x in stations.items()}
-    boards = [inner, outer, bed, ground, lengthwise, *sections.values()]
+    boards = [inner, outer, bed, ground, *sections.values()]
     hand = Hand("sandal", boards, settings={"controls": 18})
     rim, floor = outline(outer), outline(outer, 4.0)
     floor[:, 2] = 0.0
@@ -133,32 +132,26 @@ def sandal() -> Hand:
     hand.only(ground)
     hand.draw("Ground", floor, hand.view(-90.0, 90.0), edge="crease")
     hand.step(controls=5)
-    hand.only(lengthwise)
-    right = hand.view(-90.0, 0.0)
-    for name, end in (("Toe", 1.0), ("Heel", -1.0)):
-        top, low = (middle_end(ring, end) for ring in (rim, floor))
-        hand.draw(name, upright(top, low, np.array((-1.5 * end, 0.0, 0.0))), right)
     for name, x in stations.items():
         hand.only(sections[name])
         front = hand.view(0.0, 0.0)
         for word, side in (("left", 1.0), ("right", -1.0)):
-            place = np.array((x, 200.0 * side))
             top, low = (at_station(ring, x, side) for ring in (rim, floor))
-            assert place[1] * top[1] > 0.0
             line = upright(top, low, np.array((0.0, -2.0 * side, 0.0)))
             hand.draw(f"{name} {word}", line, front)
-    strap(hand, inner, outer, bed, rim)
+    roots = {
+        (edge, side): across(inner, along, side)[0]
+        for edge, along in (("front", FRONT), ("back", BACK))
+        for side in (1.0, -1.0)
+    }
+    hand.only(bed)
+    stand(hand, roots, rim)
     hand.only()
-    paint(hand, outer)
+    paint_sole(hand, roots, rim)
+    strap(hand, inner, outer)
+    hand.only()
+    paint_strap(hand, inner, outer)
     return hand
-
-
-def middle_end(ring: Array, end: float) -> Array:
-    """Where a ring crosses the middle at the toe (1) or the heel (-1) (3,), mm."""
-    half = ring[ring[:, 0] * end > 0.0]
-    place = half[int(np.argmin(np.abs(half[:, 1])))].copy()
-    place[1] = 0.0
-    return np.asarray(place)
 
 
 def at_station(ring: Array, x: float, side: float) -> Array:
@@ -168,27 +161,9 @@ def at_station(ring: Array, x: float, side: float) -> Array:
     return np.array([np.interp(x, half[:, 0], half[:, k]) if k else x for k in range(3)])
 
 
-def strap(hand: Hand, inner: Body, outer: Body, bed: Board, rim: Array) -> None:
-    """Draw the strap: both its sides half by half, and where it stands on the footbed."""
-    roots: dict[tuple[str, float], Array] = {}
-    for word, body in (("Near", outer), ("Far", inner)):
-        hand.only(body)
-        hand.step(controls=8)
-        for edge, along in (("front", FRONT), ("back", BACK)):
-            for side, azimuth in ((1.0, 90.0), (-1.0, -90.0)):
-                late = (word, edge, side) == ("Far", "front", -1.0)
-                course = across(body, along, side, top=TOES if late else TOP)
-                if word == "Far":
-                    roots[edge, side] = course[0]
-                name = f"{word} {edge}" + (" half" if side > 0.0 else "")
-                hand.draw(name, course, hand.view(azimuth, 44.0))
-            hand.command("join")
-            hand.steps.append({"rename": f"{word} {edge}"})
-            hand.steps.append({"set": {"edge": "crease"}})
-            hand.steps.append({"select": ""})
-    hand.only(bed)
+def stand(hand: Hand, roots: dict[tuple[str, float], Array], rim: Array) -> None:
+    """Draw where the strap stands on the footbed: lines across, and its far side's ends."""
     above = hand.view(-90.0, 90.0)
-    hand.step(controls=5)
     for edge in ("front", "back"):
         ends = [roots[edge, side] for side in (1.0, -1.0)]
         tips = [nearest(rim, place) for place in ends]
@@ -198,11 +173,56 @@ def strap(hand: Hand, inner: Body, outer: Body, bed: Board, rim: Array) -> None:
         hand.draw(f"Across {edge}", course, above, edge="crease")
     for word, side in (("left", 1.0), ("right", -1.0)):
         course = straight(roots["front", side], roots["back", side])
-        hand.draw(f"Root {word}", course, above, edge="crease")
+        hand.draw(f"Root {word}", course, hand.closer(above, course[50], 2.0), edge="crease")
 
 
-def paint(hand: Hand, outer: Body) -> None:
-    """Colour the surfaces."""
-    hand.corners = np.vstack((outer.grid.reshape(-1, 3), np.zeros((1, 3))))
-    top = across(outer, (50.0, 60.0), 1.0)
-    hand.paint(top[-1], hand.view(90.0, 60.0), color=LEATHER, finish="gloss")
+def strap(hand: Hand, inner: Body, outer: Body) -> None:
+    """Draw both sides of the strap, half by half."""
+    for word, body in (("Near", outer), ("Far", inner)):
+        hand.only(body)
+        hand.step(controls=8)
+        for edge, along in (("front", FRONT), ("back", BACK)):
+            for side, azimuth in ((1.0, 90.0), (-1.0, -90.0)):
+                name = f"{word} {edge}" + (" half" if side > 0.0 else "")
+                late = (word, edge, side) == ("Far", "front", -1.0)
+                course = across(body, along, side, top=TOES if late else TOP)
+                hand.draw(name, course, hand.view(azimuth, 44.0))
+            hand.command("join")
+            hand.steps.append({"rename": f"{word} {edge}"})
+            hand.steps.append({"set": {"edge": "crease"}})
+            hand.steps.append({"select": ""})
+
+
+def paint_sole(hand: Hand, roots: dict[tuple[str, float], Array], rim: Array) -> None:
+    """Colour the sole, and leave open what the strap is to stand on."""
+    hand.corners = rim
+    above, below = hand.view(-90.0, 90.0), hand.view(-90.0, -90.0)
+    for side in (1.0, -1.0):
+        root = 0.5 * (roots["front", side] + roots["back", side])
+        hand.touch("loop", 0.5 * (root + nearest(rim, root)), hand.closer(above, root))
+    for x in (110.0, 50.0, -60.0):
+        hand.paint(np.array((x, 0.0, float(footbed(x)))), above, color=SUEDE)
+    hand.paint(np.zeros(3), below, color=RUBBER, finish="rubber")
+    for x, y, azimuth in ((200.0, 0.0, 0.0), (-200.0, 0.0, 180.0)):
+        hand.paint(edge_of(rim, np.array((x, y))), hand.view(azimuth, 0.0), color=CORK)
+    for x in (-40.0, 20.0):
+        for y, azimuth in ((200.0, 90.0), (-200.0, -90.0)):
+            hand.paint(edge_of(rim, np.array((x, y))), hand.view(azimuth, 0.0), color=CORK)
+
+
+def edge_of(rim: Array, toward: Array) -> Array:
+    """A place on the side of the sole, nearest to one far beside it (3,), mm."""
+    place = nearest(rim, toward)
+    place[2] *= 0.5
+    return place
+
+
+def paint_strap(hand: Hand, inner: Body, outer: Body) -> None:
+    """Colour the strap."""
+    hand.corners = outer.grid.reshape(-1, 3)
+    leather = {"color": LEATHER, "finish": "gloss"}
+    hand.paint(across(outer, (50.0, 60.0), 1.0)[-1], hand.view(90.0, 60.0), **leather)
+    hand.paint(across(inner, (60.0, 70.0), 1.0)[-1], hand.view(0.0, -15.0), color=SUEDE)
+    for along, azimuth in ((FRONT, 0.0), (BACK, 180.0)):
+        ends = [across(body, along, 1.0)[-1] for body in (inner, outer)]
+        hand.paint(0.5 * (ends[0] + ends[1]), hand.view(azimuth, 10.0), **leather)
