@@ -186,7 +186,8 @@ def strap(hand: Hand, inner: Body, outer: Body) -> None:
                 name = f"{word} {edge}" + (" half" if side > 0.0 else "")
                 late = (word, edge, side) == ("Far", "front", -1.0)
                 course = across(body, along, side, top=TOES if late else TOP)
-                hand.draw(name, course, hand.view(azimuth, 44.0))
+                rise = 44.0 if edge == "front" else 28.0
+                hand.draw(name, course, hand.view(azimuth, rise))
             hand.command("join")
             hand.steps.append({"rename": f"{word} {edge}"})
             hand.steps.append({"set": {"edge": "crease"}})
