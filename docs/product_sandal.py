@@ -23,9 +23,9 @@ LONG = 280.0
 FRONT, BACK = (78.0, 96.0), (22.0, 26.0)
 """Where the edges of the strap are along the foot: at the sole, and on top; mm."""
 
-SHORT = 0.25
-"""Share of a turn at which a half of the strap ends: a little before the top, where it meets the
-other half."""
+TOP, TOES = 0.25, 0.2535
+"""Share of a turn at which halves of the strap end: on top. By the toes the second one goes on
+until the first, which ends before."""
 
 
 def footbed(x: Array) -> Array:
@@ -176,7 +176,8 @@ def strap(hand: Hand, inner: Body, outer: Body, bed: Board, rim: Array) -> None:
         hand.step(controls=8)
         for edge, along in (("front", FRONT), ("back", BACK)):
             for side, azimuth in ((1.0, 90.0), (-1.0, -90.0)):
-                course = across(body, along, side, top=SHORT)
+                late = (word, edge, side) == ("Far", "front", -1.0)
+                course = across(body, along, side, top=TOES if late else TOP)
                 if word == "Far":
                     roots[edge, side] = course[0]
                 name = f"{word} {edge}" + (" half" if side > 0.0 else "")

@@ -20,7 +20,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("polyhedron.md", "product.md", "product-paper.md", "silhouette.md")
+PAGES = ("paper-to-ink.md", "polyhedron.md", "product.md", "product-paper.md", "silhouette.md")
 BLOCK = re.compile(
     r"(<!-- figures: python (?P<command>[^\n]*?) -->\n).*?(<!-- /figures -->)", re.DOTALL
 )

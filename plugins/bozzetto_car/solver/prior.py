@@ -187,11 +187,11 @@ class Prior:
         self.variables = scale * template.variables
         self._basis = template.basis
         self._cost = cost
-        self._squared = np.linalg.inv(_covariance(template, cost)) / scale**2
+        self._squared = np.asarray(np.linalg.inv(_covariance(template, cost)), float) / scale**2
         if size is not None:
             larger = template.variables
             pushed = self._squared @ larger
-            self._squared = self._squared - np.outer(pushed, pushed) / (larger @ pushed)
+            self._squared -= np.outer(pushed, pushed) / float(larger @ pushed)
             measure = size_measure(template) / (scale * (HELD if held else FREE))
             self._squared += np.outer(measure, measure)
 
@@ -209,7 +209,7 @@ class Prior:
         squares = self._squares(variables - self.variables)
         weights = robust_weights(squares, self._cost.stiff)[0]
         weighted = np.repeat(weights, 3)[:, None] * self._basis
-        return np.asarray(self._basis.T @ weighted / self._cost.deviation**2)
+        return np.asarray(self._basis.T @ weighted / self._cost.deviation**2, float)
 
     def _squares(self, offset: Array) -> Array:
         moved = (self._basis @ offset).reshape(-1, 3) / self._cost.deviation

@@ -3,8 +3,8 @@
 The axis along which two polytopes are farthest apart is a normal of a face or square to an edge of
 each (separating axes; Gottschalk, Lin & Manocha 1996). Where it is a normal, they touch in what the
 face that looks against it has in common with that face (Sutherland & Hodgman 1974). When they will
-meet is found by conservative advancement (Mirtich 1996) along these axes: nothing passes through
-anything, however fast it is.
+meet is found by conservative advancement (Mirtich 1996) along these axes: what is fast does not
+pass through what is thin.
 """
 
 from __future__ import annotations

@@ -121,7 +121,8 @@ class Machine:
     def piece_at(self, number: int, place: Array) -> int:
         """Return the piece of a shape that is at a place at rest, mm; that of the nearest corner.
 
-        Where plates meet in a corner it is the one whose face lies nearest.
+        Of bars it is the nearest one. Where plates meet in a corner it is the one whose face lies
+        nearest.
         """
         if number == GROUND:
             return GROUND
@@ -129,20 +130,26 @@ class Machine:
         if shape.moves == "plates" and len(plates):
             away = [_distance(shape.vertices, rings, place) for rings in shape.faces]
             return int(plates[int(np.argmin(away))])
+        if len(self.bars[number]):
+            return int(self.bars[number][int(np.argmin(self._from_bars(number, place)))])
         nearest = np.linalg.norm(shape.vertices - place, axis=1)
         return int(self.holders[number][int(np.argmin(nearest))])
 
     def bars_at(self, number: int, place: Array) -> list[int]:
         """Return the bars of a shape that pass through a place at rest, mm, between its corners."""
-        shape = self.shapes[number]
-        reach = TOGETHER * float(np.linalg.norm(np.ptp(shape.vertices, axis=0)))
-        found = []
-        for edge, piece in zip(shape.edges, self.bars[number], strict=False):
-            begin, end = shape.vertices[edge]
-            share = np.clip((place - begin) @ (end - begin) / ((end - begin) @ (end - begin)), 0, 1)
-            if np.linalg.norm(begin + share * (end - begin) - place) <= reach:
-                found.append(int(piece))
-        return found
+        if not len(self.bars[number]):
+            return []
+        reach = TOGETHER * float(np.linalg.norm(np.ptp(self.shapes[number].vertices, axis=0)))
+        near = self._from_bars(number, place) <= reach
+        return [int(piece) for piece in self.bars[number][near]]
+
+    def _from_bars(self, number: int, place: Array) -> Array:
+        """Return how far a place at rest is from each bar of a flat shape, (e,) mm."""
+        begin, end = np.moveaxis(self.shapes[number].vertices[self.shapes[number].edges], 1, 0)
+        along = end - begin
+        lengths = np.maximum((along**2).sum(axis=1), 1e-300)
+        share = np.clip(((place - begin) * along).sum(axis=1) / lengths, 0.0, 1.0)
+        return np.asarray(np.linalg.norm(begin + share[:, None] * along - place, axis=1))
 
     def bar_between(self, number: int, begin: Array, end: Array) -> int | None:
         """Return the bar of a shape between the corners nearest to two places, mm."""

@@ -124,6 +124,8 @@ class Stepper:
         self._inverse_inertias = np.linalg.pinv(assembly.inertias, rcond=1e-9, hermitian=True)
         meets = assembly.ground is not None or assembly.colliding is not None
         self._touching = Touching(assembly) if meets else None
+        # What spins after a corner hit something must not turn through it within a step.
+        self._careful = HALVINGS if assembly.colliding is not None else HALVINGS - 2
 
     def advanced(self, motion: Motion, seconds: float, pull: Pull | None = None) -> Motion:
         """Return the motion some time later; where it cannot go on it stops before that time."""
@@ -201,7 +203,7 @@ class Stepper:
             kicked = self._pulled(kicked, pose, pull)
         kicked = self._without_opening(kicked, pose)
         kicked = self._kept_apart(kicked, pose, h)
-        moved = self._moved(kicked, pose, depth < HALVINGS - 2)
+        moved = self._moved(kicked, pose, depth < self._careful)
         if moved is None:
             if depth == HALVINGS:
                 return motion.stopped(), None

@@ -11,13 +11,14 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke, distances_to_polyline, nearest_curve
+from bozzetto.scene import Scene, cast_rays
 from bozzetto.view import Camera, triple
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.planes import Point
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import spline_of
 from bozzetto_product.projection.planes import mirror_image
-from bozzetto_product.projection.views import seen_at
+from bozzetto_product.projection.views import pixel_size, seen_at
 
 PIECES: Final = 24
 """Segments of an image for each span of the spline: within a tenth of a pixel of it."""
@@ -31,6 +32,10 @@ CHOSEN: Final = 0.6
 
 PLACES: Final = 257
 """Places of a curve among which the one under the pen is sought."""
+
+BEHIND: Final = 3.0
+"""How far behind a surface, in the lengths of the reach there, a curve still lies on it: where
+that is seen aslant, the curve is beside the place under the pen."""
 
 CLOSER: Final = 3
 """How often it is sought among as many, between the neighbours of the last one."""
@@ -102,14 +107,20 @@ def curve_under(
     reach : float
         Largest distance, px.
     """
+    return next(iter(_curves_under(state, camera, pixel, reach)), None)
+
+
+def _curves_under(
+    state: ProductState, camera: Camera, pixel: ArrayLike, reach: float
+) -> list[CurveMeant]:
+    """Return the curves under the pen, nearest first."""
     place = np.asarray(pixel, float).reshape(1, 2)
     found = [
         CurveMeant(name, mirrored, float(distances_to_polyline(place, path)[0]))
         for name, mirrored, path in _images(state, camera)
         if len(path)
     ]
-    best = min(found, key=lambda one: one.distance, default=None)
-    return best if best is not None and best.distance <= reach else None
+    return sorted((one for one in found if one.distance <= reach), key=lambda one: one.distance)
 
 
 @dataclass(frozen=True)
@@ -132,12 +143,38 @@ class CurvePlace:
 
 
 def place_under(
-    state: ProductState, camera: Camera, pixel: ArrayLike, *, reach: float
+    state: ProductState, camera: Camera, pixel: ArrayLike, surfaces: Scene, *, reach: float
 ) -> CurvePlace | None:
-    """Find the place of a curve under the pen; parameters as `curve_under`."""
-    found = curve_under(state, camera, pixel, reach=reach)
-    if found is None:
-        return None
+    """Find the place of a curve under the pen that no surface hides.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    camera : Camera
+        Of the view.
+    pixel : (2,) array_like
+        Place of the pen, px.
+    surfaces : Scene
+        What may hide a curve.
+    reach : float
+        Largest distance, px.
+    """
+    rays = camera.rays(np.asarray(pixel, float).reshape(1, 2))
+    hits = cast_rays(surfaces, rays)
+    for found in _curves_under(state, camera, pixel, reach):
+        place = _nearest_place(state, camera, pixel, found)
+        behind = float((np.asarray(place.point) - hits.points[0]) @ rays.directions[0])
+        slack = BEHIND * reach * float(pixel_size(camera, [place.point])[0])
+        if not hits.hit[0] or behind <= slack:
+            return place
+    return None
+
+
+def _nearest_place(
+    state: ProductState, camera: Camera, pixel: ArrayLike, found: CurveMeant
+) -> CurvePlace:
+    """Return the place of a curve that is seen nearest to a pixel."""
     spline = spline_of(state, found.curve)
     begin, end = spline.range
     low, high = begin, end

@@ -24,13 +24,13 @@ def all_tools() -> Sequence[Tool[ProductState]]:
     return (
         DrawCurve(),
         Modify(),
-        Redraw(),
         SwitchLoop(),
         Move(),
-        Split(),
-        Join(),
-        SetPlane(),
         Erase(),
         DrawDetail(),
         Pull(),
+        Redraw(),
+        Split(),
+        Join(),
+        SetPlane(),
     )

@@ -57,6 +57,10 @@ LOOKS: Final = 48
 """Places of a stroke that are looked at."""
 
 
+_LIES: Final = {
+    "upright": "Draw from place to place of a surface: the curve stands upright on it.",
+    "plane": "Draw in the plane that was set; “New curves lie” in the panel leads back.",
+}
 _GAP: Final = (
     "An end nearly meets a curve, {:.3g} mm away. Touch it with the tool “Join” to join them."
 )
@@ -89,7 +93,7 @@ class DrawCurve(ProductTool):
             return NextStep(_GAP.format(gaps[0].distance), gaps[0].place, JOIN_TOOL)
         if state.of_kind(Curve) and not state.of_kind(Patch):
             return NextStep("Draw on until curves enclose an area: it gets a surface by itself.")
-        return NextStep(self.hint)
+        return NextStep(_LIES.get(state.lay, self.hint))
 
     @override
     def begin(self, state: ProductState, context: Context) -> Preview[ProductState]:

@@ -16,17 +16,16 @@ from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.rough_shapes import RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_edits import move_joint
-from bozzetto_product.operations.curve_meant import curve_under
+from bozzetto_product.operations.curve_meant import place_under
 from bozzetto_product.operations.meetings import meeting_place, splines_of
 from bozzetto_product.solve.canvas import mesh_of_rough_shape
 from bozzetto_product.solve.solver import solve_product
-from bozzetto_product.tools.product_tool import ProductTool
+from bozzetto_product.tools.product_tool import ProductTool, own_surfaces
 from bozzetto_product.view.scene import (
     CHOSEN_WIDTH,
     JOINT,
     MOVE_TOOL,
     SIZE,
-    SURFACES,
     lines,
     polyline,
 )
@@ -69,9 +68,10 @@ class Move(ProductTool):
         UserError
             If there is none of them.
         """
-        surface = _surface_under(state, tap, context.scene)
+        surfaces = own_surfaces(context.scene)
+        surface = _surface_under(state, tap, surfaces)
         reach = NEAR_CURVE if surface else REACH
-        found = curve_under(state, tap.camera, (tap.x, tap.y), reach=reach)
+        found = place_under(state, tap.camera, (tap.x, tap.y), surfaces, reach=reach)
         if found is not None:
             return replace(state, selected=found.curve)
         if surface:
@@ -120,8 +120,7 @@ class Move(ProductTool):
 
 def _surface_under(state: ProductState, tap: Tap, scene: Scene) -> str:
     """Return the id of the patch whose surface, or its mirror image, is seen there, or ""."""
-    shown = Scene(tuple(layer for layer in scene.layers if layer.name == SURFACES))
-    hits = cast_rays(shown, tap.camera.rays(np.array([[tap.x, tap.y]])))
+    hits = cast_rays(scene, tap.camera.rays(np.array([[tap.x, tap.y]])))
     if not hits.hit[0]:
         return ""
     met = hits.surfaces[int(hits.on[0])]

@@ -15,7 +15,7 @@ from bozzetto_product.model.planes import Point
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import place_under
 from bozzetto_product.projection.planes import plane_through
-from bozzetto_product.tools.product_tool import ProductTool
+from bozzetto_product.tools.product_tool import ProductTool, own_surfaces
 from bozzetto_product.view.scene import PLANE_TOOL, dots
 
 REACH: Final = 12.0
@@ -75,7 +75,8 @@ class SetPlane(ProductTool):
 
 def _place_under(state: ProductState, tap: Tap, context: Context) -> Point | None:
     """Return the place of a curve under the pen, else that of what is seen there."""
-    found = place_under(state, tap.camera, (tap.x, tap.y), reach=REACH)
+    surfaces = own_surfaces(context.scene)
+    found = place_under(state, tap.camera, (tap.x, tap.y), surfaces, reach=REACH)
     if found is not None:
         return found.point
     hits = context.surface_hit(tap.camera.rays(np.array([[tap.x, tap.y]])))

@@ -11,13 +11,14 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline, resample
 from bozzetto.plugin import Context, Ink, Tool, override
+from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.pieces import delete_curves
 from bozzetto_product.solve.found_patches import with_patches_found
-from bozzetto_product.view.scene import polyline
+from bozzetto_product.view.scene import SURFACES, polyline
 
 REACH: Final = 9.0
 """Half the width of the eraser, px."""
@@ -42,6 +43,11 @@ class ProductTool(Tool[ProductState]):
     def erase(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Take away the curves that the eraser's path runs along."""
         return erased(state, ink.strokes[-1])
+
+
+def own_surfaces(scene: Scene) -> Scene:
+    """Return the surfaces of products in what is seen."""
+    return Scene(tuple(layer for layer in scene.layers if layer.name == SURFACES))
 
 
 def has_curves(state: ProductState) -> bool:

@@ -11,7 +11,7 @@ from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import CurvePlace, place_under
 from bozzetto_product.operations.pieces import split_curve
 from bozzetto_product.tools.modify import NO_CURVE
-from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves
+from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves, own_surfaces
 from bozzetto_product.view.scene import dots
 
 REACH: Final = 14.0
@@ -36,7 +36,7 @@ class Split(ProductTool):
     @override
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return a dot at the place where the curve would be cut."""
-        found = _under(state, gesture) if isinstance(gesture, Tap) else None
+        found = _under(state, gesture, context) if isinstance(gesture, Tap) else None
         return Scene() if found is None else Scene((Layer("lit", (dots([found.point]),)),))
 
     @override
@@ -48,11 +48,12 @@ class Split(ProductTool):
         UserError
             If there is none, or its end is too near.
         """
-        found = _under(state, tap)
+        found = _under(state, tap, context)
         if found is None:
             raise UserError("There is no curve here. Touch a curve where it is to be cut.")
         return changed(state, lambda before: split_curve(before, found.curve, [found.at])[0])
 
 
-def _under(state: ProductState, tap: Tap) -> CurvePlace | None:
-    return place_under(state, tap.camera, (tap.x, tap.y), reach=REACH)
+def _under(state: ProductState, tap: Tap, context: Context) -> CurvePlace | None:
+    surfaces = own_surfaces(context.scene)
+    return place_under(state, tap.camera, (tap.x, tap.y), surfaces, reach=REACH)

@@ -76,7 +76,7 @@ JOIN_TOOL: Final = "join"
 DOT: Final = 11.0
 """Size of a dot at a place that is meant, px."""
 
-AROUND: Final = 1.3
+AROUND: Final = 1.0
 """Half the side of the square that shows a plane, in distances of its places from their middle."""
 
 JOINT: Final = "joint "

@@ -8,17 +8,22 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
+from bozzetto.geometry import Spline
 from bozzetto.ink import distances_to_polyline
+from bozzetto.plugin import Context, Job, Tap
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen, Shell
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.operations.meetings import spline_of, splines_of
 from bozzetto_product.projection.planes import heights
 from bozzetto_product.projection.views import seen_at
+from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.all_tools import all_tools
 from bozzetto_product.tools.draw_curve import DrawCurve
+from bozzetto_product.tools.move import Move
 from tests.plugins.product.drawn_curves import misses
 from tests.plugins.product.pen_strokes import FRONT, TOP_EDGES, draw_along, draw_rectangle, straight
 from tests.plugins.product.test_product_ink import BOX, RECTANGLE, built, stroke
@@ -175,3 +180,20 @@ def test_every_tool_has_its_icon_and_says_what_to_do() -> None:
     for tool in all_tools():
         assert (folder / tool.icon).is_file()
         assert tool.next_step(ProductState()).sentence
+
+
+def test_a_curve_behind_a_surface_is_not_touched(shell: Shell) -> None:
+    """Seen from above, a curve beneath the surface of the rectangle is hidden by it."""
+    draw_rectangle(shell, PEN)
+    under = Spline.uniform(np.linspace((-60.0, 95.0, 5.0), (-10.0, 95.0, 5.0), 5))
+    hidden = Curve(id="hidden", name="Hidden", spline=under)
+    state = shell.state.with_node(hidden)
+    scene = ProductModeler().scene(state, solve_product(state, Job()))
+    context = Context(camera=FRONT, scene=scene)
+    x, y = _at(-35.0, 95.0, 5.0)
+    touched = Move().tap(state, Tap(x, y, FRONT), context)
+    assert isinstance(touched.node(touched.selected), Patch)
+    bare = state.without_nodes(*(patch.id for patch in state.of_kind(Patch)))
+    scene = ProductModeler().scene(bare, solve_product(bare, Job()))
+    touched = Move().tap(bare, Tap(x, y, FRONT), Context(camera=FRONT, scene=scene))
+    assert touched.selected == "hidden"
