@@ -13,6 +13,7 @@ import tempfile
 from typing import TYPE_CHECKING
 
 import car_pictures
+import paper_pictures
 import product_pictures
 import solid_pictures
 import symmetry_pictures
@@ -43,7 +44,10 @@ def main() -> int:
     car_pictures.window()
     solid_pictures.samples()
     solid_pictures.linkages()
+    solid_pictures.gallery()
     product_pictures.gallery()
+    product_pictures.paper()
+    paper_pictures.paper_to_ink()
     return 0
 
 

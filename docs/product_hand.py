@@ -44,6 +44,9 @@ MISS = 3.0
 TREMBLES = 0
 """Number of the hand: others tremble in other ways; 0 drew the gallery."""
 
+BOARD = 2.0
+"""Thickness of a drawing board, mm."""
+
 CURVE_MISS = 7.0
 """Length that strokes are drawn too long at most, px."""
 
@@ -78,23 +81,57 @@ class Body:
         normal = np.cross(across, up)
         return normal / np.linalg.norm(normal)
 
-    def fact(self) -> dict[str, object]:
-        """What a file says of it."""
-        one = self.shape
-        return {
-            "kind": one.kind,
-            "length": one.length,
-            "width": one.width,
-            "height": one.height,
-            "centre": list(one.centre),
-        }
+    @property
+    def corners(self) -> Array:
+        """Places (n, 3) that a view of it shows, mm."""
+        return self.grid.reshape(-1, 3)
+
+
+@dataclass
+class Board:
+    """A thin box, or a wedge, with a face to draw what is planar on."""
+
+    shape: RoughShape
+
+    @property
+    def corners(self) -> Array:
+        """Places (n, 3) that a view of it shows, mm."""
+        return rough_mesh(self.shape).vertices.astype(float)
+
+
+def board(axis: str, at: float, reach: tuple[float, float, float], middle: Array) -> Board:
+    """A board across an axis, its face where it is seen first from behind that axis, mm.
+
+    Boards across x and y are seen from the front and from the right; those across z from above.
+    """
+    size = np.array(reach, float)
+    number = "xyz".index(axis)
+    size[number] = BOARD
+    centre = np.array(middle, float)
+    centre[number] = at + (0.5 * BOARD if axis == "y" else -0.5 * BOARD)
+    length, width, height = map(float, size)
+    x, y, z = map(float, centre)
+    return Board(
+        RoughShape(kind="box", length=length, width=width, height=height, centre=(x, y, z))
+    )
+
+
+def fact_of(shape: RoughShape) -> dict[str, object]:
+    """What a file says of a rough shape."""
+    return {
+        "kind": shape.kind,
+        "length": shape.length,
+        "width": shape.width,
+        "height": shape.height,
+        "centre": list(shape.centre),
+    }
 
 
 class Hand:
     """Draws, and remembers each stroke and each step."""
 
     def __init__(
-        self, name: str, bodies: Sequence[Body], *, settings: dict[str, Any] | None = None
+        self, name: str, bodies: Sequence[Body | Board], *, settings: dict[str, Any] | None = None
     ) -> None:
         self.name = name
         self.bodies = bodies
@@ -103,7 +140,8 @@ class Hand:
         self.steps: list[dict[str, Any]] = []
         self.meant: dict[str, Array] = {}
         self.facts: dict[str, Any] = {}
-        self.corners = np.concatenate([body.grid.reshape(-1, 3) for body in bodies])
+        self.hidden: set[int] = set()
+        self.corners = np.concatenate([body.corners for body in bodies])
         self.camera = self.view(-60.0, 25.0)
         if settings:
             self.steps.append({"set": settings})
@@ -147,6 +185,17 @@ class Hand:
         self.steps.append({"select": name})
         self._gesture("modify", course, camera, strokes)
         self.meant[name] = course
+
+    def only(self, *bodies: Body | Board) -> None:
+        """Show these rough shapes, and hide the others; the view shows what is there."""
+        for number, body in enumerate(self.bodies, 1):
+            shown = any(body is one for one in bodies)
+            if shown is not (number not in self.hidden):
+                self.steps.append({"show": shown, "part": f"Rough shape {number}"})
+                self.hidden ^= {number}
+        self.steps.append({"select": ""})
+        if bodies:
+            self.corners = np.concatenate([body.corners for body in bodies])
 
     def command(self, name: str) -> None:
         """Run a command."""
@@ -215,7 +264,7 @@ class Hand:
             "canvas": {"width": SHEET[0], "height": SHEET[1]},
             "camera": _camera(self.camera),
             **self.facts,
-            "template": [body.fact() for body in self.bodies],
+            "template": [fact_of(body.shape) for body in self.bodies],
             "strokes": self.strokes,
             "steps": self.steps,
         }

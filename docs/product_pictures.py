@@ -14,13 +14,25 @@ from symmetry_pictures import camera
 if TYPE_CHECKING:
     import numpy as np
 
+    from bozzetto.document import Model
     from bozzetto.scene import Scene
+    from bozzetto.scene.renderer.shading import Shading
+    from bozzetto.workbench.workbench import Workbench
     from bozzetto_product.model.state import ProductState
 
 INKS = GALLERY / "product"
 LARGE, SMALL, CARD = (1200, 800), (640, 460), (288, 216)
 
+SHADINGS: tuple[Shading, ...] = ("clay", "zebra")
+"""Of both rows of the picture of surfaces as in the paper."""
+
+PRESSURE = 0.12
+"""Of all surfaces in the picture of those as in the paper."""
+
 VIEWS = {
+    "lamp": ((-60.0, 14.0), (-40.0, -24.0)),
+    "sandal": ((-48.0, 28.0), (-140.0, 24.0)),
+    "shaver": ((-142.0, 26.0), (-52.0, 24.0)),
     "helmet": ((-38.0, 24.0), (-135.0, 18.0)),
     "mouse": ((-52.0, 30.0), (-130.0, 24.0)),
     "remote": ((-58.0, 36.0), (-120.0, 50.0)),
@@ -30,37 +42,75 @@ VIEWS = {
 
 def gallery() -> None:
     """Each product large; beside it its curves, its surfaces in calm colours, and another side."""
+    from bozzetto.exchange.import_file import read_drawing
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.workbench.workbench import Workbench
+
+    for path in sorted(INKS.glob("*.json")):
+        bench = Workbench(Registry())
+        model = bench.sources.from_drawing("bozzetto.product", read_drawing(path), {})
+        pictures_of(path.stem, *scenes_of(bench, model))
+
+
+def pictures_of(name: str, painted: Scene, plain: Scene, lines: Scene) -> None:
+    """Write the pictures of a product."""
     import numpy as np
 
     from bozzetto.scene import LIGHT
 
-    for path in sorted(INKS.glob("*.json")):
-        first, second = VIEWS.get(path.stem, ((-50.0, 25.0), (130.0, 25.0)))
-        painted, plain, lines = shown(path)
-        save(drawn(painted, first, LARGE, LIGHT), f"{path.stem}.png", INKS, smooth=True)
-        row = [
-            drawn(lines, first, SMALL, LIGHT),
-            drawn(plain, first, SMALL, LIGHT),
-            drawn(painted, second, SMALL, LIGHT),
-        ]
-        save(np.concatenate(row, axis=1), f"{path.stem}-steps.png", INKS, smooth=True)
-        if path.stem in SAMPLES:
-            card = drawn(painted, first, CARD, LIGHT)
-            save(card, f"{SAMPLES[path.stem]}.png", draw_products.SAMPLES_FOLDER)
+    first, second = VIEWS.get(name, ((-50.0, 25.0), (130.0, 25.0)))
+    save(drawn(painted, first, LARGE, LIGHT), f"{name}.png", INKS, smooth=True)
+    row = [
+        drawn(lines, first, SMALL, LIGHT),
+        drawn(plain, first, SMALL, LIGHT),
+        drawn(painted, second, SMALL, LIGHT),
+    ]
+    save(np.concatenate(row, axis=1), f"{name}-steps.png", INKS, smooth=True)
+    if name in SAMPLES:
+        card = drawn(painted, first, CARD, LIGHT)
+        save(card, f"{SAMPLES[name]}.png", draw_products.SAMPLES_FOLDER)
 
 
-def shown(path: Path) -> tuple[Scene, Scene, Scene]:
+def paper() -> None:
+    """The sample fair, as in the paper, and that pressed and evened; below with stripes."""
+    import json
+
+    import numpy as np
+
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene import LIGHT, Scene
+    from bozzetto_product import modeler
+    from bozzetto_product.hand_over.imported import product_of_network
+    from bozzetto_product.model.patches import CurveGroup, Patch
+
+    sample = Path(modeler.__file__).parent / "samples" / "mouse.json"
+    fair = product_of_network(json.loads(sample.read_text(encoding="utf-8")))
+    plain = replace(fair, surfaces="paper")
+    pressed = tuple(
+        replace(node, within="all", pressure=PRESSURE) if isinstance(node, Patch) else node
+        for node in plain.nodes
+    )
+    evened = replace(plain, nodes=(*pressed, CurveGroup("all", "All", v_spring=1.0)))
+    product = modeler.ProductModeler()
+    rows = []
+    for shading in SHADINGS:
+        row = []
+        for state in (fair, plain, evened):
+            layers = product.scene(state, product.solve(state, Job())).layers
+            kept = ("surfaces", "curves") if shading == "clay" else ("surfaces",)
+            scene = Scene(tuple(layer for layer in layers if layer.name in kept))
+            row.append(drawn(scene, (-52.0, 30.0), SMALL, LIGHT, shading))
+        rows.append(np.concatenate(row, axis=1))
+    save(np.concatenate(rows), "product-paper.png")
+
+
+def scenes_of(bench: Workbench, model: Model) -> tuple[Scene, Scene, Scene]:
     """A product as it was painted, in calm colours with its curves, and its curves alone."""
-    from bozzetto.exchange.import_file import read_drawing
-    from bozzetto.plugin.host.registry import Registry
     from bozzetto.plugin.job import Job
     from bozzetto.scene import Layer, Lines, Scene
-    from bozzetto.workbench.workbench import Workbench
     from bozzetto_product.model.patches import Patch
     from bozzetto_product.model.rough_shapes import RoughShape
 
-    bench = Workbench(Registry())
-    model = bench.sources.from_drawing("bozzetto.product", read_drawing(path), {})
     state: ProductState = model.state
     bare = tuple(
         replace(node, visible=False) if isinstance(node, RoughShape) else node
@@ -97,7 +147,11 @@ def shown(path: Path) -> tuple[Scene, Scene, Scene]:
 
 
 def drawn(
-    scene: Scene, angles: tuple[float, float], size: tuple[int, int], palette: object
+    scene: Scene,
+    angles: tuple[float, float],
+    size: tuple[int, int],
+    palette: object,
+    shading: Shading = "clay",
 ) -> np.ndarray:
     """A picture of all of a scene."""
     import numpy as np
@@ -105,4 +159,4 @@ def drawn(
     from bozzetto.scene.snapshot import picture
 
     view = camera(scene, *angles, size=size)
-    return np.asarray(picture(scene, camera=view, size=size, palette=palette))
+    return np.asarray(picture(scene, camera=view, size=size, palette=palette, shading=shading))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from picture_kit import HERE, save
+from picture_kit import GALLERY, HERE, save
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,6 +16,19 @@ if TYPE_CHECKING:
 
 PLUGINS = HERE.parent / "plugins"
 SIZE = (760, 560)
+THIRD = (520, 400)
+SOLIDS = {"house": 28.0, "bracket": -28.0, "stairs": 28.0, "chair": -28.0, "tower": 28.0}
+"""How far each is turned aside, degrees."""
+
+MECHANISMS = {
+    "robot-arm": (3.0, 0.0),
+    "four-bar": (2.0, 0.0),
+    "straight-line": (2.0, 0.0),
+    "walking-leg": (2.0, 0.0),
+    "scissor-lift": (1.0, 0.0),
+    "folding-screen": (1.2, 0.0),
+}
+"""For how long each moves, s, and how far it is turned aside, degrees."""
 
 
 def samples() -> None:
@@ -50,11 +63,11 @@ def linkages() -> None:
     """Four linkages after two seconds, with the paths of their points."""
     import numpy as np
 
-    from bozzetto.cli.simulate import frames
     from bozzetto.document import Document
     from bozzetto.plugin.host.registry import Registry
     from bozzetto.plugin.job import Job
     from bozzetto.scene import LIGHT
+    from bozzetto.workbench.films import frames
     from bozzetto.workbench.workbench import Workbench
 
     bench = Workbench(Registry())
@@ -65,6 +78,42 @@ def linkages() -> None:
         shown.append(drawn(bench.scene(end, Job()), camera, LIGHT))
     rows = [beside(shown[:2]), beside(shown[2:])]
     save(np.concatenate(rows), "polyhedron-linkages.png")
+
+
+def gallery() -> None:
+    """For each line drawing: the sketch, what it became, and how it unfolds or moves."""
+    from dataclasses import replace
+
+    from bozzetto.document import Document
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene import LIGHT
+    from bozzetto.view import turn
+    from bozzetto.view.standard_views import standard_view
+    from bozzetto.workbench.films import frames
+    from bozzetto.workbench.workbench import Workbench
+
+    bench, folder = Workbench(Registry()), GALLERY / "polyhedron"
+    folder.mkdir(exist_ok=True)
+    for name, angle in SOLIDS.items():
+        scene, camera, model = solved("polyhedron", name)
+        unfolded = bench.set_parameters(model, {"files": "nets", "tab": 4.0})
+        pages = bench.scene(Document((unfolded,)), Job())
+        page = replace(pages, layers=tuple(x for x in pages.layers if x.name == "page"))
+        row = [
+            drawn(sketch_of(model), camera, LIGHT, size=THIRD),
+            drawn(scene, turn(camera, angle, 6.0), LIGHT, size=THIRD),
+            drawn(page, standard_view(camera, "top"), LIGHT, size=THIRD),
+        ]
+        save(beside(row), f"{name}.png", folder)
+    for name, (seconds, angle) in MECHANISMS.items():
+        _, camera, model = solved("polyhedron", name)
+        aside = turn(camera, angle, 0.0)
+        *_, half = frames(bench, Document((model,)), 0.5 * seconds, 60.0)
+        *_, end = frames(bench, half, 0.5 * seconds, 60.0)
+        row = [drawn(sketch_of(model), camera, LIGHT, size=THIRD)]
+        row += [drawn(bench.scene(each, Job()), aside, LIGHT, size=THIRD) for each in (half, end)]
+        save(beside(row), f"{name}.png", folder)
 
 
 def solved(plugin: str, name: str) -> tuple[Scene, Camera, Model]:
@@ -99,13 +148,19 @@ def sketch_of(model: Model) -> Scene:
     return Scene((Layer("sketch", tuple(lines)),))
 
 
-def drawn(scene: Scene, camera: Camera, palette: Palette, shading: str = "clay") -> np.ndarray:
+def drawn(
+    scene: Scene,
+    camera: Camera,
+    palette: Palette,
+    shading: str = "clay",
+    size: tuple[int, int] = SIZE,
+) -> np.ndarray:
     """Return a picture of all of a scene."""
     from bozzetto.scene.snapshot import picture
     from bozzetto.view import fit_points
 
-    view = fit_points(camera.with_viewport(*SIZE), scene.points())
-    return picture(scene, camera=view, size=SIZE, palette=palette, shading=shading)
+    view = fit_points(camera.with_viewport(*size), scene.points())
+    return picture(scene, camera=view, size=size, palette=palette, shading=shading)
 
 
 def beside(pictures: list[np.ndarray]) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Write the figures of `polyhedron.md` and `product.md`: ``python docs/write_figures.py [PAGE]``.
+"""Write the tables of pages that name their commands: ``python docs/write_figures.py [PAGE]``.
 
 A table stands between the command that makes it and an end mark:
 
@@ -20,7 +20,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("polyhedron.md", "product.md")
+PAGES = ("paper-to-ink.md", "polyhedron.md", "product.md", "product-paper.md", "silhouette.md")
 BLOCK = re.compile(
     r"(<!-- figures: python (?P<command>[^\n]*?) -->\n).*?(<!-- /figures -->)", re.DOTALL
 )

@@ -1,6 +1,6 @@
 """Write the tables of names in ``docs/toolkit.md``: ``python docs/write_toolkit.py``.
 
-Each public room of the core has a table of what it offers: the first line of every name's own
+Each public room has a table of what it offers: the first line of every name's own
 documentation, its arguments, and what it has.
 """
 
@@ -29,6 +29,7 @@ DOORS = (
     "bozzetto.view",
     "bozzetto.view.calibration",
     "bozzetto.errors",
+    "bozzetto_app.toolkit",
 )
 
 
@@ -112,10 +113,13 @@ def plain(default: object) -> str:
 
 
 def members(kind: type) -> Iterator[str]:
-    """Yield public fields, properties and methods, those with arguments with them."""
+    """Yield public fields, properties and methods of ours, those with arguments with them."""
     fields = [field.name for field in dataclasses.fields(kind)] if is_dataclass(kind) else []
     yield from (name for name in fields if not name.startswith("_"))
+    ours = [vars(base) for base in kind.__mro__ if base.__module__.startswith("bozzetto")]
     for name in dir(kind):
+        if not any(name in own for own in ours):
+            continue
         value = inspect.getattr_static(kind, name)
         if name.startswith("_") or name in fields:
             continue

@@ -341,9 +341,10 @@ class Window(QMainWindow):
         """Open a document once unsaved work is safe."""
         self.session.files.open_safely(path)
 
-    def _open_sample(self, modeler_id: str, path: Path) -> None:
+    def _open_sample(self, modeler_id: str, path: Path, title: str) -> None:
         self.session.toolbox.take_modeler(modeler_id)
-        self.session.files.import_file(path)
+        self.session.files.import_file(path, title)
+        self.canvas.setFocus()
 
     def _imported(self, drawn_in: Camera | None) -> None:
         """Bring what came from a file into view, once there is something to see.

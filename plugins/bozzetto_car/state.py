@@ -301,8 +301,8 @@ class CarState(PartsState):
         bool, _advanced("Pull panels out", "Make panels and corners bulge after deformation.")
     ] = True
     annealed: Annotated[
-        bool, _advanced("Smooth lines", "Bend lines as little as possible through their nodes.")
-    ] = False
+        bool, _advanced("Fair lines", "Bend lines like the template, once, through the nodes.")
+    ] = True
     smooth: Annotated[
         bool, _advanced("Smooth surfaces", "Make surfaces meet smoothly where smooth lines cross.")
     ] = True

@@ -7,21 +7,26 @@ from collections.abc import Mapping
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Brep, Curve, Placement, Shapes, Solid, cylinder, plane_face
+from bozzetto.geometry import Brep, Curve, Placement, Shapes, Solid, Surface, cylinder, plane_face
 from bozzetto_polyhedron.drawing_on.cylinders import brep_with_cylinders
 from bozzetto_polyhedron.flat_pages import page_curves
 from bozzetto_polyhedron.mechanism.assembly import Motion
 from bozzetto_polyhedron.mechanism.pieces import METRE
 from bozzetto_polyhedron.model.fittings import Trace
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solid.hand_over import brep_of
 from bozzetto_polyhedron.solid.pieces import pieces_of
-from bozzetto_polyhedron.solve.moving import Moving, moving
+from bozzetto_polyhedron.solve.followed import Sources
+from bozzetto_polyhedron.solve.moving import NOTHING, Moving, moving
 from bozzetto_polyhedron.solve.paths import path_of
-from bozzetto_polyhedron.solve.pipeline import Solved
+from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies
+from bozzetto_polyhedron.solve.placing import placement_of, taken_by
 
 
-def shapes_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Shapes:
+def shapes_of(
+    state: PolyhedronState, results: Mapping[str, Solved], sources: Sources = NOTHING
+) -> Shapes:
     """Return every body that is shown and has faces, in the frame of the model; or their pages.
 
     One that moves as bars is a rod for each, and one that moves as plates a face for each, as
@@ -32,10 +37,10 @@ def shapes_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Shapes:
     solids: list[Solid] = []
     breps: list[Brep] = []
     flat = any(body.moves == "flat" for body in state.shown(Body))
-    machine = moving(state) if flat or state.moved is not None else None
-    joined = {
-        other for found in results.values() if found.changed for other in found.changed.joined
-    }
+    followed = bool(state.shown(Followed))
+    moves = flat or followed or state.moved is not None
+    machine = moving(state, sources) if moves else None
+    joined = joined_bodies(results)
     for body in state.shown(Body):
         found = results.get(body.id)
         if found is None or body.id in joined:
@@ -46,7 +51,7 @@ def shapes_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Shapes:
             if body.moves == "flat" or (state.moved is not None and body.moves != "whole"):
                 breps += _pieces(body, machine, motion)
                 continue
-            placement = _taken(machine, machine.numbers[body.id], motion)
+            placement = taken_by(machine, machine.numbers[body.id], motion)
         if found.changed is None:
             continue
         made = found.changed
@@ -61,14 +66,15 @@ def shapes_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Shapes:
         if made.sheet is not None:
             sheet = brep_of(made.sheet, f"{body.name}, added faces", body.color)
             breps.append(sheet.placed(placement))
-    return Shapes(solids=tuple(solids), breps=tuple(breps), curves=traced_curves(state))
+    drawn = Shapes(solids=tuple(solids), breps=tuple(breps), curves=traced_curves(state, sources))
+    return drawn if machine is None else drawn + _followed(state, machine)
 
 
-def traced_curves(state: PolyhedronState) -> tuple[Curve, ...]:
+def traced_curves(state: PolyhedronState, sources: Sources = NOTHING) -> tuple[Curve, ...]:
     """Return the path of every corner that is traced, as a polyline, in the frame of the model."""
     if state.recorded is None or not state.shown(Trace):
         return ()
-    made = moving(state)
+    made = moving(state, sources)
     paths = ((trace.name, path_of(trace, state, made)) for trace in state.shown(Trace))
     return tuple(_polyline(path, name) for name, path in paths if len(path) > 1)
 
@@ -83,7 +89,7 @@ def _pieces(body: Body, made: Moving, motion: Motion) -> list[Brep]:
                 [shape.vertices[list(ring)] for ring in rings],
                 name=f"{body.name} face {k + 1}",
                 color=body.color,
-            ).placed(_placement(made, int(piece), motion))
+            ).placed(placement_of(made, int(piece), motion))
             for k, (rings, piece) in enumerate(zip(shape.faces, plates, strict=True))
         ]
     vertices = made.machine.moved(number, motion)
@@ -100,19 +106,19 @@ def _pieces(body: Body, made: Moving, motion: Motion) -> list[Brep]:
     ]
 
 
-def _taken(made: Moving, number: int, motion: Motion) -> Placement:
-    """Return where a body that moves as one piece has been taken."""
-    pieces = made.machine.plates[number]
-    return _placement(made, int(pieces[0]), motion) if len(pieces) else Placement()
-
-
-def _placement(made: Moving, piece: int, motion: Motion) -> Placement:
-    turn = motion.turns[piece]
-    offset = (motion.places[piece] - turn @ made.machine.rest.places[piece]) / METRE
-    if np.array_equal(turn, np.eye(3)) and not offset.any():
-        return Placement()
-    x, y, z = (float(value) for value in offset)
-    return Placement(tuple(float(value) for value in turn.ravel()), 1.0, (x, y, z))
+def _followed(state: PolyhedronState, made: Moving) -> Shapes:
+    """Return the bodies of other objects where their motion has taken them."""
+    solids, surfaces = [], []
+    for part in state.shown(Followed):
+        if part.id not in made.meshes:
+            continue
+        number = made.numbers[part.id]
+        mesh = made.meshes[part.id].placed(taken_by(made, number, made.motion(state.moved)))
+        if made.machine.shapes[number].solid:
+            solids.append(Solid(mesh, part.name))
+        else:
+            surfaces.append(Surface(mesh, part.name))
+    return Shapes(solids=tuple(solids), surfaces=tuple(surfaces))
 
 
 def _polyline(points: Array, name: str) -> Curve:

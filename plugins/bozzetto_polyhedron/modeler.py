@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from bozzetto.errors import UserError
@@ -24,10 +24,13 @@ from bozzetto.view import Camera, with_kind
 from bozzetto_polyhedron.commands.listing import all_commands
 from bozzetto_polyhedron.hand_over import shapes_of, traced_curves
 from bozzetto_polyhedron.model.assign_stroke import drawings_in, new_body
-from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Join, Mirror, Push
+from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Fillet, Join, Mirror, Push
+from bozzetto_polyhedron.model.earlier_states import with_spots
 from bozzetto_polyhedron.model.fittings import Coil, Crank, Hinge, Link, Pin, Slider, Trace
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, BodyGroup, Choice, Measure, PolyhedronState, Slant
 from bozzetto_polyhedron.report import FIGURES, cautions_of, report_of
+from bozzetto_polyhedron.solve.followed import Sources, bodies_of
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
 from bozzetto_polyhedron.tools.listing import all_tools
 from bozzetto_polyhedron.view.scene import scene_of
@@ -35,9 +38,10 @@ from bozzetto_polyhedron.view.scene import scene_of
 
 @dataclass(frozen=True, eq=False)
 class PolyhedronResult:
-    """What became of every body, by its id, in their order."""
+    """What became of every drawing, by its id, in their order; and what other objects gave."""
 
     bodies: Mapping[str, Solved]
+    sources: Sources
 
 
 class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
@@ -45,9 +49,10 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
 
     id = "bozzetto.polyhedron"
     state_type = PolyhedronState
+    state_version = 2
     part_types = (
-        *(Body, Measure, Slant, Push, Added, Chamfer, Mirror, Copies, Join),
-        *(Link, Coil, Slider, Pin, Hinge, Crank, Trace, BodyGroup),
+        *(Body, Measure, Slant, Push, Added, Chamfer, Fillet, Mirror, Copies, Join),
+        *(Link, Coil, Slider, Pin, Hinge, Crank, Trace, Followed, BodyGroup),
     )
     first_parameters = ("answer", "length", "depth")
     figures = FIGURES
@@ -61,6 +66,11 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
     def commands(self) -> Sequence[Command]:
         """Return the commands on the chosen body."""
         return all_commands()
+
+    @override
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """Read version 1 as well: held corners were places of the drawing, held at rest."""
+        return with_spots(state) if version < 2 else state
 
     @override
     def view_advice(self, state: PolyhedronState, camera: Camera) -> ViewAdvice | None:
@@ -91,6 +101,26 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
         return state.with_node(first)
 
     @override
+    def follow(self, sources: Mapping[str, Shapes]) -> PolyhedronState:
+        """Return a mechanism whose bodies are the parts of other objects, and go with them."""
+        return bodies_of(sources)
+
+    @override
+    def sources(self, state: PolyhedronState) -> Sequence[str]:
+        """Return the objects whose parts are bodies here."""
+        return tuple(dict.fromkeys(part.source for part in state.of_kind(Followed)))
+
+    @override
+    def with_sources(self, state: PolyhedronState, sources: Sequence[str]) -> PolyhedronState:
+        """Return the same mechanism of the parts of other objects."""
+        others = dict(zip(self.sources(state), sources, strict=True))
+        nodes = tuple(
+            replace(node, source=others[node.source]) if isinstance(node, Followed) else node
+            for node in state.nodes
+        )
+        return replace(state, nodes=nodes)
+
+    @override
     def ink(self, state: PolyhedronState) -> Strokes:
         """Return the drawings of all bodies that are shown, where they stand now."""
         return Strokes(
@@ -113,29 +143,31 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
 
             checkpoint(0.0, "Lines")
             results[body.id] = solved(body, state, job.quality, checkpoint)
-        return PolyhedronResult(results)
+        return PolyhedronResult(results, job.sources)
 
     @override
     def scene(self, state: PolyhedronState, result: PolyhedronResult | None) -> Scene:
         """Return ink, lines, findings and solids."""
-        return scene_of(state, {} if result is None else result.bodies)
+        if result is None:
+            return scene_of(state, {})
+        return scene_of(state, result.bodies, result.sources)
 
     @override
     def shapes(self, state: PolyhedronState, result: PolyhedronResult) -> Shapes:
         """Return every body that is shown: its exact planes, or its triangles where it is sheet."""
-        return shapes_of(state, result.bodies)
+        return shapes_of(state, result.bodies, result.sources)
 
     @override
     def curves(self, state: PolyhedronState, result: PolyhedronResult) -> Sequence[Curve]:
         """Return the paths that corners were traced along."""
-        return traced_curves(state)
+        return traced_curves(state, result.sources)
 
     @override
     def report(self, state: PolyhedronState, result: PolyhedronResult) -> Mapping[str, Any]:
         """Return corners, vertices, faces, ranked answers and health."""
-        return report_of(state, result.bodies)
+        return report_of(state, result.bodies, result.sources)
 
     @override
     def cautions(self, state: PolyhedronState, result: PolyhedronResult) -> tuple[Caution, ...]:
         """Return what of the drawings looks wrong or could mean another solid."""
-        return cautions_of(state, result.bodies)
+        return cautions_of(state, result.bodies, result.sources)

@@ -14,16 +14,16 @@ from bozzetto_polyhedron.drawing_on.circles import SIDES
 from bozzetto_polyhedron.drawing_on.cylinders import walls_of
 from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.mechanism.pieces import METRE
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of
+from bozzetto_polyhedron.solve.followed import Sources, followed_meshes
 from bozzetto_polyhedron.solve.forces import forces_of
-from bozzetto_polyhedron.solve.moving import MOST_POSES, is_mechanism, moving
+from bozzetto_polyhedron.solve.moving import MOST_POSES, NOTHING, is_mechanism, moving
 from bozzetto_polyhedron.solve.pipeline import Solved
-
-SURE: Final = 0.5
-"""Confidence below which the program asks."""
 
 FIGURES: Final[Mapping[str, Figure]] = {
     "closed": Figure("Closed", "Whether the faces bound a volume", good=True, bad=False),
@@ -41,7 +41,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
         "Off the drawing", "Distance of the vertices from the corners drawn (RMS)", "px", digits=2
     ),
     "noise": Figure("Hand", "Estimated standard deviation of a corner drawn", "px", digits=2),
-    "pieces": Figure("Pieces", "Rigid pieces or corners that move by themselves"),
+    "pieces": Figure("Pieces", "Rigid pieces, and corners that bars meet in"),
     "freedoms": Figure("Freedoms", "Independent ways in which it can move (its mobility)"),
     "redundant": Figure("Held twice", "Constraints of joints that others say already"),
     "joint_gap": Figure("Joint gap", "Largest opening of a joint", "mm", digits=6),
@@ -50,7 +50,9 @@ FIGURES: Final[Mapping[str, Figure]] = {
 """The words of the report; `Modeler.figures`."""
 
 
-def report_of(state: PolyhedronState, results: Mapping[str, Solved]) -> dict[str, Any]:
+def report_of(
+    state: PolyhedronState, results: Mapping[str, Solved], sources: Sources = NOTHING
+) -> dict[str, Any]:
     """Return the report.
 
     Returns
@@ -71,27 +73,35 @@ def report_of(state: PolyhedronState, results: Mapping[str, Solved]) -> dict[str
     first.pop("id", None)
     first.pop("name", None)
     if is_mechanism(state):
-        first["mechanism"] = _mechanism(state)
+        first["mechanism"] = _mechanism(state, sources)
     return {**first, "bodies": entries, "unit": "mm"}
 
 
-def cautions_of(state: PolyhedronState, results: Mapping[str, Solved]) -> tuple[Caution, ...]:
+def cautions_of(
+    state: PolyhedronState, results: Mapping[str, Solved], sources: Sources = NOTHING
+) -> tuple[Caution, ...]:
     """Return cautions about drawings that make no solid, look wrong, or could mean another one."""
     cautions = []
     for body in state.shown(Body):
         found = results.get(body.id)
         if found is not None and body.moves != "flat":
             cautions += [Caution(f"“{body.name}”: {text}") for text in _doubts(found)]
+    there = followed_meshes(state, sources)
+    gone = [part.name for part in state.shown(Followed) if part.id not in there]
+    cautions += [
+        Caution(f"“{name}” is no part of what it follows any more. Delete it here, or undo.")
+        for name in gone
+    ]
     if state.recorded is not None and len(state.recorded.seconds) >= MOST_POSES:
         cautions.append(Caution("The recording is full. Choose “Back to rest” to begin a new one."))
-    return (*cautions, *_cautions_of_forces(state))
+    return (*cautions, *_cautions_of_forces(state, sources))
 
 
-def _cautions_of_forces(state: PolyhedronState) -> list[Caution]:
+def _cautions_of_forces(state: PolyhedronState, sources: Sources) -> list[Caution]:
     """Return what forces that are shown do not mean."""
     if not state.forces or not is_mechanism(state):
         return []
-    found = forces_of(state, moving(state))
+    found = forces_of(state, moving(state, sources))
     if found is None:
         return [Caution("There are too many bars to show forces. Hide some of the bodies.")]
     if not found.newtons.any():
@@ -137,9 +147,9 @@ def _entry(body: Body, found: Solved) -> dict[str, Any]:
     }
 
 
-def _mechanism(state: PolyhedronState) -> dict[str, Any]:
+def _mechanism(state: PolyhedronState, sources: Sources) -> dict[str, Any]:
     """Return what is free and what is held twice where everything is now, and the largest gap."""
-    made = moving(state)
+    made = moving(state, sources)
     motion = made.motion(state.moved)
     found = mobility_of(made.machine.assembly, motion)
     return {

@@ -15,7 +15,9 @@ from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_mesh import radius_ratios
 from bozzetto_product.hand_over.names import loop_names, piece_names
 from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.details import Detail
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.paper.paper_surface import PaperSurface
 from bozzetto_product.solve.result import ProductResult, SolvedPatch
 
 MEASURED: Final = 33
@@ -116,8 +118,8 @@ def _patch(
     names: tuple[str, ...],
     edges: Sequence[Mapping[str, Any]],
 ) -> dict[str, Any]:
-    assert one.fill is not None
-    mesh = one.fill.mesh
+    assert one.mesh is not None
+    mesh = one.mesh
     quality = radius_ratios(mesh)
     return {
         "name": one.name,
@@ -146,8 +148,7 @@ def _detail(one: SolvedDetail) -> dict[str, Any]:
 def _shared_edges(result: ProductResult, names: Sequence[str]) -> Iterator[dict[str, Any]]:
     """Yield each edge between two surfaces, with the greatest angle at which they meet there.
 
-    Their exact normals are compared. Where the surfaces are to be
-    smooth stands in `Fill.g1_degrees`, which is NaN at creases.
+    Their normals are compared: the exact ones, or those of the vertices of triangles.
     """
     at_edge: dict[int, list[tuple[SolvedPatch, int]]] = {}
     for one in result.filled:
@@ -157,31 +158,38 @@ def _shared_edges(result: ProductResult, names: Sequence[str]) -> Iterator[dict[
         if len(uses) != 2:
             continue
         (first, here), (second, there) = uses
-        assert first.fill is not None
-        assert second.fill is not None
-        told = (first.fill.g1_degrees[here], second.fill.g1_degrees[there])
+        assert first.surface is not None
+        assert second.surface is not None
         yield {
             "curve": names[edge],
             "patches": [first.name, second.name],
-            "smooth": bool(np.isfinite(told).all()),
-            "angle_deg": meeting_angle(first.fill, here, second.fill, there),
+            "smooth": first.is_smooth_at(here) and second.is_smooth_at(there),
+            "angle_deg": meeting_angle(first.surface, here, second.surface, there),
         }
 
 
 @remembered(limit=4096)
-def meeting_angle(first: Fill, here: int, second: Fill, there: int) -> float:
+def meeting_angle(
+    first: Fill | PaperSurface, here: int, second: Fill | PaperSurface, there: int
+) -> float:
     """Return the greatest angle between two surfaces along an edge, its ends included, degrees.
 
     Parameters
     ----------
-    first, second : Fill
-        On both sides of the edge.
+    first, second : Fill or PaperSurface
+        On both sides of the edge, both of one kind.
     here, there : int
         Which half edge of their loops it is.
     """
-    a, b = first.normals_along(here, MEASURED), second.normals_along(there, MEASURED)
+    a, b = _normals_along(first, here), _normals_along(second, there)
     sine = np.linalg.norm(np.cross(a, b), axis=1)
     return float(np.degrees(np.arctan2(sine, (a * b).sum(axis=1)).max()))
+
+
+def _normals_along(surface: Fill | PaperSurface, half_edge: int) -> Array:
+    if isinstance(surface, Fill):
+        return surface.normals_along(half_edge, MEASURED)
+    return surface.normals[surface.border_of(half_edge)]
 
 
 @remembered(limit=1024, key=lambda mesh: mesh)
@@ -197,11 +205,11 @@ def _across(mesh: Mesh) -> Array:
     return np.cross(b - a, c - a)
 
 
-@remembered(limit=1024, key=lambda one, result: (one.fill, one.loop))
+@remembered(limit=1024, key=lambda one, result: (one.surface, one.loop))
 def boundary_error(one: SolvedPatch, result: ProductResult) -> float:
     """Return the greatest distance of the border of a patch's mesh from its curves, mm."""
-    assert one.fill is not None
-    mesh = one.fill.mesh
+    assert one.mesh is not None
+    mesh = one.mesh
     border = border_of(mesh)
     if not len(border):
         return 0.0
@@ -216,7 +224,12 @@ def boundary_error(one: SolvedPatch, result: ProductResult) -> float:
 
 def cautions_of(state: ProductState, result: ProductResult) -> tuple[Caution, ...]:
     """Return what of the chosen curve was guessed, surfaces that are missing, and what is open."""
-    told = (*_of_chosen(state), *_sentences(result), *_of_walls(state, result))
+    told = (
+        *_of_chosen(state),
+        *_sentences(result),
+        *_of_paper(state, result),
+        *_of_walls(state, result),
+    )
     return tuple(Caution(sentence) for sentence in told)
 
 
@@ -225,6 +238,18 @@ def _of_chosen(state: ProductState) -> Iterator[str]:
     curve = state.chosen_of(Curve)
     if curve is not None:
         yield from (f"{curve.name}: {sentence}" for sentence in curve.told)
+
+
+def _of_paper(state: ProductState, result: ProductResult) -> Iterator[str]:
+    """Yield what surfaces as in the paper are not."""
+    if result.is_exact:
+        return
+    yield (
+        "Surfaces as in the paper are triangles: print files hold them, STEP, IGES and 3DM get the "
+        "curves. Set “Surfaces” to “Fair” to hand them over exactly."
+    )
+    if state.shown(Detail):
+        yield "Surfaces as in the paper leave details out. Set “Surfaces” to “Fair” to have them."
 
 
 def _of_walls(state: ProductState, result: ProductResult) -> Iterator[str]:
@@ -251,7 +276,7 @@ def _of_walls(state: ProductState, result: ProductResult) -> Iterator[str]:
 
 def _sentences(result: ProductResult) -> Iterator[str]:
     for one in result.patches:
-        if one.fill is None:
+        if one.surface is None:
             yield f"{one.name} has no surface: {one.problem}"
         elif one.limited:
             yield (
@@ -261,6 +286,9 @@ def _sentences(result: ProductResult) -> Iterator[str]:
         if one.pull_problem:
             yield f"{one.name} stays: {one.pull_problem}"
     for group in result.kept:
+        if not result.is_exact:
+            yield f"The V-spring folds {group}, so it stays. Lower “V-spring” or “Let curves go”."
+            continue
         yield (
             f"Not all curves of {group} were let go: its surfaces have no single outline, fold as "
             "one, or meet in creases only. Group surfaces that lie side by side."

@@ -17,7 +17,7 @@ from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
-from bozzetto_app.session import toolbox
+from bozzetto_app.session import tool_groups
 from bozzetto_app.session.notices import Notice
 from bozzetto_app.session.object_edits import fields_of
 from bozzetto_app.session.view_state import ViewState
@@ -27,8 +27,8 @@ __all__ = ["EmptySession", "FakeSession", "Notice", "ToolInfo", "horse_parts"]
 
 def ToolInfo(
     id: str, title: str, icon: Path | None, hint: str, gesture: Any = "ink", **more: Any
-) -> toolbox.ToolInfo:
-    return toolbox.ToolInfo(id, title, icon, hint, gesture, **more)
+) -> tool_groups.ToolInfo:
+    return tool_groups.ToolInfo(id, title, icon, hint, gesture, **more)
 
 
 @dataclass(frozen=True)
@@ -195,6 +195,14 @@ class Toolbox(Part):
     modeler_changed = Signal()
     tool_changed = Signal()
     recorded = "take_modeler take_tool"
+
+    def __init__(self, *given: Any, **values: Any) -> None:
+        super().__init__(*given, **values)
+        self.last_used: dict[str, str] = {}
+
+    @property
+    def groups(self) -> tuple[tool_groups.ToolGroup, ...]:
+        return tool_groups.groups_of(self.tools)
 
     @property
     def active(self) -> Any:

@@ -54,7 +54,9 @@ def check(window):
     for panel in window._plugin_panel.findChildren(QLabel, "next-step"):
         assert panel.text() == step.sentence
     tool = session.toolbox.tool
-    pointed = {name for name, button in rail(window)._buttons.items() if button.is_next}
+    front = [button for button in rail(window)._buttons if button.is_next]
+    pointed = {step.tool for button in front if step.tool in button.behind}
+    assert len(front) == len(pointed)
     assert pointed == {step.tool} - {"", tool}
     if step.place is None:
         assert canvas.overlay.next_place is None
@@ -175,7 +177,8 @@ def test_after_a_second_sketch_the_first_mark_of_it_is_asked_for_everywhere(wind
     check(window)
     assert session.hints.step.tool == "mark"
     assert "6 more marks" in window.status._words.text()
-    button = rail(window)._buttons["mark"]
+    (button,) = [each for each in rail(window)._buttons if each.is_next]
+    assert button.tool.id == "mark"
     assert button.accessibleDescription() == session.hints.step.sentence
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 from bozzetto_app.actions.registry import Action
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.toolbox import TOOL_KEYS
+from bozzetto_app.session.tool_groups import TOOL_KEYS
 from bozzetto_app.session.view_state import Shading
 
 if TYPE_CHECKING:
@@ -66,6 +66,15 @@ def _file(window: Window) -> Iterator[Action]:
         tip=tr("File", "A picture under the sheet, to be traced; so does Shift with a drop"),
     )
     yield Action(
+        "file.trace",
+        tr("File", "&Trace into ink…"),
+        window.dialogs.open_trace,
+        "pen",
+        ("Ctrl+T",),
+        menu,
+        tip=tr("File", "Strokes from the lines of an underlay, or of a sketch in a file"),
+    )
+    yield Action(
         "file.save",
         tr("File", "&Save"),
         files.ask_save,
@@ -102,6 +111,18 @@ def _file(window: Window) -> Iterator[Action]:
             else tr("File", "There is nothing to export yet. Draw something first.")
         ),
         tip=tr("File", "For a 3D printer, for Blender, for the web"),
+    )
+    yield Action(
+        "file.film",
+        tr("File", "&Film of what moves…"),
+        files.ask_film,
+        "play",
+        (),
+        menu,
+        "save",
+        enabled=lambda: session.gestures.motion.can_play,
+        why_not=lambda: tr("File", "Nothing moves here. Take a tool that moves an object."),
+        tip=tr("File", "The next seconds as an animated GLB or GIF, as Play would show them"),
     )
     yield Action("file.quit", tr("File", "&Quit"), window.close, "quit", ("Ctrl+Q",), menu, "quit")
 
@@ -505,22 +526,22 @@ def _help(window: Window) -> Iterator[Action]:
 
 
 def number_keys(window: Window) -> Iterator[Action]:
-    """1 … 9 and 0 take the tools of the active modeler."""
+    """1 … 9 and 0 take what the buttons of the tool rail show, and then the next of their group."""
 
     def there_is(place: int) -> bool:
-        return place < len(window.session.toolbox.tools)
+        return place < len(window.session.toolbox.groups)
 
     def take(place: int) -> None:
         if there_is(place):
-            window.session.toolbox.take_tool(window.session.toolbox.tools[place].id)
+            window.session.toolbox.take_group(place)
 
     def too_few() -> str:
         session = window.session
         if not session.toolbox.modeler:
             return tr("Tool", "Choose a modeler at the top right first.")
         title = session.registry.info(session.toolbox.modeler).title
-        count = len(session.toolbox.tools)
-        return tr("Tool", "{title} has {count} tools.", title=title, count=count)
+        count = len(session.toolbox.groups)
+        return tr("Tool", "{title} has keys up to {count}.", title=title, count=count)
 
     for number, key in enumerate(TOOL_KEYS, 1):
         yield Action(

@@ -46,6 +46,7 @@ from bozzetto_app.canvas.input.tablet_events import ProximityWatch
 from bozzetto_app.canvas.overlay.advice_light import ViewLight
 from bozzetto_app.canvas.overlay.empty_hint import SheetHint
 from bozzetto_app.canvas.overlay.loupe import Loupe
+from bozzetto_app.canvas.overlay.pace_badge import PaceBadge
 from bozzetto_app.canvas.overlay.view_cube import ViewCube
 from bozzetto_app.canvas.overlay.waiting_ink import MarkedLine
 from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
@@ -129,6 +130,7 @@ class Canvas(QWidget):
         self.empty_hint = SheetHint(self)
         self.cube = ViewCube(self)
         self.light = ViewLight(self)
+        self.pace_badge = PaceBadge(self)
         self.loupe = Loupe(lambda: self.viewports.current.shown(), self)
         self.menu = RadialMenu(self)
         self.menu.refused.connect(self.menu_refused)
@@ -169,6 +171,7 @@ class Canvas(QWidget):
         self.cube.home_chosen.connect(self.fit)
         self.cube.projection_chosen.connect(self.toggle_projection)
         self.light.turn_chosen.connect(self.turn_to_better)
+        session.gestures.motion.pace_changed.connect(self.pace_badge.show_pace)
 
         self._mode_changed()
         self.read_settings()
@@ -185,7 +188,10 @@ class Canvas(QWidget):
         """Use the colours of a theme."""
         self._colors = palette
         self.viewports.set_palette(palette)
-        for part in (self.overlay, self.empty_hint, self.cube, self.light, self.loupe, self.menu):
+        for part in (
+            *(self.overlay, self.empty_hint, self.cube, self.light),
+            *(self.pace_badge, self.loupe, self.menu),
+        ):
             part.set_colors(palette)
 
     def read_settings(self) -> None:
@@ -212,6 +218,7 @@ class Canvas(QWidget):
         self.empty_hint.left = self.light.left = left
         self.empty_hint.update()
         self.light.lie_on(self.rect())
+        self.pace_badge.lie_on(self.rect())
 
     def describe_viewport(self) -> str:
         """Who draws, for the About dialog."""
@@ -376,6 +383,8 @@ class Canvas(QWidget):
             self.overlay.light_up(())  # what was wrong is gone, or was mended
         self._marked = len(marked)
         self.overlay.set_pending(self._good_ink(), self._session.view.camera, marked)
+        if self._session.drawing.pending:
+            self._fade_hint()  # ink that no pen brought
 
     def _good_ink(self) -> tuple[Stroke, ...]:
         return tuple(
@@ -482,6 +491,7 @@ class Canvas(QWidget):
         self.empty_hint.setGeometry(self.rect())
         self.cube.move(self.width() - self.cube.width() - CUBE_MARGIN, CUBE_MARGIN)
         self.light.lie_on(self.rect())
+        self.pace_badge.lie_on(self.rect())
         self.menu.close_menu()
         camera: Camera = self._session.view.camera
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))

@@ -8,13 +8,14 @@ from typing import Any
 
 from PySide6.QtCore import QDateTime, QLocale
 from PySide6.QtGui import QGuiApplication
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from bozzetto.atomic_files import FileChanged, FileStamp, Over
 from bozzetto.document.recovery.file_lock import Locked
 from bozzetto.errors import UserError
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
+from bozzetto_app.session.films import LONGEST_FILM
 from bozzetto_app.session.session import Session
 from bozzetto_app.settings import settings
 
@@ -119,13 +120,22 @@ class FileQuestions:
 
     def ask_underlay(self) -> None:
         """Ask for a picture and put it under the sheet."""
+        path = self.ask_picture(tr("Files", "Place a picture under the sheet"))
+        if path is not None:
+            self._session.pictures.take_file(path, under=True)
+
+    def ask_picture(self, title: str) -> Path | None:
+        """Ask for the file of a picture; None if the person would rather not.
+
+        Parameters
+        ----------
+        title : str
+            Of the dialog.
+        """
         from bozzetto.exchange.formats import readers
 
         endings = " ".join(f"*{ending}" for one in readers("image") for ending in one.endings)
-        kinds = tr("Files", "Pictures ({endings})").format(endings=endings)
-        path = self._chosen(tr("Files", "Place a picture under the sheet"), kinds)
-        if path is not None:
-            self._session.pictures.take_file(path, under=True)
+        return self._chosen(title, tr("Files", "Pictures ({endings})").format(endings=endings))
 
     def paste(self, *, under: bool = False) -> None:
         """Take the picture or the files that were copied elsewhere."""
@@ -231,6 +241,30 @@ class FileQuestions:
         path, is_asked = self._place(tr("Files", "Export"), kinds, "")
         if path is not None and (is_asked or self._may_replace(path)):
             self.when_printable(path, lambda: self._session.files.export(path))
+
+    def ask_film(self) -> None:
+        """Ask for a file and for how long, and make a film of what moves."""
+        kinds = f"{tr('Files', 'Animation')} (*.glb);;{tr('Files', 'Moving picture')} (*.gif)"
+        path, is_asked = self._place(tr("Files", "Film of what moves"), kinds, "")
+        if path is None or not (is_asked or self._may_replace(path)):
+            return
+        if path.suffix.lower() not in (".glb", ".gif"):
+            said = tr("Files", "A film is a .glb or a .gif. Choose one of these endings.")
+            self._session.notices.complain(UserError(said))
+            return
+        asked = QInputDialog(self._window)
+        asked.setObjectName("film")
+        asked.setWindowTitle(tr("Files", "Film of what moves"))
+        asked.setLabelText(tr("Files", "Seconds"))
+        asked.setInputMode(QInputDialog.InputMode.DoubleInput)
+        asked.setDoubleRange(0.2, LONGEST_FILM)
+        asked.setDoubleDecimals(1)
+        asked.setDoubleValue(4.0)
+        asked.doubleValueSelected.connect(
+            lambda seconds: self._session.files.films.make(path, seconds)
+        )
+        asked.finished.connect(asked.deleteLater)
+        asked.open()
 
     def when_printable(self, path: Path, then: Callable[[], None]) -> None:
         """Export, after asking where a printer's file would hold what does not print.

@@ -12,7 +12,7 @@ from bozzetto_app.actions.dynamic_menus import RECENT
 from bozzetto_app.actions.registry import ActionRegistry, key_text
 from bozzetto_app.dialogs.fuzzy_match import Match, match
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.toolbox import TOOL_KEYS
+from bozzetto_app.session.tool_groups import groups_of, keys_of
 
 if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
@@ -73,14 +73,15 @@ def entries_of(
 ) -> Iterator[Entry]:
     """Everything that can be found now."""
     tools = {tool.title for tool in session.toolbox.tools}
-    for place, tool in enumerate(session.toolbox.tools):
+    keys = keys_of(groups_of(session.toolbox.tools))
+    for tool in session.toolbox.tools:
         yield Entry(
             f"tool {tool.id}",
             tool.title,
             tr("Palette", "Tool"),
             partial(session.toolbox.take_tool, tool.id),
             tool.icon or "pen",
-            TOOL_KEYS[place : place + 1],
+            keys.get(tool.id, ""),
         )
     for action in actions.actions():
         if action.id.startswith("tool.") and tools:

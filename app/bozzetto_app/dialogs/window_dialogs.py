@@ -8,6 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog
 
 from bozzetto.errors import UserError
+from bozzetto_app.i18n import tr
 from bozzetto_app.session.notices import Notice
 from bozzetto_app.session.recent_files import recent_files
 from bozzetto_app.settings import keep_plugin_disabled
@@ -54,6 +55,17 @@ class Dialogs:
         ink = readings.ink_of(document.model(model_id)) if model_id else readings.ink
         if ink is not None:
             self.show(ReadInkDialog(session, ink, self._window))
+
+    def open_trace(self) -> None:
+        """Trace the newest visible underlay into ink; where there is none, ask for a picture."""
+        from bozzetto_app.dialogs.trace_picture import TraceDialog
+
+        window = self._window
+        source = window.session.tracing.underlay or window.files.ask_picture(
+            tr("Trace", "Trace a picture into ink")
+        )
+        if source is not None:
+            self.show(TraceDialog(window.session, source, window))
 
     def open_guide(self) -> None:
         """Show the guide beside the sheet."""

@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QLabel, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtWidgets import QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.toolbox import TOOL_KEYS
-from bozzetto_app.style.theme import qcolor, small_font, tones
+from bozzetto_app.session.tool_groups import ToolGroup, ToolInfo, keys_of
+from bozzetto_app.style.icons import icon_from_file
+from bozzetto_app.style.theme import current_palette, qcolor, small_font, tones
 from bozzetto_app.widgets.icon_button import RADIUS, IconButton
 from bozzetto_app.widgets.section import hairline
 
@@ -27,9 +28,14 @@ LOWEST = 24
 """Height of a button in a window that is too low for all of them, px. A rail that kept its height
 would make the window higher than the screen when the first ink waits."""
 
-
 DOT = 4.0
 """Radius of the dot at the tool that is to be taken next, px."""
+
+CORNER = 5.0
+"""Side of the triangle at a button that opens to other tools, px."""
+
+HOLD = 400
+"""Time for which a button is held until it opens to the other tools of its group, ms."""
 
 
 class _RailButton(IconButton):
@@ -45,9 +51,56 @@ class _RailButton(IconButton):
 
 
 class _ToolButton(_RailButton):
-    """A tool; the active one has a bar at its left, the one to take next a frame and a dot."""
+    """A group of tools, of which it shows one.
 
-    is_next = False
+    The active one has a bar at its left, the one to take next a frame and a dot. A group of several
+    has a triangle in its corner; it opens when it is held, pressed again, clicked with the right
+    button, or by the key that points to the right.
+    """
+
+    opened = Signal()
+
+    def __init__(self, group: ToolGroup, key: str) -> None:
+        super().__init__(None, group.title, key)
+        self.behind, self._key = group, key
+        self.tool = group.tools[0]
+        self.is_next = False
+        self.setCheckable(True)
+        self._hold = QTimer(self, singleShot=True, interval=HOLD)
+        self._hold.timeout.connect(self._held)
+        if self.opens:
+            self.pressed.connect(self._hold.start)
+            self.released.connect(self._hold.stop)
+        self.show_tool(self.tool)
+
+    @property
+    def opens(self) -> bool:
+        """Whether there is more than one tool behind it."""
+        return len(self.behind.tools) > 1
+
+    def show_tool(self, tool: ToolInfo) -> None:
+        """Show one of the group's tools."""
+        self.tool = tool
+        self.set_source(tool.icon)
+        self.rename(tool.title, self._key)
+        self.setStatusTip(tool.hint)
+        if self.opens:
+            titles = ", ".join(each.title for each in self.behind.tools)
+            self.setToolTip(f"{self.toolTip()}\n{self.behind.title}: {titles}")
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if self.opens and event.key() == Qt.Key.Key_Right:
+            self.opened.emit()
+        else:
+            super().keyPressEvent(event)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        if self.opens:
+            self.opened.emit()
+
+    def _held(self) -> None:
+        self.setDown(False)  # the lift that follows is no click
+        self.opened.emit()
 
     def paint_ground(self, painter: QPainter) -> None:
         super().paint_ground(painter)
@@ -55,6 +108,15 @@ class _ToolButton(_RailButton):
             self._paint_next(painter)
         if self.isChecked():
             self._paint_active(painter)
+        if self.opens:
+            self._paint_corner(painter)
+
+    def _paint_corner(self, painter: QPainter) -> None:
+        right, bottom = self.width() - 5.0, self.height() - 5.0
+        corners = ((right, bottom), (right - CORNER, bottom), (right, bottom - CORNER))
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(qcolor(tones().quiet))
+        painter.drawPolygon(QPolygonF([QPointF(*each) for each in corners]))
 
     def _paint_next(self, painter: QPainter) -> None:
         accent = qcolor(tones().accent)
@@ -97,7 +159,7 @@ class ToolRail(QWidget):
         self.setAccessibleName(self.windowTitle())
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setFixedWidth(SIDE + 8)
-        self._buttons: dict[str, _ToolButton] = {}
+        self._buttons: list[_ToolButton] = []
 
         self._count = QLabel()
         self._count.setObjectName("waiting-count")
@@ -146,34 +208,59 @@ class ToolRail(QWidget):
 
     def refresh(self) -> None:
         """Show the tools that the active modeler has now."""
-        for button in self._buttons.values():
+        for button in self._buttons:
             button.hide()
             button.deleteLater()
-        self._buttons = {}
-        for place, tool in enumerate(self._session.toolbox.tools):
-            key = TOOL_KEYS[place : place + 1]
-            button = _ToolButton(tool.icon, tool.title, key)
-            button.setStatusTip(tool.hint)
-            button.setCheckable(True)
-            button.clicked.connect(lambda _, name=tool.id: self._take(name))
+        self._buttons = []
+        groups = self._session.toolbox.groups
+        keys = keys_of(groups)
+        for place, group in enumerate(groups):
+            button = _ToolButton(group, keys.get(group.tools[0].id, ""))
+            button.clicked.connect(lambda _, button=button: self._press(button))
+            button.opened.connect(lambda button=button: self._open(button))
             self._column.insertWidget(place, button)
-            self._buttons[tool.id] = button
+            self._buttons.append(button)
         self._mark()
 
-    def _take(self, tool: str) -> None:
-        self._session.toolbox.take_tool(tool)
+    def _press(self, button: _ToolButton) -> None:
+        if button.opens and button.tool.id == self._session.toolbox.tool:
+            self._open(button)
+        else:
+            self._session.toolbox.take_tool(button.tool.id)
         self._mark()  # the session decides; a click alone does not check a button
+
+    def _open(self, button: _ToolButton) -> None:
+        """Show the tools of a group beside its button."""
+        menu = self.menu_of(button.behind, button.tool)
+        menu.popup(button.mapToGlobal(button.rect().topRight()))
+
+    def menu_of(self, group: ToolGroup, current: ToolInfo) -> QMenu:
+        """Return a menu of the tools of a group, one of them the current one."""
+        menu = QMenu(group.title, self)
+        menu.setObjectName("tool-group")
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        for tool in group.tools:
+            action = menu.addAction(tool.title)
+            if tool.icon is not None:
+                action.setIcon(icon_from_file(tool.icon, current_palette()))
+            action.setStatusTip(tool.hint)
+            action.triggered.connect(lambda _, id=tool.id: self._session.toolbox.take_tool(id))
+            if tool is current:
+                menu.setActiveAction(action)
+        return menu
 
     def _mark(self) -> None:
         """Show which tool is in the hand, and which is to be taken next."""
-        active, step = self._session.toolbox.tool, self._session.hints.step
-        for tool in self._session.toolbox.tools:
-            button = self._buttons.get(tool.id)
-            if button is not None:
-                button.setChecked(tool.id == active)
-                button.is_next = tool.id == step.tool != active
-                button.setAccessibleDescription(step.sentence if button.is_next else tool.hint)
-                button.update()
+        toolbox, step = self._session.toolbox, self._session.hints.step
+        for button in self._buttons:
+            last = toolbox.last_used.get(button.behind.title, "")
+            tool = button.behind.tool_of(toolbox.tool, step.tool, last)
+            button.show_tool(tool)
+            button.setChecked(tool.id == toolbox.tool)
+            wanted = step.tool != toolbox.tool and step.tool in button.behind
+            button.is_next = wanted
+            button.setAccessibleDescription(step.sentence if wanted else tool.hint)
+            button.update()
 
     def _show_play(self) -> None:
         motion = self._session.gestures.motion

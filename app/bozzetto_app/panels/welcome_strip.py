@@ -155,14 +155,16 @@ class WelcomeStrip(QScrollArea):
 
     Signals
     -------
-    sample_chosen, sample_watched : str, Path
-        A modeler's id and the sample's ink file: open it, or watch it being drawn.
+    sample_chosen : str, Path, str
+        A modeler's id, the sample's ink file and its title: open it.
+    sample_watched : str, Path
+        The same, to watch it being drawn.
     recent_chosen : Path
     closed
         By drawing, or by the cross; whoever holds the strip puts it away.
     """
 
-    sample_chosen = Signal(str, object)
+    sample_chosen = Signal(str, object, str)
     sample_watched = Signal(str, object)
     recent_chosen = Signal(object)
     closed = Signal()
@@ -218,7 +220,9 @@ class WelcomeStrip(QScrollArea):
             for sample, title in zip(info.samples, info.sample_titles, strict=True):
                 card = _Card(title, info.title, partial(self._thumbnail, sample), info.icon)
                 card.clicked.connect(
-                    lambda _, name=info.id, path=sample: self.sample_chosen.emit(name, path)
+                    lambda _, name=info.id, path=sample, title=title: self.sample_chosen.emit(
+                        name, path, title
+                    )
                 )
                 watch = IconButton(
                     "play",

@@ -25,6 +25,7 @@ from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim, Claims
 from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.films import Films
 from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.notices import Notice, Notices
 from bozzetto_app.session.pictures import PictureInput
@@ -159,14 +160,16 @@ class Files(QObject):
             "file", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
         )
         self._reads.slow.connect(notices.tell_slow)
-        for channel in (self._saves, self._reads):
+        self.films = Films(workbench, drawing, view, notices, self)
+        for channel in (self._saves, self._reads, self.films.channel):
             channel.progressed.connect(self.progressed)
             channel.busy_changed.connect(self.busy_changed)
 
     @property
     def busy(self) -> bool:
         """Whether a file is being read or written."""
-        return self._saves.busy or self._reads.busy or self._claims.busy
+        channels = (self._saves, self._reads, self._claims, self.films.channel)
+        return any(channel.busy for channel in channels)
 
     @property
     def saving(self) -> bool:
@@ -176,6 +179,7 @@ class Files(QObject):
     def cancel(self) -> None:
         """Stop reading and exporting; a document that is being saved is not disturbed."""
         self._reads.cancel()
+        self.films.channel.cancel()
 
     def close(self) -> None:
         """Give up the document: the program ends, and others may open it."""
@@ -463,8 +467,11 @@ class Files(QObject):
 
         self._reads.submit(Request(work, done, self._notices.complain))
 
-    def import_file(self, path: Path) -> None:
-        """Bring a drawing, a mesh or a picture onto the sheet."""
+    def import_file(self, path: Path, title: str = "") -> None:
+        """Bring a drawing, a mesh or a picture onto the sheet.
+
+        A drawing with a title is called by it, any other one by its file.
+        """
         from bozzetto.exchange.import_file import is_picture
 
         if is_picture(path):
@@ -484,6 +491,7 @@ class Files(QObject):
                 shapes = read_mesh(path, checkpoint=reading)
                 return bench.sources.from_shapes(MESH_MODELER, shapes, path.stem), False, None, ()
             ink = read_drawing(path, checkpoint=reading)
+            ink = replace(ink, name=title or ink.name)
             facts_only = not len(ink.strokes)
             modeler = (facts_only and bench.registry.told_by(ink.facts)) or active
             if not modeler:
@@ -499,7 +507,9 @@ class Files(QObject):
             model, pictured, view, left_out = answer
             if not pictured:
                 self.imported.emit(view)
-            drawing.apply_model(tr("Files", "Import {name}", name=path.name), model, is_new=True)
+            drawing.apply_model(
+                tr("Files", "Import {name}", name=title or path.name), model, is_new=True
+            )
             if pictured:
                 self._pictures.taken.emit(model.id)
             if left_out:  # stays until the next one, as with exports

@@ -46,6 +46,7 @@ class GestureContext:
     def now(self) -> Context:
         """Return the surroundings of a gesture that is made now."""
         document = self._drawing.document
+        target = self._selection.target(self._toolbox.modeler)
         underlays = self._workbench.underlay_layers(document)
         images = (item for layer in underlays for item in layer.items if isinstance(item, Image))
         return Context(
@@ -55,5 +56,6 @@ class GestureContext:
             facts=self.facts,
             pictures=self.pictures,
             curves=self._workbench.curves.of(document),
-            seen=self._advice.seen_states(self._selection.target(self._toolbox.modeler)),
+            seen=self._advice.seen_states(target),
+            sources={} if target is None else self._workbench.given_sources(target),
         )

@@ -41,6 +41,12 @@ INTERVAL: Final = 1.0 / 60.0
 LONGEST: Final = 0.05
 """Most time that one step stands for, seconds: after a pause nothing jumps."""
 
+BEHIND: Final = 0.9
+"""Seconds moved per second passed below which a motion counts as slow."""
+
+MEASURED: Final = 0.5
+"""Time over which that is measured, seconds."""
+
 STEP_LIMIT: Final = 5.0
 """Seconds a step may take before it counts as hung."""
 
@@ -72,6 +78,8 @@ class _Course:
         Of the step of the history.
     plays : bool
         Whether it goes on without a hand.
+    pace : float
+        Seconds moved per second passed, lately; written by the worker.
     """
 
     def __init__(self, model: Model, tool: str, key: str, hand: _Hand, *, plays: bool) -> None:
@@ -81,6 +89,7 @@ class _Course:
         self.taken = model
         self.is_told = False
         self.changed = False
+        self.pace = 1.0
 
 
 class Motion(QObject):
@@ -90,9 +99,13 @@ class Motion(QObject):
     -------
     changed
         `is_playing` differs, or may be started or not.
+    pace_changed : float or None
+        How many seconds are moved in a second where steps take longer than they stand for; None
+        where things move as fast as time, or stand.
     """
 
     changed = Signal()
+    pace_changed = Signal(object)
 
     def __init__(
         self,
@@ -112,6 +125,7 @@ class Motion(QObject):
         self._context, self._notices = context, notices
         self._numbers = itertools.count(1)
         self._course: _Course | None = None
+        self._pace: float | None = None
         drawing.closing.connect(self.stop)
         drawing.jumped.connect(self.stop)
         toolbox.tool_changed.connect(self._tool_changed)
@@ -191,6 +205,7 @@ class Motion(QObject):
         self.channel.cancel()
         self._accept(course)
         self._course = None
+        self._tell_pace(None)
         if course.changed:
             self._drawing.history.end_merge()
             self._solver.let_go()
@@ -230,12 +245,17 @@ class Motion(QObject):
         bench = self._workbench
         count, model = course.start
         tool = bench.tool(model.modeler, course.tool)
-        last = perf_counter()
+        last = measured = perf_counter()
+        moved = 0.0
         while True:
             begun, hand = perf_counter(), course.hand
             if course.start[0] != count:
                 count, model = course.start
             seconds, last = min(begun - last, LONGEST), begun
+            moved += seconds
+            if begun - measured > MEASURED:
+                course.pace = moved / (begun - measured)
+                moved, measured = 0.0, begun
             job.checkpoint(0.0, tool.title)
             model = bench.step(model, tool, hand.held, seconds, hand.context)
             course.newest = (count, model)
@@ -253,10 +273,16 @@ class Motion(QObject):
         course.is_told = False
         if course is not self._course:
             return
+        self._tell_pace(course.pace if course.pace < BEHIND else None)
         if not self._accept(course):
             self.stop()
         elif course.hand.held is None:
             course.hand = _Hand(None, False, self._context.now())
+
+    def _tell_pace(self, pace: float | None) -> None:
+        if pace != self._pace:
+            self._pace = pace
+            self.pace_changed.emit(pace)
 
     def _accept(self, course: _Course) -> bool:
         """Put the newest step into the document; say whether the model is still there.

@@ -150,6 +150,10 @@ class PictureInput(QObject):
                 return
             if isinstance(found, Underlay):
                 self._objects.edit(edit.add_underlay, found)
+                words = tr(
+                    "Session", "The picture lies under the sheet. Ctrl+T traces it into ink."
+                )
+                self._notices.tell(words)
             else:
                 self._hand_over(found, modeler, base)
 

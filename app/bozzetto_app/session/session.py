@@ -5,7 +5,7 @@ them holds the session:
 
 * the state: `document_model`, `selection`, `view_state`, `toolbox`, `scene_model`;
 * the services that work on it: `gestures`, `motion`, `object_edits`, `part_edits`,
-  `modeler_commands`, `from_shapes`, `ink_readings`, `pictures`, `files`, `solver`,
+  `modeler_commands`, `from_shapes`, `ink_readings`, `pictures`, `tracing`, `files`, `solver`,
   `view_advice`, `hints`;
 * `notices`, which tells the person about it.
 
@@ -41,6 +41,7 @@ from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.solver import Solver
 from bozzetto_app.session.toolbox import Toolbox
+from bozzetto_app.session.tracing import Tracing
 from bozzetto_app.session.view_advice import ViewAdviser
 from bozzetto_app.session.view_state import ViewState
 
@@ -107,13 +108,19 @@ class Session(QObject):
         self.pictures = PictureInput(
             bench, drawing, selection, toolbox, objects, context, edits, notices, self
         )
+        self.tracing = Tracing(drawing, view, toolbox, notices, self)
         self.files = Files(
             bench, drawing, view, toolbox, scene, context, self.pictures, notices, self
         )
         self._was_busy = False
         self._shown_work: tuple[_Work, ...] = (
-            solver, edits, self.files, self.shapes.channel, self.pictures.channel
-        )  # fmt: skip
+            solver,
+            edits,
+            self.files,
+            self.shapes.channel,
+            self.pictures.channel,
+            self.tracing.channel,
+        )
         for work in self._shown_work:
             work.progressed.connect(self.progressed)
             work.busy_changed.connect(self._update_busy)
@@ -170,7 +177,13 @@ class Session(QObject):
         self.gestures.restart()
 
     def _cancel_shown_work(self) -> None:
-        for part in (self.solver, self.files, self.shapes.channel, self.pictures.channel):
+        for part in (
+            self.solver,
+            self.files,
+            self.shapes.channel,
+            self.pictures.channel,
+            self.tracing,
+        ):
             part.cancel()
 
     def _update_busy(self) -> None:

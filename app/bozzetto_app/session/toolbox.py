@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 from PySide6.QtCore import QObject, Signal
@@ -15,33 +13,13 @@ from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.selection import Selection
+from bozzetto_app.session.tool_groups import ToolGroup, ToolInfo, groups_of
 from bozzetto_app.workers.channel import Channel, Request
 
-__all__ = ["TOOL_KEYS", "ToolInfo", "Toolbox"]
-
-TOOL_KEYS = "1234567890"
-"""The keys that choose the tools of a modeler, in their order."""
+__all__ = ["Toolbox"]
 
 TOOLS_LIMIT = 20.0
 """Seconds a plugin may take to be imported and to name its tools before it counts as hung."""
-
-
-@dataclass(frozen=True)
-class ToolInfo:
-    """A tool as the tool rail shows it."""
-
-    id: str
-    title: str
-    icon: Path | None
-    hint: str
-    gesture: Literal["ink", "tap", "drag"]
-    aims: bool = False
-    grabs: bool = False
-    plays: bool = False
-    hovers: bool = False
-    """These four: see `bozzetto.plugin.Tool`."""
-    moves: bool = False
-    """Whether it has a `Tool.step` of its own."""
 
 
 class Toolbox(QObject):
@@ -53,6 +31,8 @@ class Toolbox(QObject):
         Ids of the active modeler and tool; empty while there is none.
     tools : tuple of ToolInfo
         Empty until a worker has imported the plugin of the modeler.
+    last_used : dict of str
+        Id of the tool that was taken last, by the group it is in.
     channel : Channel
         The work of asking for the tools.
 
@@ -78,6 +58,7 @@ class Toolbox(QObject):
         self.modeler = ""
         self.tool = ""
         self.tools: tuple[ToolInfo, ...] = ()
+        self.last_used: dict[str, str] = {}
         self.channel = Channel("tools", time_limit=TOOLS_LIMIT, is_patient=True, parent=self)
         self.channel.slow.connect(notices.tell_slow)
         self._workbench, self._selection, self._notices = workbench, selection, notices
@@ -93,6 +74,11 @@ class Toolbox(QObject):
     def active(self) -> ToolInfo | None:
         """The active tool; None until the tools are known."""
         return next((tool for tool in self.tools if tool.id == self.tool), None)
+
+    @property
+    def groups(self) -> tuple[ToolGroup, ...]:
+        """The tools by the buttons of the rail."""
+        return groups_of(self.tools)
 
     def stop(self) -> None:
         """Stop waiting for tools; to choose the modeler again asks again."""
@@ -132,6 +118,7 @@ class Toolbox(QObject):
                     tool.grabs,
                     tool.plays,
                     tool.hovers,
+                    tool.group,
                     overrides(tool, "step"),
                 )
                 for tool in bench.tools(modeler_id)
@@ -179,7 +166,17 @@ class Toolbox(QObject):
                 self._notices.tell(words)
             elif tool.id == tool_id:
                 self.tool = tool_id
+                if tool.group:
+                    self.last_used[tool.group] = tool_id
                 self.tool_changed.emit()
+
+    def take_group(self, place: int) -> None:
+        """Draw with the tool that the button at a place of the rail shows; again, with the next."""
+        group = self.groups[place]
+        if self.tool in group:
+            self.take_tool(group.after(self.tool).id)
+        else:
+            self.take_tool(group.tool_of(self.last_used.get(group.title, "")).id)
 
     def take_first_tool(self) -> None:
         """Draw with the first tool of the active modeler."""

@@ -28,7 +28,7 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
         If it cannot be read, or its ending is unknown.
     """
     if path.suffix.lower() == ".bozz":
-        from bozzetto.document.storage.bozz_file import document_info
+        from bozzetto.document.storage.bozz_reader import document_info
 
         return document_info(path)
     if path.is_dir():

@@ -1,4 +1,4 @@
-"""The command line: build, export, render, info, samples and plugins, without a window.
+"""The command line: build, trace, export, render, info, samples and plugins, without a window.
 
 Bad input ends with exit code 2, one line ``error: …`` that says what to do, and nothing
 written; a plugin that fails ends with exit code 1.
@@ -32,9 +32,10 @@ from bozzetto.cli.output import (
 from bozzetto.cli.plugins import ACTIONS
 from bozzetto.cli.plugins import plugins as run_plugins
 from bozzetto.cli.simulate import add_simulate
+from bozzetto.cli.trace import add_trace
 from bozzetto.errors import UserError
 
-COMMANDS = ("build", "export", "render", "simulate", "info", "samples", "plugins")
+COMMANDS = ("build", "trace", "export", "render", "simulate", "info", "samples", "plugins")
 """Words after which no window opens."""
 
 SWITCHES = ("-v", "--verbose")
@@ -146,6 +147,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_trust(render)
     render.set_defaults(run=_render)
 
+    add_trace(commands)
     add_simulate(commands)
 
     info = commands.add_parser("info", help="say what a file holds")

@@ -56,6 +56,9 @@ class Context:
     seen : tuple
         States in which the model was a moment ago, newest first, while the view was pinned to it
         (`ViewAdvice.pinned`): a hand that is quicker than the view draws on what it saw.
+    sources : mapping of str to Shapes
+        What the models hand over that `Modeler.sources` names, by their ids, as they were when
+        this model was solved last; mm, in the frame of the model, as `Job.sources`. Empty before.
     """
 
     camera: Camera = field(default_factory=Camera)
@@ -68,6 +71,7 @@ class Context:
     curves: tuple[Curve, ...] = ()
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     seen: tuple[Any, ...] = ()
+    sources: Mapping[str, Shapes] = field(default_factory=dict)
 
     def surface_hit(self, rays: Rays) -> Hits:
         """Find where rays first meet a visible surface, whoever made it."""

@@ -86,6 +86,9 @@ class Tool(Generic[State]):
         stop it.
     hovers : bool
         Whether the preview gets the `Tap` that a pen near the sheet would make.
+    group : str
+        Name of its group: tools of one group share a button of the tool rail, which shows the one
+        used last, and opens to the others. "" for a button of its own.
     """
 
     id: str
@@ -97,6 +100,7 @@ class Tool(Generic[State]):
     grabs: bool = False
     plays: bool = False
     hovers: bool = False
+    group: str = ""
 
     # -- what a gesture makes of a state --
 

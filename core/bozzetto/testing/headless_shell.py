@@ -72,8 +72,12 @@ class Shell:
     def context(self) -> Context:
         """Return the world around a gesture made now, with every model's scene and curves in it."""
         scene = self.workbench.scene(self.document, Job())
+        drawn = next((model for model in self.document if model.id == self._model_id), None)
         return Context(
-            camera=self.camera, scene=scene, curves=self.workbench.curves.of(self.document)
+            camera=self.camera,
+            scene=scene,
+            curves=self.workbench.curves.of(self.document),
+            sources={} if drawn is None else self.workbench.given_sources(drawn),
         )
 
     def commands(self) -> tuple[Command, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import threading
 from collections import OrderedDict
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -56,6 +57,7 @@ class KnownResults:
     def __init__(self, bench: Workbench) -> None:
         self._bench = bench
         self._kept: OrderedDict[Key, _Known] = OrderedDict()
+        self._given: OrderedDict[str, tuple[Used, Mapping[str, Shapes]]] = OrderedDict()
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
 
@@ -73,8 +75,15 @@ class KnownResults:
         """Drop all results."""
         with self._lock:
             self._kept.clear()
+            self._given.clear()
 
     # -- sources --
+
+    def given_sources(self, model: Model) -> Mapping[str, Shapes]:
+        """Return what a model was made from when it was solved last; asks no plugin."""
+        with self._lock:
+            _, given = self._given.get(model.id, ((), {}))
+        return {name: given[name] for name in model.sources if name in given}
 
     def _known_sources(self, model: Model, quality: str) -> Used | None:
         """Return what a result would be made from, if all of that is known."""
@@ -96,7 +105,7 @@ class KnownResults:
                     return found
         return None
 
-    def _sources(self, model: Model, job: Job, depth: int) -> tuple[Used, dict[str, Shapes]]:
+    def _sources(self, model: Model, job: Job, depth: int) -> tuple[Used, Mapping[str, Shapes]]:
         """Solve what a model is made from, and return it in the model's own frame.
 
         Raises
@@ -112,7 +121,7 @@ class KnownResults:
                 f"“{model.name}” was made from an object that is not here, or that follows "
                 f"“{model.name}” itself. Delete it, or undo what took the other one away."
             )
-        used, shapes = [], {}
+        known = []
         for source in inside.values():
             found = self._best(source, job.quality)
             if found is None:
@@ -122,9 +131,22 @@ class KnownResults:
                     raise _refusal(model, source, problem) from problem
             if found.problem is not None:
                 raise _refusal(model, source, found.problem) from found.problem
-            used.append((source.id, source.placement, found.number))
-            shapes[source.id] = self._shapes(source, found).placed(source.placement)
-        return tuple(used), {name: shapes[name] for name in model.sources}
+            known.append((source, found))
+        used = tuple((source.id, source.placement, found.number) for source, found in known)
+        with self._lock:
+            before, given = self._given.get(model.id, ((), {}))
+        if before != used:  # else the very same shapes again: who remembers by them finds them
+            shapes = {
+                source.id: self._shapes(source, found).placed(source.placement)
+                for source, found in known
+            }
+            given = {name: shapes[name] for name in model.sources}
+        with self._lock:
+            self._given[model.id] = (used, given)
+            self._given.move_to_end(model.id)
+            while len(self._given) > KEPT_RESULTS:
+                self._given.popitem(last=False)
+        return used, given
 
     def _shapes(self, source: Model, found: _Known) -> Shapes:
         if not found.shapes:

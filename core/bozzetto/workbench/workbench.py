@@ -331,6 +331,13 @@ class Workbench:
         """Return the remembered result of exactly this recipe, or None."""
         return self._results.known(model, quality)
 
+    def given_sources(self, model: Model) -> Mapping[str, Shapes]:
+        """Return what a model was made from when it was solved last, for `Context.sources`.
+
+        It is in the frame of the model; empty before. Nothing is solved for it.
+        """
+        return self._results.given_sources(model)
+
     def forget_results(self) -> None:
         """Drop all results and what modelers remember: their documents are closed."""
         self._results.forget()

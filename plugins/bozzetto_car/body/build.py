@@ -19,6 +19,7 @@ from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tange
 from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.drag import bend_edge
+from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
 from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.camera.sketch_camera import SketchCamera
@@ -243,9 +244,10 @@ def _right_after(base: Solved, state: CarState) -> Body:
 
 def _deformed(base: Solved, state: CarState) -> Body:
     """Return the network right after deformation, as a body without edits."""
-    network = Network.of(base.template, base.positions)
-    if state.annealed:
-        network = anneal(network)
+    if state.annealed and base.joint is not None:
+        network = fair_network(base.template, base.positions)
+    else:
+        network = Network.of(base.template, base.positions)
     if state.default_shape and base.joint is not None:
         network = pull_out_panels(network)
     return Body(lock_ratios(network) if state.smooth else network, base)

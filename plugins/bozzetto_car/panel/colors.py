@@ -5,13 +5,7 @@ from __future__ import annotations
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QWidget
 
-from bozzetto.scene import DARK, LIGHT, Palette
-
-
-def palette_of(widget: QWidget) -> Palette:
-    """Return the palette of the sheet that belongs to a widget's own."""
-    window, text = role(widget, QPalette.ColorRole.Window), role(widget, TEXT)
-    return DARK if window.lightness() < text.lightness() else LIGHT
+from bozzetto_app.toolkit import palette_of
 
 
 def role(widget: QWidget, which: QPalette.ColorRole, opacity: float = 1.0) -> QColor:

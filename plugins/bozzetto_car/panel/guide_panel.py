@@ -22,12 +22,12 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto.plugin import PanelHost, override
+from bozzetto_app.toolkit import PanelWorker
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.node_chart import NodeChart
 from bozzetto_car.panel.turning_car import TurningCar
 from bozzetto_car.panel.view_model import Guide, guide_of
 from bozzetto_car.panel.widgets import Fold, Progress, SketchButton, label
-from bozzetto_car.panel.worker import Work
 from bozzetto_car.state import CarState
 
 PATIENCE: Final = 60
@@ -69,7 +69,7 @@ class GuidePanel(QScrollArea):
         self._host = host
         self._guide: Guide | None = None
         self._state: CarState | None = None
-        self._work = Work(self)
+        self._work = PanelWorker(self)
         self._soon = QTimer(self, singleShot=True, interval=PATIENCE)
         self._soon.timeout.connect(self._look)
         self._build()

@@ -21,7 +21,8 @@ from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from bozzetto.arrays import Array
 from bozzetto.plugin import override
-from bozzetto_car.panel.colors import palette_of, role, warning_of
+from bozzetto_app.toolkit import palette_of
+from bozzetto_car.panel.colors import role, warning_of
 from bozzetto_car.panel.view_model import Chart, Guide, NodeRow, chart_of
 
 MARGIN: Final = 12.0

@@ -18,9 +18,9 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from bozzetto.plugin import override
+from bozzetto_app.toolkit import PanelWorker, palette_of
 from bozzetto_car.panel.car_picture import Pose, SmallCar, between, pose_of, small_car
-from bozzetto_car.panel.colors import palette_of, role
-from bozzetto_car.panel.worker import Work
+from bozzetto_car.panel.colors import role
 from bozzetto_car.template.model import Template
 
 SHAPE: Final = 0.5
@@ -59,7 +59,7 @@ class TurningCar(QWidget):
         self._shown: SmallCar | None = None
         self._image = QImage()
         self._key: object = None
-        self._work = Work(self)
+        self._work = PanelWorker(self)
         self._clock = QElapsedTimer()
         self._pulse = QTimer(self, interval=BEAT)
         self._pulse.timeout.connect(self._beat)

@@ -12,19 +12,26 @@ any time, and a solve that starts from the last car while a mark is dragged take
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.view import triple
 from bozzetto.view.calibration import Poses
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Reprojection
 from bozzetto_car.dimensions import NONE_BEYOND, Dimensions, Locks, Overlap
 from bozzetto_car.solver.feasible_set import Feasible
 from bozzetto_car.solver.leave_one_out import LeftOut, leave_one_out
-from bozzetto_car.solver.prior import Cost, Prior, robust_weights
+from bozzetto_car.solver.prior import Cost, Prior, robust_weights, size_measure
+from bozzetto_car.solver.proportions import (
+    OUTER,
+    believable_size,
+    outer_dimensions,
+    size_of_known,
+)
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
 
@@ -141,7 +148,21 @@ def solve(
     first = template.variables if start is None else np.asarray(start, float)
     if not np.isfinite(first).all():
         raise ValueError("a solve must start from a finite car")
-    prior = Prior(template, cost)
+    if np.isfinite(cost.stiff):
+        prior = Prior(template, cost)
+    else:
+        known = None if locked is None else size_of_known(_relative(template, locked, overlap))
+        if known is None:
+            # The size that is held is that of the start, and then the one that suits the shape.
+            measure = size_measure(template)
+            prior = Prior(template, cost, float(measure @ first))
+            feasible = Feasible.of(soundness, None, first, prior.form(first))
+            shape = _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
+            size = believable_size(template, template.whole(shape.variables))
+            first, views = size * shape.variables, [_enlarged(view, size) for view in shape.views]
+            prior = Prior(template, cost, float(measure @ first))
+        else:
+            prior = Prior(template, cost, known, held=False)
     if locked is None or not locked.given():
         feasible = Feasible.of(soundness, None, first, prior.form(first))
         return _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
@@ -160,6 +181,23 @@ def solve(
             break
         best = tried
     return best
+
+
+def _relative(template: Template, locked: Dimensions, overlap: Overlap) -> dict[str, float]:
+    """Return locked outer dimensions relative to the template's."""
+    bulges = (overlap.front + overlap.rear, 2.0 * overlap.side, 0.0, overlap.top)
+    own = outer_dimensions(template, template.positions) + bulges
+    names = zip(OUTER, own.tolist(), strict=True)
+    wanted = locked.wanted()
+    return {name: wanted[name] / size for name, size in names if name in wanted}
+
+
+def _enlarged(view: MarkedView, factor: float) -> MarkedView:
+    """Return a sketch with the camera that sees a car, enlarged about the origin, as before."""
+    camera = view.camera
+    eye, target = (triple(factor * np.asarray(place)) for place in (camera.eye, camera.target))
+    larger = replace(camera, eye=eye, target=target, height=factor * camera.height)
+    return view.turned(larger, view.shift)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ probable than a mark at a random place is set aside.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -31,7 +31,7 @@ from bozzetto_car.template.model import Template
 SPREADS: Final = np.geomspace(0.03, 1.5, 12)
 """Shares t of the deviations that the cost expects; all are equally likely a priori."""
 
-HANDS: Final = np.geomspace(0.7, 3.0, 6)
+HANDS: Final = np.geomspace(0.7, 10.0, 9)
 """Factors s by which a hand is less steady than the cost assumes. Less than the least counts as
 exact: nobody wants to hear that a mark disagrees by 5 px."""
 
@@ -58,6 +58,9 @@ MOST_ASIDE: Final = 0.25
 are right."""
 
 
+UNRELATED: Final = replace(Cost.balanced(), kinship=0.0)
+"""The cost for cars that differ from their template in dimensions and by chance only."""
+
 DETERMINED: Final = 1e-12
 """Least determinant of a mark's block, of 1: below, the mark alone determines the camera."""
 
@@ -74,11 +77,17 @@ class Weighed:
     ----------
     spread : float
         How far the car is from the template, as a share of the deviations that the cost expects.
+    hand : float
+        How much less steady the hand is than the cost assumes, as a factor; 1 at least.
+    related : float
+        Probability that the car differs from the template toward other templates, too.
     counted : tuple of (k,) bool
         Which marks of each sketch count; the others are set aside.
     """
 
     spread: float
+    hand: float
+    related: float
     counted: tuple[Flags, ...]
 
 
@@ -102,13 +111,15 @@ def judge_marks(
     Marks are set aside one at a time, always the one that raises the probability of all most, until
     none does, and then taken back in the same way. The probability grows each time, so this ends.
     """
-    sketches = _linear(template, views)
+    kinds = [_linear(template, views, cost) for cost in (Cost.balanced(), UNRELATED)]
     before = [np.zeros(len(view.nodes), bool) for view in views] if aside is None else aside
     counted = [~flags for flags in before]
     prices = [
         np.where(flags, -RETURN_DISCOUNT, 0.0) + MISTAKE + MISTAKE_PER_MARK * len(flags)
         for flags in before
     ]
+    found = [Evidence(sketches, counted) for sketches in kinds]
+    sketches = kinds[0] if found[0].total >= found[1].total else kinds[1]
     while True:
         now = Evidence(sketches, counted)
         best = max(_losses(now, counted, prices), default=NO_CHANGE)
@@ -116,8 +127,17 @@ def judge_marks(
             best = max(_returns(sketches, counted, prices), default=NO_CHANGE)
         gain, sketch, mark = best
         if gain <= 0.0:
-            return Weighed(now.spread, tuple(counted))
+            break
         counted[sketch][mark] = not counted[sketch][mark]
+    one, other = (Evidence(sketches, counted) for sketches in kinds)
+    related = 1.0 / (1.0 + np.exp(min(other.total - one.total, 500.0)))
+    spread, hand = (
+        related * getattr(one, what) + (1.0 - related) * getattr(other, what)
+        for what in ("log_spread", "log_hand")
+    )
+    return Weighed(
+        float(np.exp(spread)), float(np.exp(max(hand, 0.0))), float(related), tuple(counted)
+    )
 
 
 def evidence_of(template: Template, view: MarkedView) -> Evidence:
@@ -130,7 +150,7 @@ def evidence_of(template: Template, view: MarkedView) -> Evidence:
     view : MarkedView
         The sketch, as for `judge_marks`.
     """
-    return Evidence(_linear(template, [view]), [np.ones(len(view.nodes), bool)])
+    return Evidence(_linear(template, [view], Cost.balanced()), [np.ones(len(view.nodes), bool)])
 
 
 def _losses(
@@ -175,8 +195,7 @@ class _Linear:
     by_camera: Array
 
 
-def _linear(template: Template, views: Sequence[MarkedView]) -> list[_Linear]:
-    cost = Cost.balanced()
+def _linear(template: Template, views: Sequence[MarkedView], cost: Cost) -> list[_Linear]:
     prior = Prior(template, cost)
     root = np.linalg.inv(np.linalg.cholesky(prior.form(prior.variables))).T
     follow = (template.basis @ root).reshape(-1, 3, len(root))
@@ -199,11 +218,16 @@ class Evidence:
     total : float
         Natural logarithm of the probability of all marks, up to a constant that depends only on
         their number.
-    spread : float
-        See `Weighed`; the mean of the logarithm, as a factor.
+    log_spread, log_hand : float
+        See `Weighed`; the means of the logarithms.
     improbable : list of (k,) float
         For each sketch, the gain in probability of the rest without each mark, as a logarithm.
     """
+
+    @property
+    def spread(self) -> float:
+        """How far the car is from the template, as a share of what the cost expects."""
+        return float(np.exp(self.log_spread))
 
     def __init__(self, sketches: Sequence[_Linear], counted: Sequence[Flags]) -> None:
         spreads, hands = (grid.ravel() for grid in np.meshgrid(SPREADS, HANDS))
@@ -219,7 +243,9 @@ class Evidence:
         logs -= 0.5 * (np.log(hands) / np.log(STEADY)) ** 2
         self.total = float(_sum_of_logs(logs))
         logs -= self.total
-        self.spread = float(np.exp(np.exp(logs) @ np.log(spreads)))
+        self.log_spread, self.log_hand = (
+            float(np.exp(logs) @ np.log(grid)) for grid in (spreads, hands)
+        )
         # The inverse of C, times s²: its 2 × 2 blocks for each mark, and its product with the
         # residuals.
         across, down = by_car[::2], by_car[1::2]

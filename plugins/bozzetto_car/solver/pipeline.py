@@ -38,9 +38,9 @@ from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network
 from bozzetto_car.template.shape_constraints import Soundness
 
-GENEROUS: Final = 2.0
-"""Factor on the estimated spread. For most cars the estimate is half of what the cost expects, and
-the cost does best as it is; it is too loose only where the template is nearly right."""
+GENEROUS: Final = 1.4
+"""Factor on the estimated spread: marks are met as closely as the hand allows, and of cars that
+are near their template little is lost."""
 
 REMEMBERED: Final = 32
 """Number of solves that are remembered."""
@@ -172,7 +172,11 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
     if state.cost != "paper":
         pairs = zip(solid, views, strict=True)
         views = [_resumed(placed[key], view, before) for key, view in pairs]
-        cost = cost.within(_spread(judged.spread, state.trace))
+        # Who wants the marks traced more exactly than by default wants their noise, too.
+        exact = min(1.0, (1.0 - state.trace) / (1.0 - TRACE))
+        cost = replace(cost, kinship=cost.kinship * np.sqrt(judged.related))
+        cost = cost.within(min(1.0, GENEROUS * judged.spread) ** exact)
+        cost = cost.unsteady(judged.hand**exact)
     joint = solve(
         template, views, cost, soundness, start=start, locked=locked,
         overlap=_overlap(template) if locked else Overlap(),
@@ -192,14 +196,6 @@ def _resumed(placed: Placed, view: MarkedView, before: Solved | None) -> MarkedV
         return view
     start = before.placed[placed.sketch.id].sketch_camera
     return view.turned(start.camera, start.shift) if start.camera.kind == view.camera.kind else view
-
-
-def _spread(found: float, trace: float) -> float:
-    """Return how far a car may be from the template, as a share of what the cost expects.
-
-    A person who wants the marks traced more exactly than by default wants their noise, too.
-    """
-    return float(min(1.0, GENEROUS * found) ** min(1.0, (1.0 - trace) / (1.0 - TRACE)))
 
 
 def _among(view: MarkedView, template: Template, names: tuple[str, ...]) -> Flags:

@@ -1,24 +1,26 @@
-"""The cost of a deformation: marks that are missed, deviations, and differences along edges.
+"""The cost of a deformation: marks that are missed, and how far a car is from its template.
 
 Kara & Shimada (2008) balance how far the projected nodes are from the marks against how far
 the nodes have moved, H = α Σ |r| / D2 + β Σ |d| / D3, with D2 and D3 the extents of the marks
 and of the template. It has two disadvantages: it has no derivative where a node has not
 moved, which costs hundreds of iterations, and a node without a mark does not move at all. So by
-default the norms are squared, which makes them variances: of the hand, of a node about its place
-in the template, and of the difference between the two ends of an edge, which moves unmarked nodes
-along. Length, width and height as a whole may vary at a lower price, for cars differ most in
-them. The paper's cost is available as a mode, smoothed a little.
+default the norms are squared, which makes them variances, and nodes vary together: as the outer
+dimensions of real cars do, toward the other templates, and smoothly (`proportions`). The size of a
+car is no part of this: no sketch tells it, and where it could be had for less, a car would shrink
+to be nearer to its template. The paper's cost is available as a mode, smoothed a little.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Final, Self
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto_car.solver.proportions import KNOWN, kin_directions, outer_directions
 from bozzetto_car.state import TRACE
 from bozzetto_car.template.model import Template
 
@@ -32,15 +34,23 @@ STRAY: Final = (4.0, 0.008)
 of a number of standard deviations and a share of the diagonal of all marks. A person who traces to
 the last tenth of a pixel makes mistakes as large as others."""
 
-DEVIATION: Final = 180.0
-"""Standard deviation of a node from its place in the template, mm."""
+DEVIATION: Final = 40.0
+"""Standard deviation of a node by itself from its place in the template, mm."""
 
-COUPLING: Final = 100.0
-"""Standard deviation of the difference between the deviations of both ends of an edge, mm."""
+SMOOTH: Final = 60.0
+"""Standard deviation of what a node's deviation has in common with its neighbours', mm."""
 
-PROPORTION: Final = 0.05
-"""Standard deviation of length, width and height as a whole, as a share: sedans are 4.5 to
-4.9 m long, 1.76 to 1.86 m wide and 1.40 to 1.46 m high."""
+REACH: Final = 700.0
+"""Distance at which that has fallen to e^(-1/2), mm."""
+
+KINSHIP: Final = 0.2
+"""Standard deviation of the way toward each other template, as a share of the whole way."""
+
+HELD: Final = 1e-4
+"""Standard deviation of the size of a car whose size is held, as a share."""
+
+FREE: Final = 1.0
+"""The same where something else tells the size: next to nothing."""
 
 PAPER_SHARE: Final = 0.5
 """The weights α and β of the paper's cost."""
@@ -64,18 +74,21 @@ class Cost:
         Standard deviation of a node, per coordinate, mm.
     stiff : float
         As `stray`, for the deviation of a node; infinite: always the square.
-    coupling : float
-        Standard deviation of the difference along an edge, per coordinate, mm; infinite: none.
+    smooth : float
+        Standard deviation of what the deviations of neighbours have in common, mm; 0: nothing.
     proportion : float
-        Standard deviation of length, width and height as a whole, as a share; 0: none of its own.
+        Deviation of outer dimensions, relative to that of cars that were built; 0: none.
+    kinship : float
+        Standard deviation of the way toward other templates, as a share of it; 0: none.
     """
 
     hand: float
     stray: float
     deviation: float
     stiff: float
-    coupling: float
+    smooth: float
     proportion: float
+    kinship: float
 
     @classmethod
     def balanced(cls, trace: float = TRACE) -> Self:
@@ -96,16 +109,22 @@ class Cost:
         loose, tight = HAND
         hand = loose * (tight / loose) ** trace
         stray = max(STRAY[0], STRAY[1] / hand)
-        return cls(hand, stray, DEVIATION, np.inf, COUPLING, PROPORTION)
+        return cls(hand, stray, DEVIATION, np.inf, SMOOTH, 1.0, KINSHIP)
 
     def within(self, spread: float) -> Self:
         """Return the cost for cars that differ by a share of what this cost expects."""
         return replace(
             self,
             deviation=self.deviation * spread,
-            coupling=self.coupling * spread,
+            smooth=self.smooth * spread,
             proportion=self.proportion * spread,
+            kinship=self.kinship * spread,
         )
+
+    def unsteady(self, factor: float) -> Self:
+        """Return the cost for a hand that is less steady by a factor."""
+        hand = self.hand * factor
+        return replace(self, hand=hand, stray=max(STRAY[0], STRAY[1] / hand))
 
     @classmethod
     def paper(cls, template: Template) -> Self:
@@ -113,7 +132,7 @@ class Cost:
         # σ and the threshold c for which σ² c (√(c² + s²)) is the paper's norm, smoothed.
         spread = float(np.sqrt(PAPER_SMOOTHING / PAPER_SHARE))
         bend = float(np.sqrt(PAPER_SMOOTHING * PAPER_SHARE))
-        return cls(spread, bend, spread * extent(template), bend, np.inf, 0.0)
+        return cls(spread, bend, spread * extent(template), bend, 0.0, 0.0, 0.0)
 
 
 def extent(template: Template) -> float:
@@ -146,33 +165,42 @@ class Prior:
     Parameters
     ----------
     template : Template
+        The template of the car.
     cost : Cost
+        The weights.
+    size : float, optional
+        The size of the car relative to the template, where it is known. All lengths of the prior
+        are multiplied by it, and size costs nothing else. By default it varies as in real cars.
+    held : bool
+        Whether the car has that size; else something else must tell it, such as a locked dimension.
+
+    Attributes
+    ----------
+    variables : (q,) float
+        The car that costs nothing.
     """
 
-    def __init__(self, template: Template, cost: Cost) -> None:
-        self.variables = template.variables
+    def __init__(
+        self, template: Template, cost: Cost, size: float | None = None, held: bool = True
+    ) -> None:
+        scale = 1.0 if size is None else size
+        self.variables = scale * template.variables
         self._basis = template.basis
         self._cost = cost
-        coupled = np.zeros((len(self.variables), len(self.variables)))
-        if np.isfinite(cost.coupling):
-            ends = _links(template)
-            difference = np.zeros((len(ends), len(template.names)))
-            each = np.arange(len(ends))
-            difference[each, ends[:, 0]], difference[each, ends[:, 1]] = 1.0, -1.0
-            along = np.kron(difference, np.eye(3)) @ template.basis
-            coupled = along.T @ along / cost.coupling**2
-        self._coupled = coupled
-        self._squared = coupled + self._basis.T @ self._basis / cost.deviation**2
-        if cost.proportion > 0.0:
-            self._squared = _with_proportions(self._squared, template, cost.proportion)
+        self._squared = np.asarray(np.linalg.inv(_covariance(template, cost)), float) / scale**2
+        if size is not None:
+            larger = template.variables
+            pushed = self._squared @ larger
+            self._squared -= np.outer(pushed, pushed) / float(larger @ pushed)
+            measure = size_measure(template) / (scale * (HELD if held else FREE))
+            self._squared += np.outer(measure, measure)
 
     def value(self, variables: Array) -> float:
         """Return the cost of a car (q,); that of the template is 0."""
         offset = variables - self.variables
         if not np.isfinite(self._cost.stiff):
             return float(offset @ self._squared @ offset)
-        bent = robust_weights(self._squares(offset), self._cost.stiff)[1]
-        return float(offset @ self._coupled @ offset) + bent
+        return robust_weights(self._squares(offset), self._cost.stiff)[1]
 
     def form(self, variables: Array) -> Array:
         """Return half the second derivative at a car (q,) for re-weighted least squares, (q, q)."""
@@ -181,42 +209,44 @@ class Prior:
         squares = self._squares(variables - self.variables)
         weights = robust_weights(squares, self._cost.stiff)[0]
         weighted = np.repeat(weights, 3)[:, None] * self._basis
-        return np.asarray(self._coupled + self._basis.T @ weighted / self._cost.deviation**2)
+        return np.asarray(self._basis.T @ weighted / self._cost.deviation**2, float)
 
     def _squares(self, offset: Array) -> Array:
         moved = (self._basis @ offset).reshape(-1, 3) / self._cost.deviation
         return np.asarray((moved**2).sum(axis=1))
 
 
-def _links(template: Template) -> Index:
-    """Return the edges, and two links for each wheel to the sill around it, (m, 2).
+def size_measure(template: Template) -> Array:
+    """Return the row (q,) that gives the size of a car relative to its template.
 
-    No edge ends in a wheel, so it is tied to the nearest nodes before and behind it on the rim
-    of the body, of which the edges belong to one patch only.
+    It is the factor of the template that lies nearest to the car, both about their centroids.
     """
-    links = template.edges.tolist()
-    places = template.positions
-    numbers = [~edge if edge < 0 else edge for patch in template.patches for edge in patch.edges]
-    rim = np.flatnonzero(np.bincount(numbers, minlength=len(links)) == 1)
-    body = np.setdiff1d(np.unique(template.edges[rim]), template.centre)
-    for wheel in template.wheels.ravel():
-        side = body[places[body, 1] * places[wheel, 1] > 0.0]
-        for sign in (-1.0, 1.0):
-            beyond = side[sign * (places[side, 0] - places[wheel, 0]) > 0.0]
-            away = np.linalg.norm(places[beyond] - places[wheel], axis=1)
-            if len(beyond):
-                links.append([int(wheel), int(beyond[np.argmin(away)])])
-    return np.array(links, np.intp)
+    middle = template.positions - template.positions.mean(axis=0)
+    return np.asarray(template.basis.T @ middle.ravel() / (middle**2).sum())
 
 
-def _with_proportions(form: Array, template: Template, spread: float) -> Array:
-    """Return the form after whole proportions have been given a variance of their own.
+def _covariance(template: Template, cost: Cost) -> Array:
+    """Return the covariance (q, q) of the variables of a car, mm²."""
+    covariance = cost.deviation**2 * _of_nodes(template, round(cost.smooth / cost.deviation, 9))
+    if cost.proportion > 0.0:
+        ways, together = outer_directions(template)
+        covariance = covariance + cost.proportion**2 * ways @ together @ ways.T
+    if cost.kinship > 0.0:
+        ways = kin_directions(template)
+        covariance = covariance + cost.kinship**2 * ways @ ways.T
+    return np.asarray(covariance, float)
 
-    The covariance gains spread² m mᵀ for each direction m in which length, width or height
-    change by their own size; by Woodbury's identity the form loses what follows.
+
+@lru_cache(maxsize=KNOWN)
+def _of_nodes(template: Template, smooth: float) -> Array:
+    """Return the covariance (q, q) of nodes that vary by themselves, and with their neighbours.
+
+    It is relative to the variance of a node by itself; `smooth` is the deviation that neighbours
+    have in common, in the same unit. A symmetric car is one whose sides are the same, so the
+    covariance is the conditional one.
     """
-    places = template.positions - [template.positions[:, 0].mean(), 0.0, 0.0]
-    modes = np.stack([template.reduced(places * axis) for axis in np.eye(3)], axis=1)
-    pushed = form @ modes
-    inner = np.eye(3) / spread**2 + modes.T @ pushed
-    return np.asarray(form - pushed @ np.linalg.solve(inner, pushed.T))
+    basis, places = template.basis, template.positions
+    away = ((places[:, None] - places) ** 2).sum(axis=2)
+    among = np.eye(len(places)) + smooth**2 * np.exp(-0.5 * away / REACH**2)
+    inverse = np.kron(np.linalg.inv(among), np.eye(3))
+    return np.asarray(np.linalg.inv(basis.T @ inverse @ basis))

@@ -14,7 +14,7 @@ from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.mechanism.assembly import Motion
 from bozzetto_polyhedron.mechanism.pieces import METRE
 from bozzetto_polyhedron.model.state import PolyhedronState
-from bozzetto_polyhedron.solve.moving import kept, moving
+from bozzetto_polyhedron.solve.moving import as_held, kept, moving
 
 SAME: Final = 0.9
 """Cosine from which on two motions count as the same one."""
@@ -22,7 +22,8 @@ SAME: Final = 0.9
 
 def swing(state: PolyhedronState, context: Context) -> PolyhedronState:
     """Return the state pushed into the next of its free motions, one extent a second at most."""
-    made = moving(state)
+    state = as_held(state)
+    made = moving(state, context.sources)
     if not made.numbers:
         raise UserError("There is nothing to move yet. Turn a drawing into a solid first.")
     motion = made.motion(state.moved)
@@ -42,7 +43,7 @@ def swing(state: PolyhedronState, context: Context) -> PolyhedronState:
 
 def at_rest(state: PolyhedronState, context: Context) -> PolyhedronState:
     """Return the state with everything where it was drawn."""
-    return replace(state, moved=None, grab=None, recorded=None)
+    return as_held(replace(state, moved=None, grab=None, recorded=None))
 
 
 def has_moved(state: PolyhedronState) -> bool:

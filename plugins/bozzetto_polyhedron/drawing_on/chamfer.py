@@ -28,7 +28,7 @@ def chamfered(body: PlanarBody, edge: tuple[int, int], setback: float) -> Planar
     UserError
         If there is no such edge, or the setback is none or too large.
     """
-    one, two, start, end = _at_edge(body, edge)
+    one, two, start, end = edge_faces(body, edge)
     if not (np.isfinite(setback) and setback > 0):
         raise UserError("A chamfer needs a width above zero. Type one.")
     along = body.vertices[end] - body.vertices[start]
@@ -44,7 +44,9 @@ def chamfered(body: PlanarBody, edge: tuple[int, int], setback: float) -> Planar
     slope = into_first + into_second
     slope /= np.linalg.norm(slope)
     at = float(slope @ (body.vertices[start] + setback * into_first))
-    caps = [_cap(body, vertex, (one, two), out) for vertex, out in ((start, -along), (end, along))]
+    caps = [
+        cap_at(body, vertex, (one, two), out) for vertex, out in ((start, -along), (end, along))
+    ]
     side = 1.0 if convex else -1.0
     normals = np.array((side * first, side * second, slope, caps[0][0], caps[1][0]))
     offsets = np.array(
@@ -62,7 +64,7 @@ def faces_at_edge(body: PlanarBody, edge: tuple[int, int]) -> tuple[Array, Array
     UserError
         If there is no such edge.
     """
-    one, two, start, end = _at_edge(body, edge)
+    one, two, start, end = edge_faces(body, edge)
     along = body.vertices[end] - body.vertices[start]
     along = along / np.linalg.norm(along)
     return np.cross(body.normals[one], along), -np.cross(body.normals[two], along)
@@ -70,7 +72,7 @@ def faces_at_edge(body: PlanarBody, edge: tuple[int, int]) -> tuple[Array, Array
 
 def room_at_edge(body: PlanarBody, edge: tuple[int, int]) -> float:
     """Return how far the faces at an edge reach from it, the narrower one, mm."""
-    one, two, start, _ = _at_edge(body, edge)
+    one, two, start, _ = edge_faces(body, edge)
     reached = []
     for face, inward in zip((one, two), faces_at_edge(body, edge), strict=True):
         corners = body.vertices[[v for ring in body.faces[face] for v in ring]]
@@ -78,7 +80,7 @@ def room_at_edge(body: PlanarBody, edge: tuple[int, int]) -> float:
     return min(reached)
 
 
-def _at_edge(body: PlanarBody, edge: tuple[int, int]) -> tuple[int, int, int, int]:
+def edge_faces(body: PlanarBody, edge: tuple[int, int]) -> tuple[int, int, int, int]:
     """Return the face that runs an edge from its first vertex, the other one, and the vertices."""
     runs = {
         side: number
@@ -88,12 +90,14 @@ def _at_edge(body: PlanarBody, edge: tuple[int, int]) -> tuple[int, int, int, in
     }
     start, end = edge
     if not body.closed or (start, end) not in runs or (end, start) not in runs:
-        raise UserError("A chamfer needs an edge of a solid. Choose one.")
+        raise UserError("There is no such edge of a solid. Choose one.")
     return runs[start, end], runs[end, start], start, end
 
 
-def _cap(body: PlanarBody, vertex: int, faces: tuple[int, int], out: Array) -> tuple[Array, float]:
-    """Return the plane that ends a chamfer at a vertex, looking outward along the edge.
+def cap_at(
+    body: PlanarBody, vertex: int, faces: tuple[int, int], out: Array
+) -> tuple[Array, float]:
+    """Return the plane that ends a bevel at a vertex, looking outward along the edge.
 
     It is that of the third face, or straight across the edge where there are more.
     """

@@ -7,6 +7,7 @@ others names its axis. Radial errors are weighed by their length on the sheet.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil, cos, pi
 from typing import Final
 
 import numpy as np
@@ -26,6 +27,12 @@ SAMPLES: Final = 60
 SIDES: Final = 48
 """Sides of the polygon that a circle is pushed as."""
 
+TURN: Final = 2.0 * pi
+"""Radians."""
+
+ROUNDING: Final = 1e-9
+"""Share of a side that does not make one more."""
+
 ROUND: Final = 0.06
 """Largest deviation from a circle, root mean square over the radius, both on the sheet: a hand
 wobbles by 2 % of the drawing, and a square is off by 10 %."""
@@ -43,7 +50,7 @@ ROUNDS: Final = 8
 
 @dataclass(frozen=True, eq=False)
 class Circle:
-    """A circle in space.
+    """A circle in space, or the arc that rounds an edge.
 
     Parameters
     ----------
@@ -58,6 +65,8 @@ class Circle:
     deviation : float
         Root mean square distance of the ink, over the radius, on the sheet; on a face from the
         ellipse that was drawn for the circle, where that is nearer and no more than `OVAL`.
+    sweep : float
+        Angle of an arc, radians, less than half a turn; a whole turn for a circle.
     """
 
     center: Array
@@ -65,6 +74,27 @@ class Circle:
     radius: float
     face: int
     deviation: float
+    sweep: float = TURN
+
+    @property
+    def is_arc(self) -> bool:
+        """Whether it rounds an edge."""
+        return self.sweep < TURN
+
+    @property
+    def sides(self) -> int:
+        """Number of flat sides that stand for it."""
+        return max(3, ceil(SIDES * self.sweep / TURN - ROUNDING)) if self.is_arc else SIDES
+
+    @property
+    def apothem(self) -> float:
+        """Distance of the flat sides from the axis, mm.
+
+        The sides of a circle have its area. Those of an arc have their corners on it, so that the
+        faces beside it end where it begins.
+        """
+        corners = self.radius if self.is_arc else area_radius(self.radius)
+        return corners * cos(0.5 * self.sweep / self.sides)
 
 
 def circle_on_face(body: PlanarBody, stroke: ArrayLike, camera: Camera) -> Circle | None:
@@ -86,33 +116,6 @@ def circle_on_face(body: PlanarBody, stroke: ArrayLike, camera: Camera) -> Circl
     normal = body.normals[hit[1]]
     found = _fitted(pixels, camera, normal, float(body.offsets[hit[1]]), hit[1], oval=True)
     return found if found is not None and found.deviation < ROUND else None
-
-
-def circle_about_axis(
-    axes: ArrayLike, through: ArrayLike, stroke: ArrayLike, camera: Camera
-) -> Circle | None:
-    """Return the circle whose axis is one of three; None if it is round in no such plane.
-
-    Parameters
-    ----------
-    axes : (3, 3) array_like
-        Rows are unit vectors: the frame of a body.
-    through : (3,) array_like
-        A point of its plane, mm.
-    stroke : (n, 2) array_like
-        An ellipse, or at least half of one; canvas px.
-    camera : Camera
-        Through which it was drawn.
-    """
-    pixels = _samples(stroke)
-    place = np.asarray(through, float)
-    found = [
-        circle
-        for axis in np.asarray(axes, float)
-        if (circle := _fitted(pixels, camera, axis, float(axis @ place), -1)) is not None
-    ]
-    best = min(found, key=lambda circle: circle.deviation, default=None)
-    return best if best is not None and best.deviation < ROUND else None
 
 
 def area_radius(radius: float) -> float:

@@ -1,4 +1,4 @@
-"""Exact cylinders in the place of the polygons that circles on faces were pushed as.
+"""Exact cylinders in the place of the flat sides of circles on faces and of round edges.
 
 A circle is pushed as a polygon of the same area, so that planes are all that bodies are made of.
 When a body is handed over, walls that nothing else has cut become cylinders again, with circles
@@ -16,7 +16,14 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, Color, Curve, plane_face, sewn, surface_of_revolution
-from bozzetto_polyhedron.drawing_on.circles import SIDES, Circle, area_radius
+from bozzetto_polyhedron.drawing_on.circles import SIDES, Circle
+from bozzetto_polyhedron.drawing_on.rounded_edges import (
+    RoundedEdge,
+    exact_rims,
+    exact_sides,
+    rounded_edge_of,
+    run_of,
+)
 from bozzetto_polyhedron.solid.face_rings import corners_of, sides_of, tangents
 from bozzetto_polyhedron.solid.planar_body import PlanarBody
 
@@ -26,6 +33,10 @@ IN_PLANE: Final = 1e-9
 SAME: Final = 1e-8
 """Difference of normals, and of distances as share of the size, within which a plane is a side of
 a polygon."""
+
+
+LINE_KNOTS: Final = np.array((0.0, 0.0, 1.0, 1.0))
+"""Of a straight line."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,36 +64,37 @@ class Wall:
     rims: tuple[frozenset[int], frozenset[int]]
 
 
-def walls_of(body: PlanarBody, circles: Sequence[Circle]) -> tuple[tuple[Wall, ...], int]:
+def walls_of(
+    body: PlanarBody, circles: Sequence[Circle]
+) -> tuple[tuple[Wall | RoundedEdge, ...], int]:
     """Find what is left of the cylinders of circles.
 
     Parameters
     ----------
     body : PlanarBody
-        With polygons of `SIDES` sides in the place of circles.
+        With flat sides in the place of circles.
     circles : sequence of Circle
         In the same frame.
 
     Returns
     -------
-    walls : tuple of Wall
+    walls : tuple of Wall or RoundedEdge
         Whole ones, in the order of their circles.
     cut : int
         How many others have only a part of their sides left, or sides that something else cuts.
     """
-    walls: list[Wall] = []
+    walls: list[Wall | RoundedEdge] = []
     cut, taken = 0, set[int]()
     for circle in circles:
         sides = [face for face in _sides_of(body, circle) if face not in taken]
         for group in _groups(body, sides):
             taken.update(group)
-            wall = _wall(body, circle, group)
-            if wall is None:
+            found = (rounded_edge_of if circle.is_arc else _free_wall)(body, circle, group)
+            if found is None:
                 cut += 1
             else:
-                walls.append(wall)
-    whole = tuple(wall for wall in walls if _is_free(body, wall))
-    return whole, cut + len(walls) - len(whole)
+                walls.append(found)
+    return tuple(walls), cut
 
 
 def smooth_edges(body: PlanarBody, circles: Sequence[Circle]) -> frozenset[tuple[int, int]]:
@@ -108,7 +120,7 @@ def _side_counts(body: PlanarBody, circles: Sequence[Circle]) -> list[Counter[tu
         )
         for circle in circles
         for group in _groups(body, _sides_of(body, circle))
-        if len(group) > 2
+        if len(group) > 2 or circle.is_arc
     ]
 
 
@@ -131,15 +143,21 @@ def brep_with_cylinders(
     walls, _ = walls_of(body, circles)
     gone = {face for wall in walls for face in wall.faces}
     rims: dict[frozenset[int], list[Curve]] = {}
+    arcs: list[tuple[tuple[int, ...], list[Curve]]] = []
     pieces: list[Brep] = []
     for wall in walls:
+        if isinstance(wall, RoundedEdge):
+            ends = exact_rims(body, wall)
+            pieces += exact_sides(body, wall, ends)
+            arcs += zip(wall.chains, ends, strict=True)
+            continue
         side = _side(wall)
         pieces.append(side)
         for rim, height in zip(wall.rims, wall.heights, strict=True):
             rims[rim] = _rim(side, wall.circle, height)
     planes = [
         plane_face(
-            [rims.get(frozenset(ring)) or body.vertices[list(ring)] for ring in face],
+            [rims.get(frozenset(ring)) or _outline(body, ring, arcs) for ring in face],
             normal=normal,
             name=name,
         )
@@ -149,13 +167,40 @@ def brep_with_cylinders(
     return sewn([*planes, *pieces], name, color)
 
 
+def _outline(
+    body: PlanarBody, ring: Sequence[int], arcs: Sequence[tuple[tuple[int, ...], list[Curve]]]
+) -> Array | list[Curve]:
+    """Return a ring as its corners, or as curves where it runs through arcs."""
+    runs: dict[int, tuple[int, list[Curve]]] = {}
+    for chain, curves in arcs:
+        found = run_of(ring, chain)
+        if found is not None:
+            at, forward = found
+            back = [curve.reversed() for curve in curves[::-1]]
+            runs[at] = len(chain) - 1, curves if forward else back
+    if not runs:
+        return np.asarray(body.vertices[list(ring)])
+    first = at = min(runs)
+    outline: list[Curve] = []
+    while at < first + len(ring):
+        here = at % len(ring)
+        if here in runs:
+            steps, curves = runs[here]
+            outline += curves
+        else:
+            steps = 1
+            ends = body.vertices[[ring[here], ring[(here + 1) % len(ring)]]]
+            outline.append(Curve(1, LINE_KNOTS, ends))
+        at += steps
+    return outline
+
+
 def _sides_of(body: PlanarBody, circle: Circle) -> list[int]:
     """Return the faces in the planes of the sides of a circle's polygon."""
     size = float(np.linalg.norm(np.ptp(body.vertices, axis=0)))
-    apothem = area_radius(circle.radius) * np.cos(np.pi / SIDES)
     across = np.abs(body.normals @ circle.axis) < SAME
     away = np.abs(body.offsets - body.normals @ circle.center)
-    return np.flatnonzero(across & (np.abs(away - apothem) < SAME * size)).tolist()
+    return np.flatnonzero(across & (np.abs(away - circle.apothem) < SAME * size)).tolist()
 
 
 def _groups(body: PlanarBody, sides: Sequence[int]) -> list[list[int]]:
@@ -202,6 +247,12 @@ def _wall(body: PlanarBody, circle: Circle, group: Sequence[int]) -> Wall | None
     return Wall(circle, tuple(group), (low, high), not outward, rims)
 
 
+def _free_wall(body: PlanarBody, circle: Circle, group: Sequence[int]) -> Wall | None:
+    """Return the whole cylinder that sides stand for, if nothing else meets its rims."""
+    wall = _wall(body, circle, group)
+    return wall if wall is not None and _is_free(body, wall) else None
+
+
 def _is_free(body: PlanarBody, wall: Wall) -> bool:
     """Whether the other faces at either end of a cylinder have it as one whole ring."""
     rings = [
@@ -220,7 +271,7 @@ def _side(wall: Wall) -> Brep:
     aside = circle.center + circle.radius * tangents(circle.axis)[0]
     line = Curve(
         1,
-        np.array((0.0, 0.0, 1.0, 1.0)),
+        LINE_KNOTS,
         np.stack((aside + low * circle.axis, aside + high * circle.axis)),
     )
     made = surface_of_revolution(line, circle.center, circle.axis)

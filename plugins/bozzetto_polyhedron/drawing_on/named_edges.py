@@ -53,7 +53,7 @@ def edge_named(body: PlanarBody, begin: ArrayLike, end: ArrayLike) -> tuple[int,
     best = np.minimum(*away)
     number = int(np.argmin(best))
     if not len(edges) or best[number] > GONE:
-        raise UserError("The edge of this chamfer is gone. Take the chamfer away.")
+        raise UserError("Its edge is gone. Take this change away.")
     return int(edges[number, 0]), int(edges[number, 1])
 
 

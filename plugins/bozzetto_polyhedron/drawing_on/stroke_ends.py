@@ -18,6 +18,7 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.view import Camera
 from bozzetto_polyhedron.drawing_on.body_hits import Case, hit_by
+from bozzetto_polyhedron.drawing_on.rings_on_faces import off_first_ring
 from bozzetto_polyhedron.solid.face_rings import edges_of, sides_of, tangents
 from bozzetto_polyhedron.solid.planar_body import PlanarBody
 from bozzetto_polyhedron.solid.triangulation import within_face
@@ -83,6 +84,8 @@ def placed_lines(
     camera: Camera,
     reach: float,
     known: ArrayLike = (),
+    *,
+    off_rings: bool = False,
 ) -> PlacedLines:
     """Find where straight strokes lie in space.
 
@@ -99,6 +102,8 @@ def placed_lines(
     known : (k, 3) array_like
         Corners of lines that were drawn before and are no part of the body, mm; their numbers
         follow those of its vertices.
+    off_rings : bool
+        Whether all ends are free that hang on the first ring over a face.
 
     Raises
     ------
@@ -118,6 +123,8 @@ def placed_lines(
     on = np.array([on for _, _, on in found], np.intp)
     points, cases, on = _back_on_faces(body, camera, places, points, cases, on, lines)
     cases, on = _risen(body, camera, places, points, cases, on, lines)
+    if off_rings:
+        points, cases, on = off_first_ring(body, camera, places, points, cases, on, lines)
     free = np.array([case == "free" for case in cases])
     if free.any():
         runs = _directions_at(body, cases, on, points, lines)

@@ -1,8 +1,8 @@
-"""From strokes to the graph of lines and corners."""
+"""From a draft of lines and corners to the graph that is handed over."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,13 +17,11 @@ from bozzetto_polyhedron.graph.grouping import (
 from bozzetto_polyhedron.graph.health import findings, told
 from bozzetto_polyhedron.graph.line_graph import Finding, LineGraph
 from bozzetto_polyhedron.graph.noise import corner_noise
-from bozzetto_polyhedron.graph.search import best_draft
 from bozzetto_polyhedron.graph.second_reading import second_readings
 from bozzetto_polyhedron.graph.segments import (
     Drawn,
     Pieces,
     Segments,
-    pieces_of,
     samples_of,
     segments_of,
 )
@@ -31,35 +29,6 @@ from bozzetto_polyhedron.graph.segments import (
 
 def no_checkpoint(fraction: float, step: str) -> None:
     """Let the work go on."""
-
-
-def graph_of(
-    strokes: Sequence[Drawn], *, checkpoint: Callable[[float, str], None] = no_checkpoint
-) -> LineGraph:
-    """Find the lines and corners that strokes draw.
-
-    Parameters
-    ----------
-    strokes : sequence of Drawn
-        In the order drawn.
-    checkpoint : callable
-        Called with the fraction done and the step's name; it may raise to end the work.
-
-    Returns
-    -------
-    LineGraph
-    """
-    size = size_of(strokes)
-    if size == 0.0:
-        return empty_graph(len(strokes))
-    pieces = [pieces_of(each, size) for each in strokes]
-    segments, origin = normalized(pieces, size)
-    if not len(segments):
-        return graph_of_draft(None, pieces, segments, size, origin)
-    best = best_draft(
-        segments, light_segments(segments), lambda: checkpoint(0.5, "Finding corners")
-    )
-    return searched_graph(best, pieces, segments, size, origin)
 
 
 def size_of(strokes: Sequence[Drawn]) -> float:

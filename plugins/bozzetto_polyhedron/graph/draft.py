@@ -78,10 +78,6 @@ class Draft:
         """Return the places of corners by their numbers."""
         return {corner: place_of(sums) for corner, sums in self.sums.items()}
 
-    def unhealthy(self) -> list[int]:
-        """Return corners of fewer than three lines."""
-        return [corner for corner, degree in self.degrees.items() if degree < 3]
-
     def price(self, change: Change) -> float:
         """Return by how much a change raises the cost; infinite if it is impossible."""
         if any(each.start == each.stop for each in change.added):

@@ -47,53 +47,63 @@ class LiveGraph:
     draft: Draft | None = None
 
 
-def continued(
-    before: LiveGraph | None,
-    strokes: Sequence[Drawn],
-    *,
-    thorough: bool = False,
-    checkpoint: Callable[[float, str], None] = no_checkpoint,
+def searched(
+    strokes: Sequence[Drawn], *, checkpoint: Callable[[float, str], None] = no_checkpoint
 ) -> LiveGraph:
-    """Find the graph of strokes, starting from that of most of them.
+    """Find the lines and corners that strokes draw.
 
     Parameters
     ----------
-    before : LiveGraph, optional
-        The graph before strokes came or went; strokes are known by their identity.
     strokes : sequence of Drawn
-        All strokes, in the order drawn.
-    thorough : bool
-        Whether to search anew, as `graph_of` does; otherwise only what is beside new and
-        erased strokes is looked at.
+        In the order drawn.
     checkpoint : callable
         Called with the fraction done and the step's name; it may raise to end the work.
-
-    Returns
-    -------
-    LiveGraph
     """
     size = size_of(strokes)
     if size == 0.0:
         return LiveGraph(empty_graph(len(strokes)), tuple(strokes))
-    known = (
-        {id(s): p for s, p in zip(before.strokes, before.pieces, strict=False)} if before else {}
-    )
-    pieces = tuple(known.get(id(each)) or pieces_of(each, size) for each in strokes)
+    pieces = tuple(pieces_of(each, size) for each in strokes)
     segments, origin = normalized(pieces, size)
     if not len(segments):
         graph = graph_of_draft(None, pieces, segments, size, origin)
         return LiveGraph(graph, tuple(strokes), pieces)
+    draft = best_draft(
+        segments, light_segments(segments), lambda: checkpoint(0.5, "Finding corners")
+    )
+    graph = searched_graph(draft, pieces, segments, size, origin)
+    return LiveGraph(graph, tuple(strokes), pieces, segments, draft)
 
-    def step() -> None:
-        checkpoint(0.5, "Finding corners")
 
-    if thorough or before is None or before.draft is None or before.segments is None:
-        draft = best_draft(segments, light_segments(segments), step)
-        graph = searched_graph(draft, pieces, segments, size, origin)
-    else:
-        draft, beside = _carried(before, strokes, segments)
-        repair(draft, step, beside)
-        graph = graph_of_draft(draft, pieces, segments, size, origin)
+def continued(
+    before: LiveGraph,
+    strokes: Sequence[Drawn],
+    *,
+    checkpoint: Callable[[float, str], None] = no_checkpoint,
+) -> LiveGraph:
+    """Find the graph of strokes, starting from that of most of them.
+
+    Only what is beside new and erased strokes is looked at, unless there is nothing to start from.
+
+    Parameters
+    ----------
+    before : LiveGraph
+        The graph before strokes came or went; strokes are known by their identity.
+    strokes : sequence of Drawn
+        All strokes, in the order drawn.
+    checkpoint : callable
+        See `searched`.
+    """
+    size = size_of(strokes)
+    if size == 0.0 or before.draft is None or before.segments is None:
+        return searched(strokes, checkpoint=checkpoint)
+    known = {id(s): p for s, p in zip(before.strokes, before.pieces, strict=True)}
+    pieces = tuple(known.get(id(each)) or pieces_of(each, size) for each in strokes)
+    segments, origin = normalized(pieces, size)
+    if not len(segments):
+        return searched(strokes, checkpoint=checkpoint)
+    draft, beside = _carried(before, strokes, segments)
+    repair(draft, lambda: checkpoint(0.5, "Finding corners"), beside)
+    graph = graph_of_draft(draft, pieces, segments, size, origin)
     return LiveGraph(graph, tuple(strokes), pieces, segments, draft)
 
 

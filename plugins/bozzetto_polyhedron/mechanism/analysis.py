@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
-from bozzetto_polyhedron.mechanism.assembly import DISTANCE, GROUND, Assembly, Motion
+from bozzetto_polyhedron.mechanism.assembly import GROUND, Assembly, Motion
 from bozzetto_polyhedron.mechanism.gaps import Gaps
 
 RANK: Final = 1e-9
@@ -98,30 +98,6 @@ def weights(assembly: Assembly) -> Array:
     loads = np.zeros((len(assembly.masses), 6))
     loads[:, :3] = assembly.masses[:, None] * assembly.gravity
     return loads
-
-
-def bar_forces(assembly: Assembly, motion: Motion, loads: Array | None = None) -> Array:
-    """Return the forces of all rows at rest, (m,) N: of a massless bar its tension.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Its springs do not count.
-    motion : Motion
-        The pose.
-    loads : (n, 3) float64, optional
-        Further forces at the centres of the bodies, N.
-
-    Returns
-    -------
-    (m,) float64
-        Positive for a bar that pulls its ends together.
-    """
-    every = weights(assembly)
-    if loads is not None:
-        every[:, :3] += loads
-    sign = np.where(assembly.joints.kind == DISTANCE, -1.0, 1.0)
-    return np.asarray(sign * balance_of(assembly, motion, every).rows)
 
 
 def _dense_slopes(assembly: Assembly, motion: Motion) -> Array:

@@ -8,6 +8,7 @@ from typing import Final, Literal
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
+from bozzetto_polyhedron.mechanism.convex_parts import Polytope
 
 GROUND: Final = -1
 """Number of what does not move."""
@@ -109,14 +110,30 @@ class Ground:
         Corners in the frames of their bodies, m.
     height : float
         m.
-    friction : float
-        Coefficient of Coulomb's friction.
     """
 
     bodies: Index
     points: Array
     height: float
-    friction: float
+
+
+@dataclass(frozen=True, eq=False)
+class Colliding:
+    """Bodies that meet one another.
+
+    Parameters
+    ----------
+    bodies : (k,) intp
+        Which body each part belongs to.
+    parts : tuple of Polytope
+        In the frames of their bodies, m.
+    passing : frozenset of (int, int)
+        Pairs of bodies that pass through one another all the same, the smaller number first.
+    """
+
+    bodies: Index
+    parts: tuple[Polytope, ...]
+    passing: frozenset[tuple[int, int]] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +152,10 @@ class Assembly:
         m/s².
     ground : Ground, optional
         None where nothing can be stood on.
+    colliding : Colliding, optional
+        None where nothing meets anything else.
+    friction : float
+        Coefficient of Coulomb's friction, of the ground and of bodies.
     planar : (3,) float64, optional
         Normal of the plane in which all moves, an axis of the world; None where nothing is
         confined to one.
@@ -146,6 +167,8 @@ class Assembly:
     springs: Springs = field(default_factory=Springs.none)
     gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
     ground: Ground | None = None
+    colliding: Colliding | None = None
+    friction: float = 0.5
     planar: Array | None = None
 
     @property

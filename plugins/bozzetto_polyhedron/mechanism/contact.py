@@ -1,13 +1,13 @@
-"""Contact with the ground and Coulomb's friction, at the level of velocities.
+"""Contact and Coulomb's friction, at the level of velocities.
 
-Impulses P of corners on the ground solve, with u = G P + u₀ the velocities of the corners,
+Impulses P in the places that touch solve, with u = G P + u₀ the velocities there,
 
     0 ≤ Pₙ ⟂ uₙ + gap / h ≥ 0,   |P_T| ≤ μ Pₙ, against u_T where it slides,
 
 in time steps of Stewart & Trinkle (1996). With De Saxcé's change of variables, u + μ |u_T| n, that
 is a problem on second-order cones (Acary, Cadoux, Lemaréchal & Malick 2011): convex for a given
 |u_T|, which is then renewed. The convex one is solved by projected gradients with Nesterov's
-momentum (Mazhar et al. 2015), all corners at once.
+momentum (Mazhar et al. 2015), all places at once.
 """
 
 from __future__ import annotations
@@ -28,15 +28,19 @@ SETTLED: Final = 1e-7
 """Change of impulses, relative to the largest, at which they are known."""
 
 
+ALIKE: Final = 1e-10
+"""Singular value, relative to the largest, below which places that touch carry the same."""
+
+
 def contact_impulses(response: Array, speeds: Array, friction: float) -> Array:
-    """Return the impulses of the ground on corners.
+    """Return the impulses in the places that touch.
 
     Parameters
     ----------
     response : (3 k, 3 k) float64
         Velocities that unit impulses give (Delassus operator): symmetric, not negative.
     speeds : (k, 3) float64
-        Velocities without any impulse, upwards last; upwards with gap / h added.
+        Velocities without any impulse, along the normal last; there with gap / h added.
     friction : float
         Coefficient μ.
 
@@ -49,6 +53,9 @@ def contact_impulses(response: Array, speeds: Array, friction: float) -> Array:
     impulses = np.zeros_like(speeds)
     if largest == 0.0:
         return impulses
+    holding = _holding_impulses(response, speeds, friction)
+    if holding is not None:
+        return holding
     lifted = np.zeros(len(speeds))
     for _ in range(GUESSES):
         wanted = speeds.copy()
@@ -61,6 +68,16 @@ def contact_impulses(response: Array, speeds: Array, friction: float) -> Array:
         if change <= 1e-3 * (float(slides.max()) + 1e-6):
             break
     return impulses
+
+
+def _holding_impulses(response: Array, speeds: Array, friction: float) -> Array | None:
+    """Return the impulses that stop all places, if they are in the cones: what stands, stands."""
+    found = np.linalg.lstsq(response, -speeds.ravel(), rcond=ALIKE)[0]
+    left = float(np.abs(response @ found + speeds.ravel()).max())
+    impulses: Array = np.asarray(found.reshape(-1, 3), float)
+    away = float(np.abs(in_cones(impulses, friction) - impulses).max())
+    small = left <= SETTLED * float(np.abs(speeds).max())
+    return impulses if small and away <= SETTLED * float(np.abs(impulses).max()) else None
 
 
 def _cone_impulses(

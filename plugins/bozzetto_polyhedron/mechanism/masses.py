@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto_polyhedron.reconstruction.answer import Rings
 
 LEAST = 1e-9
@@ -39,20 +39,39 @@ def solid_masses(points: Array, faces: tuple[Rings, ...], density: float) -> tup
     A tetrahedron has those of a twentieth of its mass at each corner and the rest at its middle;
     a solid is the sum of tetrahedra over the triangles of its faces, some of them negative.
     """
-    where, masses = [], []
+    triangles = [
+        (rings[0][0], begin, end)
+        for rings in faces
+        for ring in rings
+        for begin, end in zip(ring, (*ring[1:], *ring[:1]), strict=True)
+    ]
+    return triangle_masses(points, np.reshape(np.array(triangles, np.intp), (-1, 3)), density)
+
+
+def triangle_masses(points: Array, triangles: Index, density: float) -> tuple[Array, Array]:
+    """Return the same of what triangles (t, 3) enclose."""
     apex = points.mean(axis=0)
-    for rings in faces:
-        first = points[rings[0][0]]
-        for one, other in _sides(points, rings):
-            volume = float((first - apex) @ np.cross(one - apex, other - apex)) / 6.0
-            corners = np.stack((apex, first, one, other))
-            where += [*corners, corners.mean(axis=0)]
-            masses += [0.05 * volume * density] * 4 + [0.8 * volume * density]
-    found = np.array(masses)
+    first, one, other = (points[triangles[:, k]] for k in range(3))
+    volumes = np.einsum("ij,ij->i", first - apex, np.cross(one - apex, other - apex)) / 6.0
+    corners = np.stack((np.broadcast_to(apex, first.shape), first, one, other), axis=1)
+    where = np.concatenate((corners, corners.mean(axis=1, keepdims=True)), axis=1)
+    shares = np.array([0.05, 0.05, 0.05, 0.05, 0.8])
+    found = (density * volumes[:, None] * shares).ravel()
     total = float(found.sum())
     if abs(total) < LEAST:
         return points, np.full(len(points), LEAST)
-    return np.array(where), found * np.sign(total)
+    return where.reshape(-1, 3), found * np.sign(total)
+
+
+def sheet_masses(
+    points: Array, triangles: Index, thickness: float, density: float
+) -> tuple[Array, Array]:
+    """Return point masses with the mass, centre and moments of thin triangles (t, 3), m and kg."""
+    first, one, other = (points[triangles[:, k]] for k in range(3))
+    areas = 0.5 * np.linalg.norm(np.cross(one - first, other - first), axis=1)
+    where = 0.5 * np.stack((first + one, one + other, other + first), axis=1)
+    masses = np.repeat(areas * thickness * density / 3.0, 3)
+    return where.reshape(-1, 3), masses + LEAST / max(len(masses), 1)
 
 
 def bar_masses(begin: Array, end: Array, thickness: float, density: float) -> tuple[Array, Array]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -12,6 +12,7 @@ from bozzetto.arrays import Array, Index
 from bozzetto_polyhedron.mechanism.assembly import (
     GROUND,
     Assembly,
+    Colliding,
     Ground,
     Joints,
     Motion,
@@ -22,7 +23,15 @@ from bozzetto_polyhedron.mechanism.assembly import (
     spherical,
     square_to,
 )
-from bozzetto_polyhedron.mechanism.masses import bar_masses, plate_masses, solid_masses
+from bozzetto_polyhedron.mechanism.convex_parts import Polytope
+from bozzetto_polyhedron.mechanism.masses import (
+    bar_masses,
+    plate_masses,
+    sheet_masses,
+    solid_masses,
+    triangle_masses,
+)
+from bozzetto_polyhedron.mechanism.touches import jointed, lying_in_one_another
 from bozzetto_polyhedron.reconstruction.answer import Rings
 
 Moves = Literal["whole", "links", "plates", "flat"]
@@ -51,14 +60,18 @@ class Shape:
     edges : (m, 2) intp
     faces : tuple of Rings
     moves : {"whole", "links", "plates", "flat"}
-    anchors : tuple of int
-        Vertices that stay where they are.
+    anchors : mapping of int to (3,) float64
+        Vertices that are held, and where, mm.
     density : float
         kg/m³.
     thickness : float
         Of its walls, mm; 0 where it is solid, or has those of `THICKNESS`.
     solid : bool
         Whether its faces enclose a volume that is full.
+    triangles : (t, 3) intp, optional
+        Of one whose faces are not plane: it moves as a whole, and stands on its parts.
+    parts : tuple of Polytope
+        What of it meets other bodies, mm; only one that moves as a whole has any.
     normal : (3,) float64, optional
         Of the plane in which the bars of a flat shape lie and move.
     """
@@ -67,10 +80,12 @@ class Shape:
     edges: Index
     faces: tuple[Rings, ...]
     moves: Moves
-    anchors: tuple[int, ...] = ()
+    anchors: Mapping[int, Array] = field(default_factory=dict)
     density: float = 1240.0
     thickness: float = 0.0
     solid: bool = False
+    triangles: Index | None = None
+    parts: tuple[Polytope, ...] = ()
     normal: Array | None = None
 
     @property
@@ -89,7 +104,7 @@ class Machine:
     rest : Motion
         As it was drawn.
     holders : tuple of (n,) intp
-        For each shape the piece that carries each vertex; the ground for an anchored one.
+        For each shape the piece that carries each vertex.
     plates : tuple of (f,) intp
         For each shape the piece that each face belongs to; empty where faces do not move rigidly.
     bars : tuple of (e,) intp
@@ -106,7 +121,8 @@ class Machine:
     def piece_at(self, number: int, place: Array) -> int:
         """Return the piece of a shape that is at a place at rest, mm; that of the nearest corner.
 
-        Where plates meet in a corner it is the one whose face lies nearest.
+        Of bars it is the nearest one. Where plates meet in a corner it is the one whose face lies
+        nearest.
         """
         if number == GROUND:
             return GROUND
@@ -114,20 +130,26 @@ class Machine:
         if shape.moves == "plates" and len(plates):
             away = [_distance(shape.vertices, rings, place) for rings in shape.faces]
             return int(plates[int(np.argmin(away))])
+        if len(self.bars[number]):
+            return int(self.bars[number][int(np.argmin(self._from_bars(number, place)))])
         nearest = np.linalg.norm(shape.vertices - place, axis=1)
         return int(self.holders[number][int(np.argmin(nearest))])
 
     def bars_at(self, number: int, place: Array) -> list[int]:
         """Return the bars of a shape that pass through a place at rest, mm, between its corners."""
-        shape = self.shapes[number]
-        reach = TOGETHER * float(np.linalg.norm(np.ptp(shape.vertices, axis=0)))
-        found = []
-        for edge, piece in zip(shape.edges, self.bars[number], strict=False):
-            begin, end = shape.vertices[edge]
-            share = np.clip((place - begin) @ (end - begin) / ((end - begin) @ (end - begin)), 0, 1)
-            if np.linalg.norm(begin + share * (end - begin) - place) <= reach:
-                found.append(int(piece))
-        return found
+        if not len(self.bars[number]):
+            return []
+        reach = TOGETHER * float(np.linalg.norm(np.ptp(self.shapes[number].vertices, axis=0)))
+        near = self._from_bars(number, place) <= reach
+        return [int(piece) for piece in self.bars[number][near]]
+
+    def _from_bars(self, number: int, place: Array) -> Array:
+        """Return how far a place at rest is from each bar of a flat shape, (e,) mm."""
+        begin, end = np.moveaxis(self.shapes[number].vertices[self.shapes[number].edges], 1, 0)
+        along = end - begin
+        lengths = np.maximum((along**2).sum(axis=1), 1e-300)
+        share = np.clip(((place - begin) * along).sum(axis=1) / lengths, 0.0, 1.0)
+        return np.asarray(np.linalg.norm(begin + share[:, None] * along - place, axis=1))
 
     def bar_between(self, number: int, begin: Array, end: Array) -> int | None:
         """Return the bar of a shape between the corners nearest to two places, mm."""
@@ -178,6 +200,7 @@ class _Builder:
         self.balls: list[tuple[int, int, Array]] = []
         self.planes: list[tuple[int, int, Array, Array]] = []
         self.bars: list[tuple[int, int, Array, Array]] = []
+        self.held: list[tuple[int, Array, Array, Array]] = []
 
     def add(self, shape: Shape) -> None:
         self.edges.append(_no_numbers())
@@ -207,21 +230,18 @@ class _Builder:
         masses = np.full(len(points), 1e-6)
         for end in (0, 1):
             np.add.at(masses, shape.edges[:, end], 0.5 * shape.density * shape.wall**2 * lengths)
-        holders = np.full(len(points), GROUND)
-        for number, point in enumerate(points):
-            if number not in shape.anchors:
-                holders[number] = len(self.places)
-                self.places.append(point)
-                self.masses.append(float(masses[number]))
-                self.inertias.append(np.zeros((3, 3)))
-        for first, second in shape.edges:
-            one, other = sorted((int(first), int(second)), key=lambda k: holders[k] == GROUND)
-            if holders[one] != GROUND:
+        holders = len(self.places) + np.arange(len(points))
+        self.places.extend(points)
+        self.masses.extend(masses.tolist())
+        self.inertias.extend(np.zeros((len(points), 3, 3)))
+        for one, other in shape.edges:
+            if int(one) not in shape.anchors or int(other) not in shape.anchors:
                 self.bars.append(
                     (int(holders[one]), int(holders[other]), points[one], points[other])
                 )
         self.holders.append(holders)
         self.plates.append(_no_numbers())
+        self._anchored(shape, holders, np.eye(3))
 
     def _flat(self, shape: Shape) -> None:
         """Add a rigid bar for every edge, pinned where edges meet; all stay in one plane."""
@@ -239,13 +259,12 @@ class _Builder:
             for place in (begin, end, across):
                 self.planes.append((piece, GROUND, place[None], normal[None]))
             for corner in (int(first), int(second)):
-                place = np.tile(points[corner], (2, 1))
                 if holders[corner] == GROUND:
                     holders[corner] = piece
-                    if corner in shape.anchors:
-                        self.planes.append((piece, GROUND, place, aside))
                 else:
+                    place = np.tile(points[corner], (2, 1))
                     self.planes.append((piece, int(holders[corner]), place, aside))
+        self._anchored(shape, holders, aside)
         self.holders.append(holders)
         self.plates.append(_no_numbers())
         self.edges[-1] = np.array(numbers, np.intp)
@@ -268,12 +287,19 @@ class _Builder:
                     at_edge[edge] = piece
         self.holders.append(holders)
         self.plates.append(np.array(numbers, np.intp))
-        self._anchored(shape, holders, points)
+        self._anchored(shape, holders, np.eye(3))
 
     def _whole(self, shape: Shape) -> None:
         """Add the body as one piece: full, or its mass where its walls are."""
         points = shape.vertices * METRE
-        if shape.solid:
+        if shape.triangles is not None:
+            if shape.solid:
+                piece = self._piece(*triangle_masses(points, shape.triangles, shape.density))
+            else:
+                piece = self._piece(
+                    *sheet_masses(points, shape.triangles, shape.wall, shape.density)
+                )
+        elif shape.solid:
             piece = self._piece(*solid_masses(points, shape.faces, shape.density))
         else:
             parts = [
@@ -285,17 +311,25 @@ class _Builder:
         holders = np.full(len(points), piece)
         self.holders.append(holders)
         self.plates.append(np.full(len(shape.faces), piece))
-        self._anchored(shape, holders, points)
+        self._anchored(shape, holders, np.eye(3))
 
-    def _anchored(self, shape: Shape, holders: Index, points: Array) -> None:
-        for vertex in shape.anchors:
+    def _anchored(self, shape: Shape, holders: Index, directions: Array) -> None:
+        """Hold corners along directions (k, 3)."""
+        for vertex, at in shape.anchors.items():
             if holders[vertex] != GROUND:
-                self.balls.append((int(holders[vertex]), GROUND, points[vertex]))
+                place = shape.vertices[vertex] * METRE
+                self.held.append((int(holders[vertex]), place, at * METRE, directions))
 
     def joined(self, shapes: Sequence[Shape]) -> None:
         """Join corners of different bodies that lie on one another."""
-        points = [shape.vertices * METRE for shape in shapes]
-        extent = float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0)))
+        points = [
+            shape.vertices[: len(shape.vertices) if shape.triangles is None else 0] * METRE
+            for shape in shapes
+        ]
+        every = np.concatenate(points)
+        if not len(every):
+            return
+        extent = float(np.linalg.norm(np.ptp(every, axis=0)))
         for one in range(len(shapes)):
             for other in range(one):
                 away = np.linalg.norm(points[one][:, None] - points[other][None], axis=2)
@@ -316,12 +350,21 @@ class _Builder:
             made += spherical(rest, *ball)
         for piece, other, places, directions in self.planes:
             made += directed(rest, piece, other, places, directions)
+        for piece, place, at, directions in self.held:
+            count = len(directions)
+            rows = directed(rest, piece, GROUND, np.tile(place, (count, 1)), directions)
+            made += replace(rows, second_point=np.tile(at, (count, 1)))
         return made
 
-    def ground(self, shapes: Sequence[Shape], friction: float) -> Ground:
+    def ground(self, shapes: Sequence[Shape]) -> Ground:
         """Return the ground: at z = 0, or under the lowest corner at rest where that is below."""
         bodies, points = [], []
         for shape, holders, plates in zip(shapes, self.holders, self.plates, strict=True):
+            if shape.triangles is not None:
+                for part in shape.parts:
+                    bodies += [int(holders[0])] * len(part.corners)
+                    points += list(part.corners * METRE - self.places[int(holders[0])])
+                continue
             vertices = shape.vertices * METRE
             pairs = {(int(piece), k) for k, piece in enumerate(holders) if piece != GROUND}
             for rings, piece in zip(shape.faces, plates, strict=False):
@@ -334,7 +377,6 @@ class _Builder:
             np.array(bodies, np.intp),
             np.reshape(np.array(points, float), (-1, 3)),
             min(0.0, lowest * METRE),
-            friction,
         )
 
 
@@ -343,7 +385,8 @@ def machine_of(
     *,
     gravity: float = 0.0,
     planar: int | None = None,
-    friction: float | None = None,
+    ground: bool = False,
+    friction: float = 0.5,
 ) -> Machine:
     """Return what moves of some bodies.
 
@@ -355,8 +398,10 @@ def machine_of(
         Downwards, m/s².
     planar : int, optional
         The axis of the world along which nothing moves.
-    friction : float, optional
-        Of the ground; None where there is none.
+    ground : bool
+        Whether there is any.
+    friction : float
+        Coefficient of Coulomb's friction.
     """
     builder = _Builder()
     for shape in shapes:
@@ -369,7 +414,8 @@ def machine_of(
         np.reshape(np.array(builder.inertias, float), (-1, 3, 3)),
         builder.joints(rest),
         gravity=np.array([0.0, 0.0, -gravity]),
-        ground=None if friction is None else builder.ground(shapes, friction),
+        ground=builder.ground(shapes) if ground else None,
+        friction=friction,
         planar=None if planar is None else np.eye(3)[planar],
     )
     return Machine(
@@ -380,6 +426,21 @@ def machine_of(
         tuple(builder.plates),
         tuple(builder.edges),
     )
+
+
+def meeting(machine: Machine) -> Machine:
+    """Return a machine whose bodies meet; those at a joint, or drawn in one another, never do."""
+    bodies, parts = [], []
+    for shape, holders in zip(machine.shapes, machine.holders, strict=True):
+        for part in shape.parts:
+            bodies.append(int(holders[0]))
+            parts.append(part.scaled(METRE, -machine.rest.places[bodies[-1]] / METRE))
+    if len(set(bodies)) < 2:
+        return machine
+    made = Colliding(np.array(bodies, np.intp), tuple(parts))
+    passing = jointed(machine.assembly.joints) | lying_in_one_another(made, machine.rest)
+    assembly = replace(machine.assembly, colliding=replace(made, passing=passing))
+    return replace(machine, assembly=assembly)
 
 
 def _no_numbers() -> Index:

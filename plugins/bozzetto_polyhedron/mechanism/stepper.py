@@ -6,9 +6,9 @@ all gaps are closed at its end, then takes away velocities along the slopes ther
     v½ = v₀ + h/2 M⁻¹ F(x₀) + M⁻¹ J₀ᵀ μ,   x₁ = x₀ + h v½,   gap(x₁) = 0,
     v₁ = v½ + h/2 M⁻¹ F(x₁) + M⁻¹ J₁ᵀ λ,   J₁ v₁ = 0.
 
-Rotations keep angular momentum: they turn by the angular velocity at the middle of the step. The
-ground gives its impulses twice: before bodies move, so that no corner ends below it, and where they
-have come to, so that what landed stands.
+Rotations keep angular momentum: they turn by the angular velocity at the middle of the step. What
+touches gives its impulses twice: before bodies move, so that nothing ends in something else, and
+where they have come to, so that what landed stands.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from bozzetto_polyhedron.mechanism.acceleration import Acceleration
 from bozzetto_polyhedron.mechanism.analysis import weights
 from bozzetto_polyhedron.mechanism.assembly import Assembly, Motion
 from bozzetto_polyhedron.mechanism.constraints import BandedSystem, Factored
-from bozzetto_polyhedron.mechanism.footing import Footing
 from bozzetto_polyhedron.mechanism.gaps import Gaps, Slopes
 from bozzetto_polyhedron.mechanism.rotations import nearest_rotations, rotations_by
 from bozzetto_polyhedron.mechanism.springs import spring_energy, spring_forces
+from bozzetto_polyhedron.mechanism.touches import Touching
 
 LONGEST: Final = 1.0 / 120.0
 """Longest step, s: with 1/60 s and no damping a swinging chain gained twice its energy."""
@@ -122,7 +122,10 @@ class Stepper:
         self._system = BandedSystem(assembly)
         self._freedoms = assembly.freedoms
         self._inverse_inertias = np.linalg.pinv(assembly.inertias, rcond=1e-9, hermitian=True)
-        self._footing = None if assembly.ground is None else Footing(assembly, assembly.ground)
+        meets = assembly.ground is not None or assembly.colliding is not None
+        self._touching = Touching(assembly) if meets else None
+        # What spins after a corner hit something must not turn through it within a step.
+        self._careful = HALVINGS if assembly.colliding is not None else HALVINGS - 2
 
     def advanced(self, motion: Motion, seconds: float, pull: Pull | None = None) -> Motion:
         """Return the motion some time later; where it cannot go on it stops before that time."""
@@ -166,17 +169,17 @@ class Stepper:
         return float(0.5 * (moving + turning) - height) + spring_energy(assembly.springs, motion)
 
     def loads(self, motion: Motion) -> Array:
-        """Return weights, springs and what the ground carries of them at rest, (n, 6) N and N m."""
+        """Return weights, springs and what carries them at rest, (n, 6) N and N m."""
         still = motion.stopped()
         forces, moments = spring_forces(self.assembly.springs, still)
         loads = weights(self.assembly) + np.concatenate((forces, moments), axis=1)
-        if self._footing is None:
+        if self._touching is None:
             return np.asarray(loads)
         pose = self._pose(still, None, LONGEST)
         kicked = self._without_opening(self._kicked(still, LONGEST), pose)
         velocities = self._velocities(kicked, pose.inverse)
         joints = pose.slopes, pose.factored
-        pushed = self._footing.impulses(kicked, velocities, pose.inverse, joints, LONGEST)[1]
+        pushed = self._touching.impulses(kicked, velocities, pose.inverse, joints, LONGEST)[1]
         return np.asarray(loads + pushed / LONGEST)
 
     def turning(self, motion: Motion) -> Array:
@@ -199,8 +202,8 @@ class Stepper:
         if pull is not None:
             kicked = self._pulled(kicked, pose, pull)
         kicked = self._without_opening(kicked, pose)
-        kicked = self._above_ground(kicked, pose, h)
-        moved = self._moved(kicked, pose, depth < HALVINGS - 2)
+        kicked = self._kept_apart(kicked, pose, h)
+        moved = self._moved(kicked, pose, depth < self._careful)
         if moved is None:
             if depth == HALVINGS:
                 return motion.stopped(), None
@@ -211,7 +214,7 @@ class Stepper:
         end = replace(end, velocities=end.velocities * left, momenta=end.momenta * left)
         known = self._pose(end, pull, h)
         end = self._without_opening(end, known)
-        return self._above_ground(end, known, 0.0), known
+        return self._kept_apart(end, known, 0.0), known
 
     def _moved(self, motion: Motion, pose: _Pose, careful: bool) -> Motion | None:
         """Return the pose after a step with all gaps closed; None where they cannot be.
@@ -280,11 +283,11 @@ class Stepper:
             motion = _pushed(motion, pose, pose.factored.velocities(pose.factored.impulses(-rates)))
         return motion
 
-    def _above_ground(self, motion: Motion, pose: _Pose, h: float) -> Motion:
-        """Return the motion after the ground has answered; see `Footing.impulses`."""
-        if self._footing is None:
+    def _kept_apart(self, motion: Motion, pose: _Pose, h: float) -> Motion:
+        """Return the motion after all that touches has answered; see `Touching.impulses`."""
+        if self._touching is None:
             return motion
-        given, _ = self._footing.impulses(
+        given, _ = self._touching.impulses(
             motion,
             self._velocities(motion, pose.inverse),
             pose.softened,

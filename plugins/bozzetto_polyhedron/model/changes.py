@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, Literal, TypeAlias
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Parameter, Part
@@ -25,8 +25,8 @@ class Change(Part):
 
 
 @dataclass(frozen=True)
-class Push(Change):
-    """A loop that was drawn on a face of a body and is pushed in, pulled out, or cut through.
+class DrawnChange(Change):
+    """A change that strokes say.
 
     Parameters
     ----------
@@ -35,6 +35,39 @@ class Push(Change):
     """
 
     strokes: Strokes = Strokes()
+
+
+@dataclass(frozen=True)
+class EdgeChange(Change):
+    """A change of one edge, of some size.
+
+    Parameters
+    ----------
+    begin, end : (x, y, z)
+        Ends of the edge, as shares of the box around the body: they name it whatever its size.
+    """
+
+    begin: Point = (0.0, 0.0, 0.0)
+    end: Point = (0.0, 0.0, 0.0)
+
+    sized_by: ClassVar[str]
+    """Field that its dot changes, in mm."""
+
+    @property
+    def size(self) -> float:
+        """What its dot changes, mm."""
+        return float(getattr(self, self.sized_by))
+
+    def sized(self, size: float) -> Self:
+        """Return the same change of another size, mm."""
+        changed: dict[str, Any] = {self.sized_by: size}
+        return replace(self, **changed)
+
+
+@dataclass(frozen=True)
+class Push(DrawnChange):
+    """A loop that was drawn on a face of a body and is pushed in, pulled out, or cut through."""
+
     depth: Annotated[
         float,
         Parameter("Depth", -1e5, 1e5, unit="mm", help="How far out it is pulled; below 0, in."),
@@ -57,34 +90,31 @@ class Push(Change):
 
 
 @dataclass(frozen=True)
-class Added(Change):
-    """Lines that were added to a body in one view; where they close, they are faces or solids.
-
-    Parameters
-    ----------
-    strokes : Strokes
-        Of one view, in the frame of the body's drawing.
-    """
-
-    strokes: Strokes = Strokes()
+class Added(DrawnChange):
+    """Lines that were added to a body in one view; where they close, they are faces or solids."""
 
 
 @dataclass(frozen=True)
-class Chamfer(Change):
-    """A bevel along an edge.
+class Chamfer(EdgeChange):
+    """A bevel along an edge."""
 
-    Parameters
-    ----------
-    begin, end : (x, y, z)
-        Ends of the edge, as shares of the box around the body: they name it whatever its size.
-    """
-
-    begin: Point = (0.0, 0.0, 0.0)
-    end: Point = (0.0, 0.0, 0.0)
     width: Annotated[
         float,
         Parameter("Width", 0.0, 1e5, unit="mm", help="From the old edge to the new ones."),
     ] = 0.0
+
+    sized_by = "width"
+
+
+@dataclass(frozen=True)
+class Fillet(EdgeChange):
+    """An edge that is rounded: a cylinder that touches both of its faces."""
+
+    radius: Annotated[
+        float, Parameter("Radius", 0.0, 1e5, unit="mm", help="Of the round edge.")
+    ] = 0.0
+
+    sized_by = "radius"
 
 
 @dataclass(frozen=True)
@@ -112,32 +142,22 @@ class Mirror(Change):
 
 
 @dataclass(frozen=True)
-class Copies(Change):
-    """Copies of a body at even steps along a stroke.
+class Copies(DrawnChange):
+    """Copies of a body at even steps along its one stroke."""
 
-    Parameters
-    ----------
-    strokes : Strokes
-        One, in the frame of the body's drawing.
-    """
-
-    strokes: Strokes = Strokes()
     count: Annotated[
         int, Parameter("Copies", 1, 200, help="How many there are, the first one included.")
     ] = 2
 
 
 @dataclass(frozen=True)
-class Join(Change):
-    """Strokes from a body to another one, which becomes part of it.
+class Join(DrawnChange):
+    """Strokes from a body to another one, which becomes part of it; in the frame of the model.
 
     Parameters
     ----------
     other : str
         Id of the body that is joined to the first.
-    strokes : Strokes
-        Each from the first to the other, in the frame of the model.
     """
 
     other: str = ""
-    strokes: Strokes = Strokes()

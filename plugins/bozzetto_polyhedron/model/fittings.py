@@ -22,7 +22,8 @@ class Spot:
     body : str
         Id; "" for what does not move.
     point : (x, y, z)
-        Where it is at rest, mm, in the frame of the drawing of its body; of the model without one.
+        Where it is at rest, mm, in the frame of the drawing of its body; of the model where it has
+        none.
     corner : (x, y), optional
         Place in the drawing, px, of the corner that it is at, and goes with.
     """
@@ -33,6 +34,25 @@ class Spot:
 
     def __post_init__(self) -> None:
         require_near((*self.point, *(self.corner or ())), "a spot")
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """A corner that is held.
+
+    Parameters
+    ----------
+    spot : Spot
+        The corner, where it is at rest.
+    at : (x, y, z), optional
+        Where it is held, mm in the frame of the model; None where it is at rest.
+    """
+
+    spot: Spot = Spot()
+    at: Point | None = None
+
+    def __post_init__(self) -> None:
+        require_near(self.at or (), "a held corner")
 
 
 @dataclass(frozen=True)

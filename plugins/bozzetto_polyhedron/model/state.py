@@ -16,12 +16,14 @@ from bozzetto_polyhedron.model.changes import (
     Chamfer,
     Change,
     Copies,
+    Fillet,
     Join,
     Mirror,
     Point,
     Push,
 )
 from bozzetto_polyhedron.model.fittings import (
+    Anchor,
     Coil,
     Crank,
     Fitting,
@@ -32,6 +34,7 @@ from bozzetto_polyhedron.model.fittings import (
     Slider,
     Trace,
 )
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.limits import require_near
 
 Color: TypeAlias = tuple[int, int, int]
@@ -150,8 +153,8 @@ class Body(Part):
         None until a person turned the drawing into a solid.
     placement : Placement
         From the frame of the drawing to that of the model: how the body was moved since.
-    anchors : tuple of (x, y)
-        Places of corners in the drawing, px, that stay where they are when the body moves.
+    anchors : tuple of Anchor
+        Corners that stay where they are held when the body moves.
     guessed : Strokes
         Hidden edges that were guessed, as they were put behind the strokes drawn.
     guess : int
@@ -161,7 +164,7 @@ class Body(Part):
     strokes: Strokes = Strokes()
     choice: Choice | None = None
     placement: Placement = Placement()
-    anchors: tuple[Place, ...] = ()
+    anchors: tuple[Anchor, ...] = ()
     guessed: Strokes = Strokes()
     guess: int = 0
     answer: Annotated[
@@ -289,6 +292,7 @@ class PolyhedronState(PartsState):
         | Push
         | Added
         | Chamfer
+        | Fillet
         | Mirror
         | Copies
         | Join
@@ -299,6 +303,7 @@ class PolyhedronState(PartsState):
         | Hinge
         | Crank
         | Trace
+        | Followed
         | BodyGroup,
         ...,
     ] = ()
@@ -334,8 +339,13 @@ class PolyhedronState(PartsState):
     ground: Annotated[bool, Parameter("Ground", help="Whether what falls lands on the ground.")] = (
         False
     )
+    contact: Annotated[
+        bool,
+        Parameter("Contact", help="Whether solids that move as one piece meet one another."),
+    ] = True
     friction: Annotated[
-        float, Parameter("Friction", 0.0, 2.0, step=0.05, help="Of the ground (Coulomb's μ).")
+        float,
+        Parameter("Friction", 0.0, 2.0, step=0.05, help="Of all that touches (Coulomb's μ)."),
     ] = 0.5
     forces: Annotated[
         bool,

@@ -17,6 +17,7 @@ from bozzetto_polyhedron.commands.answers import chosen_body
 from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Answer
+from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solid.face_rings import area_vectors
 from bozzetto_polyhedron.solid.triangulation import face_triangles
 from bozzetto_polyhedron.solve.choice import mirrored_number
@@ -31,7 +32,7 @@ ASIDE: Final = np.radians(38.0)
 """Angle (radians) by which the pictures look from further round than the drawing: in the drawing's
 own view all answers look alike."""
 
-SURE, LIKELY, EVEN, DOUBTFUL = 0.95, 0.8, 0.5, 0.1
+CERTAIN, LIKELY, DOUBTFUL = 0.95, 0.8, 0.1
 """Confidences from which on the words change."""
 
 EDGE_WIDTH: Final = 1.1
@@ -85,9 +86,9 @@ class Gallery:
 def words_of(confidence: float) -> str:
     """Return a confidence, 0 … 1, in words."""
     steps = (
-        (SURE, "Almost certain"),
+        (CERTAIN, "Almost certain"),
         (LIKELY, "Likely"),
-        (EVEN, "Perhaps"),
+        (SURE, "Perhaps"),
         (DOUBTFUL, "Doubtful"),
     )
     return next((words for least, words in steps if confidence >= least), "Hardly")
@@ -178,7 +179,7 @@ def _from_aside(camera: Camera, size: tuple[int, int]) -> Camera:
 def _sentence(answers: Sequence[Answer], chosen: int) -> str:
     if len(answers) == 1:
         return "The drawing means this solid."
-    sure = max(answer.confidence for answer in answers) >= EVEN
+    sure = max(answer.confidence for answer in answers) >= SURE
     if chosen < 0:
         return "Touch a picture to turn the drawing into that solid."
     return "Touch another picture if you meant that." if sure else "Which of these did you mean?"

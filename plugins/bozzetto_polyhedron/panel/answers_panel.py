@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Final
 
 from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtGui import QIcon, QImage, QPalette, QPixmap
+from PySide6.QtGui import QIcon, QImage, QPixmap
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
@@ -19,7 +18,7 @@ from PySide6.QtWidgets import (
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import PanelHost, override
-from bozzetto.scene import DARK, LIGHT, Palette
+from bozzetto_app.toolkit import PanelWorker, palette_of
 from bozzetto_polyhedron.commands.answers import with_answer
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.panel.answer_pictures import AnswerPicture, Gallery, gallery_of
@@ -28,16 +27,10 @@ PATIENCE: Final = 120
 """Time from a change to the update of the panel, ms: the program solves the drawing first, and its
 answers are then remembered."""
 
-LOOK: Final = 15
-"""Interval at which the window looks for pictures, ms. The thread never touches Qt."""
-
 SIZE: Final = (96, 80)
 """Width and height of a picture, px."""
 
 COLUMNS: Final = 2
-
-HALF: Final = 127
-"""Lightness of text from which on a theme is dark, 0 … 255."""
 
 
 class AnswersPanel(QScrollArea):
@@ -60,14 +53,9 @@ class AnswersPanel(QScrollArea):
         self._host = host
         self._state: PolyhedronState | None = None
         self._gallery = Gallery("", "")
-        self._pool = ThreadPoolExecutor(1, thread_name_prefix="answer-pictures")
-        self._running: Future[Gallery] | None = None
-        pool = self._pool
-        self.destroyed.connect(lambda: pool.shutdown(wait=False, cancel_futures=True))
+        self._worker = PanelWorker(self)
         self._soon = QTimer(self, singleShot=True, interval=PATIENCE)
         self._soon.timeout.connect(self._begin)
-        self._timer = QTimer(self, interval=LOOK)
-        self._timer.timeout.connect(self._look)
         inside = QWidget()
         self._grid = QGridLayout(inside)
         self._grid.setContentsMargins(0, 0, 4, 0)
@@ -83,34 +71,23 @@ class AnswersPanel(QScrollArea):
     @property
     def busy(self) -> bool:
         """Whether the panel does not show the newest state yet."""
-        return self._soon.isActive() or self._running is not None
+        return self._soon.isActive() or self._worker.busy
 
     @override
     def sizeHint(self) -> QSize:
         return QSize(280, 360)
 
     def _begin(self) -> None:
-        """Have the pictures of the newest state made, unless others still are."""
+        """Have the pictures of the newest state made."""
         state = self._host.state
-        if self._running is not None or not isinstance(state, PolyhedronState):
-            return
-        if state is not self._state:
+        if isinstance(state, PolyhedronState) and state is not self._state:
             self._state = state
-            palette, scale = _palette_of(self), self.devicePixelRatioF()
-            self._running = self._pool.submit(gallery_of, state, palette, SIZE, scale)
-            self._timer.start()
-
-    def _look(self) -> None:
-        running = self._running
-        if running is None or not running.done():
-            return
-        self._running = None
-        self._timer.stop()
-        try:
-            self._show(running.result())
-        except UserError as problem:
-            self._show(Gallery("", str(problem)))
-        self._begin()
+            palette, scale = palette_of(self), self.devicePixelRatioF()
+            self._worker.ask(
+                lambda: gallery_of(state, palette, SIZE, scale),
+                self._show,
+                lambda problem: self._show(Gallery("", str(problem))),
+            )
 
     def _show(self, gallery: Gallery) -> None:
         self._gallery = gallery
@@ -157,9 +134,3 @@ def _pixmap(each: AnswerPicture, scale: float) -> QPixmap:
     image = QImage(data, width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()
     image.setDevicePixelRatio(scale)
     return QPixmap.fromImage(image)
-
-
-def _palette_of(widget: QWidget) -> Palette:
-    """Return the palette of the sheet that goes with the colour of a widget's text."""
-    text = widget.palette().color(QPalette.ColorRole.WindowText)
-    return DARK if text.lightness() > HALF else LIGHT

@@ -17,7 +17,8 @@ from bozzetto_polyhedron.reconstruction.orientation import open_lines, oriented
 from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses, parallel_classes
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
 from bozzetto_polyhedron.reconstruction.placement import placed, residual
-from bozzetto_polyhedron.reconstruction.ranking import FEATURES, HANGING, confidences
+from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
+from bozzetto_polyhedron.reconstruction.ranking import FEATURES, HANGING, Evidence, confidences
 from bozzetto_polyhedron.reconstruction.readings import Reading, readings, seen_from_above
 from bozzetto_polyhedron.reconstruction.visibility import is_marked
 
@@ -64,14 +65,12 @@ def answers_of(
     drawing = drawing_of(graph)
     if len(drawing.lines) < LEAST_LINES:
         return (_flat(drawing, graph, camera),)
-    view = parallel_view(drawing, camera)
-    checkpoint(0.2, "readings")
-    marked = is_marked(drawing)
-    found = _near_sides(view, readings(view.drawing, checkpoint), marked)
+    view, found = ranked_readings(drawing, camera, checkpoint)
     checkpoint(0.9, "answers")
     if not found or most < 1:
         return (_flat(drawing, graph, camera),)
-    shares = confidences(np.array([each.score for each in found]), marked)
+    marked = is_marked(drawing)
+    shares = confidences(np.array([each.score for each in found]), evidence_of(drawing))
     ranked = list(zip(found, shares.tolist(), strict=True))[:most]
     if not marked and not view.certain:
         ranked = _both_sides(view.drawing, ranked)
@@ -82,6 +81,32 @@ def answers_of(
         told += (SIDE,)
     classes = parallel_classes(view.drawing)
     return tuple(_answer(view, classes, graph, camera, *each, told) for each in ranked[:most])
+
+
+def ranked_readings(
+    drawing: Drawing, camera: Camera, checkpoint: Checkpoint = ignore
+) -> tuple[ParallelView, list[Reading]]:
+    """Return how a drawing is seen, and its readings, best first, on the near side if that is told.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        Of at least `LEAST_LINES` lines.
+    camera : Camera
+        Through which it was drawn.
+    checkpoint : callable
+        Called between the steps.
+    """
+    view = parallel_view(drawing, camera)
+    checkpoint(0.2, "readings")
+    return view, _near_sides(view, readings(view.drawing, checkpoint), is_marked(drawing))
+
+
+def evidence_of(drawing: Drawing) -> Evidence:
+    """Return what a drawing has beside its lines to tell readings apart."""
+    if is_marked(drawing):
+        return "marked"
+    return "loose" if len(components(neighbors_of(drawing.lines))) > 1 else "plain"
 
 
 def _near_sides(view: ParallelView, found: list[Reading], marked: bool) -> list[Reading]:

@@ -1,8 +1,9 @@
 """Hidden lines that were not drawn, guessed from the visible ones.
 
-Two guesses: a face that is wholly visible is one end of a prism, whose other end is the same ring
-moved along its sides; or the hidden half is the visible one turned by a half turn about a point.
-Both hold in the picture of a parallel view as they do in space. Lengths are shares of the diagonal.
+Three guesses: a face that is wholly visible is one end of a prism, whose other end is the same
+ring moved along its sides; the hidden half is the visible one turned by a half turn about a point;
+or it is the visible one mirrored in a plane (`mirror_images`). All hold in the picture of a
+parallel view as they do in space. Lengths are shares of the diagonal.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
+from bozzetto_polyhedron.reconstruction.mirror_images import mirror_images
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.visible_regions import Junctions, junctions_of, regions_of
 
@@ -77,7 +79,11 @@ def hidden_lines(graph: LineGraph, most: int = 3) -> tuple[HiddenLines, ...]:
         return ()
     reach = NEAR + 3.0 * drawing.noise
     junctions = junctions_of(drawing, reach / 2.0)
-    wholes = [*_extruded(drawing, junctions, reach), *_turned(drawing, junctions, reach)]
+    wholes = [
+        *_extruded(drawing, junctions, reach),
+        *_turned(drawing, junctions, reach),
+        *_mirrored(drawing, junctions, reach),
+    ]
     found: list[tuple[float, int, HiddenLines]] = []
     seen: list[_Whole] = []
     for whole in wholes:
@@ -173,26 +179,47 @@ def _prism(drawing: Drawing, ring: Sequence[int], far: Array, reach: float) -> _
 
 def _turned(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
     """Return what was drawn with its image by a half turn, about middles of pairs of corners."""
-    corners = np.flatnonzero(~junctions.is_stem)
-    stems = junctions.is_stem[drawing.lines].any(1)
-    lines = np.searchsorted(corners, drawing.lines[~stems])
-    points = drawing.points[corners]
-    found = []
+    points, lines, _ = _without_stems(drawing, junctions)
     first, second = np.triu_indices(len(points), 1)
     middles = (points[first] + points[second]) / 2.0
-    for middle in middles[_most_common(middles, reach)]:
-        images = 2.0 * middle - points
-        away = np.linalg.norm(images[:, None] - points, axis=2)
-        nearest = away.argmin(1)
-        own = away[np.arange(len(points)), nearest] < reach
-        fresh = np.cumsum(~own) - 1 + len(points)
-        numbers = np.where(own, nearest, fresh)
-        pairs = np.sort(np.concatenate((lines, numbers[lines])), axis=1)
-        whole = _Whole(np.concatenate((points, images[~own])), np.unique(pairs, axis=0))
-        degrees = np.bincount(whole.lines.ravel(), minlength=len(whole.points))
-        if (degrees >= 3).all():
-            found.append(whole)
-    return found
+    turned = (
+        _with_images(points, lines, 2.0 * middle - points, reach)
+        for middle in middles[_most_common(middles, reach)]
+    )
+    return [whole for whole in turned if whole is not None]
+
+
+def _mirrored(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
+    """Return what was drawn with its mirror image, across the lines of each class."""
+    points, lines, kept = _without_stems(drawing, junctions)
+    labels = parallel_classes(drawing).labels[kept]
+    mirrored = (
+        _with_images(points, lines, images, reach)
+        for images in mirror_images(points, lines, labels, reach)
+    )
+    return [whole for whole in mirrored if whole is not None]
+
+
+def _without_stems(drawing: Drawing, junctions: Junctions) -> tuple[Array, Index, Flags]:
+    """Return corners and lines between them without those that go behind, and which lines stay."""
+    kept = np.asarray(~junctions.is_stem[drawing.lines].any(1))
+    corners, numbers = np.unique(drawing.lines[kept], return_inverse=True)
+    return drawing.points[corners], numbers.reshape(-1, 2).astype(np.intp), kept
+
+
+def _with_images(points: Array, lines: Index, images: Array, reach: float) -> _Whole | None:
+    """Return corners and lines with their images; None where a corner has too few lines."""
+    if not len(points):
+        return None
+    away = np.linalg.norm(images[:, None] - points, axis=2)
+    nearest = away.argmin(1)
+    own = away[np.arange(len(points)), nearest] < reach
+    fresh = np.cumsum(~own) - 1 + len(points)
+    numbers = np.where(own, nearest, fresh)
+    pairs = np.sort(np.concatenate((lines, numbers[lines])), axis=1)
+    whole = _Whole(np.concatenate((points, images[~own])), np.unique(pairs, axis=0))
+    degrees = np.bincount(whole.lines.ravel(), minlength=len(whole.points))
+    return whole if (degrees >= 3).all() else None
 
 
 def _most_common(places: Array, reach: float, most: int = 6) -> Index:

@@ -71,18 +71,14 @@ def embedded_faces(neighbors: Neighbors) -> tuple[Ring, ...] | None:
         _draw(drawn, path)
 
 
-def is_three_connected(faces: Sequence[Ring]) -> bool:
-    """Whether any two faces of an embedding meet in nothing, one corner or one line."""
-    return not shared_pairs(faces)
-
-
 def shared_pairs(faces: Sequence[Ring]) -> list[tuple[int, int, int, int]]:
     """Return pairs of faces that meet in two corners which no line of both joins.
 
     Returns
     -------
     list of (face, face, corner, corner)
-        The graph falls apart where both corners are taken away.
+        The graph falls apart where both corners are taken away; without any pair it is
+        3-connected.
     """
     found = []
     sets = [set(face) for face in faces]

@@ -1,24 +1,27 @@
 """Which reading is likely the right one: a log-linear model, and how far it can be trusted.
 
 The score of a reading is a weighted sum of its measures; its share among all readings is the
-softmax of the scores. The weights and the table that turns shares into probabilities are data in
-`ranking_weights`.
+softmax of the scores. The weights are data in `ranking_weights`, and the tables that turn shares
+into probabilities in `confidence_tables`.
 """
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_polyhedron.reconstruction.ranking_weights import (
-    CONFIDENCE_OF_MARKED,
-    CONFIDENCE_OF_UNMARKED,
-    SHARES,
-    WEIGHTS,
-)
+from bozzetto_polyhedron.reconstruction.confidence_tables import CONFIDENCES, SHARES
+from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
 from bozzetto_polyhedron.reconstruction.regularity import MEASURES
+
+Evidence: TypeAlias = Literal["plain", "loose", "marked"]
+"""What a drawing tells: lines alike; lines alike in parts that no line joins, where a pocket looks
+like a boss; hidden lines drawn lightly."""
+
+SURE: Final = 0.5
+"""Confidence below which the program asks whether this is the solid that was meant."""
 
 HANGING: Final = "parts that hang nowhere"
 """Name of the measure that counts them."""
@@ -48,15 +51,15 @@ def scores(features: Array) -> Array:
     return np.asarray(features @ RANKING_WEIGHTS)
 
 
-def confidences(values: Array, marked: bool) -> Array:
+def confidences(values: Array, evidence: Evidence) -> Array:
     """Return the probability that each of the readings is the right one.
 
     Parameters
     ----------
     values : (k,) array
         Scores, best first.
-    marked : bool
-        Whether hidden lines were drawn lightly.
+    evidence : {"plain", "loose", "marked"}
+        See `Evidence`.
 
     Returns
     -------
@@ -67,8 +70,7 @@ def confidences(values: Array, marked: bool) -> Array:
         return np.zeros(0)
     shares = np.exp(values - values.max())
     shares /= shares.sum()
-    table = CONFIDENCE_OF_MARKED if marked else CONFIDENCE_OF_UNMARKED
-    first = float(np.interp(shares[0], SHARES, table))
+    first = float(np.interp(shares[0], SHARES, CONFIDENCES[evidence]))
     rest = shares[1:] / max(1e-12, float(shares[1:].sum())) * (1.0 - first)
     limit = np.minimum(rest * (shares[1:] > 0), first)
     return np.minimum.accumulate(np.concatenate(([first], limit)))

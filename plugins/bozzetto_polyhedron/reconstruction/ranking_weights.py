@@ -29,23 +29,3 @@ WEIGHTS: Final = {
     "marks of hidden lines": 0.86,
 }
 """Weight of each measure."""
-
-SHARES: Final = (0.0, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.96, 0.99, 1.0)
-"""Shares of the first answer at which its probability was measured."""
-
-CONFIDENCE_OF_UNMARKED: Final = (
-    0.089,
-    0.489,
-    0.612,
-    0.724,
-    0.847,
-    0.929,
-    0.976,
-    0.987,
-    0.999,
-    0.999,
-)
-"""How often the first answer was right at these shares, all lines drawn alike."""
-
-CONFIDENCE_OF_MARKED: Final = (0.086, 0.335, 0.656, 0.667, 0.667, 0.929, 0.973, 0.992, 0.992, 0.992)
-"""The same with hidden lines drawn lightly."""

@@ -12,7 +12,6 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import triangulate
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.solid.face_rings import (
-    area_vectors,
     edges_of,
     flat_rings,
     inside_face,
@@ -89,11 +88,6 @@ def _is_convex(ring: Array) -> bool:
 def volume_of(body: PlanarBody) -> float:
     """Return the volume of a closed body, mm³; 0 for a sheet."""
     return signed_volume(body.vertices, body.faces) if body.closed else 0.0
-
-
-def face_areas(body: PlanarBody) -> Array:
-    """Return the areas of faces, holes taken off, mm², (f,)."""
-    return np.asarray(np.linalg.norm(area_vectors(body.vertices, body.faces), axis=1))
 
 
 def genus_of(body: PlanarBody) -> int | None:

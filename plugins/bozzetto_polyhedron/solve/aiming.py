@@ -11,6 +11,7 @@ from bozzetto.arrays import Array
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera
 from bozzetto_polyhedron.model.fittings import Spot
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.moving import Moving, corner_of
 from bozzetto_polyhedron.solve.picking import REACH
@@ -61,6 +62,8 @@ def _corner_at(state: PolyhedronState, made: Moving, camera: Camera, pixel: Arra
     best, away = None, REACH
     motion = made.motion(state.moved)
     for body_id, number in made.numbers.items():
+        if not isinstance(state.node(body_id), Body):
+            continue  # what is round has no corners: its surface is meant
         places = made.machine.moved(number, motion)
         far = np.linalg.norm(camera.project(places)[0] - pixel, axis=1)
         far = np.where(np.isfinite(far), far, np.inf)
@@ -72,8 +75,10 @@ def _corner_at(state: PolyhedronState, made: Moving, camera: Camera, pixel: Arra
     return best
 
 
-def corner_spot(state: PolyhedronState, body: Body, rest: Array) -> Spot:
+def corner_spot(state: PolyhedronState, body: Body | Followed, rest: Array) -> Spot:
     """Return the spot at a corner of a body that is at a place at rest, mm."""
+    if isinstance(body, Followed):
+        return spot_at(rest, body)
     found = solved(body, state)
     corner = corner_of(body, found, rest)
     drawn = corner_places_at_rest(body, found)
@@ -84,11 +89,9 @@ def corner_spot(state: PolyhedronState, body: Body, rest: Array) -> Spot:
 
 
 def _surface_at(state: PolyhedronState, made: Moving, camera: Camera, pixel: Array) -> Aim | None:
-    layers = []
-    for body_id in made.numbers:
-        mesh = solved(state.node(body_id), state).mesh
-        if mesh is not None:
-            layers.append(Layer(body_id, (Shaded(mesh),), owner=body_id))
+    layers = [
+        Layer(body_id, (Shaded(mesh),), owner=body_id) for body_id, mesh in made.meshes.items()
+    ]
     if not layers:
         return None
     hits = cast_rays(Scene(tuple(layers)), camera.rays(pixel[None]))

@@ -8,7 +8,7 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto_polyhedron.drawing_on.body_hits import met_by
 from bozzetto_polyhedron.drawing_on.named_edges import edge_named
-from bozzetto_polyhedron.model.changes import Added, Chamfer, Change, Copies, Join, Push
+from bozzetto_polyhedron.model.changes import Added, Change, Copies, EdgeChange, Join, Push
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.changes import MEETS, lines_of, loop_of, path_in_space
 from bozzetto_polyhedron.solve.pipeline import changed_until
@@ -40,7 +40,7 @@ def _lines(body: Body, state: PolyhedronState, change: Change) -> list[Array]:
         case Push():
             corners = loop_of(made.body, change).corners
             return [np.concatenate((corners, corners[:1]))]
-        case Chamfer():
+        case EdgeChange():
             edge = edge_named(made.body, change.begin, change.end)
             return [made.body.vertices[list(edge)]]
         case Copies():

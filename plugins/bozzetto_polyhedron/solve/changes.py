@@ -13,22 +13,24 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline
 from bozzetto.plugin import remembered
+from bozzetto_polyhedron.drawing_on.added_strokes import with_strokes_added
 from bozzetto_polyhedron.drawing_on.chamfer import chamfered
 from bozzetto_polyhedron.drawing_on.changed import Changed
 from bozzetto_polyhedron.drawing_on.circles import Circle, circle_on_face, polygon_of
-from bozzetto_polyhedron.drawing_on.circuits import with_lines
 from bozzetto_polyhedron.drawing_on.copies import copied_along, mirrored, mirrored_points, moved
 from bozzetto_polyhedron.drawing_on.joints import joined_by
 from bozzetto_polyhedron.drawing_on.loop_on_face import LoopOnFace, loop_on_face
 from bozzetto_polyhedron.drawing_on.named_edges import edge_named, plane_named
 from bozzetto_polyhedron.drawing_on.push import pushed
-from bozzetto_polyhedron.drawing_on.stroke_ends import PlacedLines, placed_lines
+from bozzetto_polyhedron.drawing_on.rounded_edges import rounded_edge
+from bozzetto_polyhedron.drawing_on.stroke_ends import PlacedLines
 from bozzetto_polyhedron.drawing_on.stroke_path import path_of
 from bozzetto_polyhedron.model.changes import (
     Added,
     Chamfer,
     Change,
     Copies,
+    Fillet,
     Join,
     Mirror,
     Point,
@@ -126,7 +128,7 @@ def outline_of(body: PlanarBody, strokes: Strokes) -> Literal["drawn", "circle"]
 
 def lines_of(made: Changed, change: Added) -> PlacedLines:
     """Return where added lines are, on a body as it was before them."""
-    return _placed(made.body, made.points, change.strokes)
+    return _added(made.body, made.points, made.lines, change.strokes)[0]
 
 
 def path_in_space(body: PlanarBody, strokes: Strokes) -> Array:
@@ -157,6 +159,8 @@ def after(
                 return made
             body = _chamfered(made.body, change.begin, change.end, change.width)
             return replace(made, body=body)
+        case Fillet():
+            return made if change.radius <= 0.0 else _with_fillet(made, change)
         case Mirror():
             return _mirrored(made, change)
         case Copies():
@@ -178,13 +182,21 @@ def _with_push(made: Changed, push: Push) -> Changed:
     return replace(made, body=body, circles=circles)
 
 
+def _with_fillet(made: Changed, change: Fillet) -> Changed:
+    body, circle = _rounded(made.body, change.begin, change.end, change.radius)
+    return replace(made, body=body, circles=_each_once((*made.circles, circle)))
+
+
 def _with_added(made: Changed, strokes: Strokes) -> Changed:
-    lines = _placed(made.body, made.points, strokes)
-    body, points, left, sheet, told = _closed(
-        made.body, made.points, made.lines, lines.points, lines.lines
+    _, closed = _added(made.body, made.points, made.lines, strokes)
+    return replace(
+        made,
+        body=closed.body,
+        points=closed.points,
+        lines=closed.lines,
+        sheet=closed.sheet,
+        told=(*made.told, *closed.told),
     )
-    told = (*made.told, *told)
-    return replace(made, body=body, points=points, lines=left, sheet=sheet, told=told)
 
 
 def _mirrored(made: Changed, change: Mirror) -> Changed:
@@ -253,6 +265,7 @@ def _each_once(circles: Sequence[Circle]) -> tuple[Circle, ...]:
             np.abs(circle.center - other.center).max() < 1e-9 * circle.radius
             and abs(abs(circle.axis @ other.axis) - 1.0) < 1e-12
             and abs(circle.radius - other.radius) < 1e-9 * circle.radius
+            and abs(circle.sweep - other.sweep) < 1e-9
             for other in kept
         )
         if not same:
@@ -289,22 +302,24 @@ def _pushed(body: PlanarBody, face: int, corners: Array, depth: float) -> Planar
 
 
 @remembered(limit=64, key=_by_content)
-def _placed(body: PlanarBody, known: Array, strokes: Strokes) -> PlacedLines:
+def _added(
+    body: PlanarBody, points: Array, lines: Index, strokes: Strokes
+) -> tuple[PlacedLines, Changed]:
     paths = [stroke.points for stroke in strokes]
-    return placed_lines(body, paths, strokes[0].camera, MEETS, known)
-
-
-@remembered(limit=64, key=_by_content)
-def _closed(
-    body: PlanarBody, points: Array, lines: Index, added: Array, added_lines: Index
-) -> tuple[PlanarBody, Array, Index, PlanarBody | None, tuple[str, ...]]:
-    made = with_lines(Changed(body, points=points, lines=lines), added, added_lines)
-    return made.body, made.points, made.lines, made.sheet, made.told
+    before = Changed(body, points=points, lines=lines)
+    return with_strokes_added(before, paths, strokes[0].camera, MEETS)
 
 
 @remembered(limit=64, key=_by_content)
 def _chamfered(body: PlanarBody, begin: Point, end: Point, width: float) -> PlanarBody:
     return chamfered(body, edge_named(body, begin, end), width)
+
+
+@remembered(limit=64, key=_by_content)
+def _rounded(
+    body: PlanarBody, begin: Point, end: Point, radius: float
+) -> tuple[PlanarBody, Circle]:
+    return rounded_edge(body, edge_named(body, begin, end), radius)
 
 
 @remembered(limit=64, key=_by_content)

@@ -9,18 +9,32 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, frozen
+from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
 from bozzetto_polyhedron.mechanism.fittings import fastened
-from bozzetto_polyhedron.mechanism.pieces import METRE, Machine, Shape, machine_of
+from bozzetto_polyhedron.mechanism.pieces import METRE, Machine, Shape, machine_of, meeting
 from bozzetto_polyhedron.mechanism.stepper import Stepper
-from bozzetto_polyhedron.model.fittings import Trace
+from bozzetto_polyhedron.model.fittings import Anchor, Trace
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.limits import is_near
 from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import Body, Moved, PolyhedronState, Recording
 from bozzetto_polyhedron.solid.face_rings import edges_of
-from bozzetto_polyhedron.solve.pipeline import Solved, solved
-from bozzetto_polyhedron.solve.spots import corner_near, corner_places_at_rest, fastenings_of
+from bozzetto_polyhedron.solve.followed import (
+    Sources,
+    followed_meshes,
+    is_closed,
+    key_of,
+    parts_of,
+)
+from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
+from bozzetto_polyhedron.solve.spots import (
+    corner_near,
+    corner_places_at_rest,
+    fastenings_of,
+    place_of,
+)
 
 MOST_POSES: Final = 3600
 """Poses that are recorded: a minute."""
@@ -42,11 +56,21 @@ class Moving:
     stepper : Stepper
     numbers : dict of str to int
         Of the shapes, by the ids of their bodies.
+    joined : dict of str to str
+        Bodies that have become part of another one, by their ids, and which.
+    meshes : dict of str to Mesh
+        Surfaces at rest of those that have one, by the ids of their bodies, mm.
     """
 
     machine: Machine
     stepper: Stepper
     numbers: dict[str, int]
+    joined: dict[str, str]
+    meshes: dict[str, Mesh]
+
+    def number_of(self, body_id: str) -> int | None:
+        """Return the number of the shape that a body is, or is part of; None without any."""
+        return self.numbers.get(self.joined.get(body_id, body_id))
 
     @property
     def extent(self) -> float:
@@ -69,49 +93,97 @@ class Moving:
         return np.asarray((motion.places[piece] + motion.turns[piece] @ local) / METRE)
 
     def motion(self, moved: Moved | None) -> Motion:
-        """Return the motion that a state keeps; rest where it belongs to other bodies."""
+        """Return the motion that a state keeps; rest where it belongs to other bodies.
+
+        Corners that were held elsewhere than at rest are brought there.
+        """
         count = len(self.machine.rest.places)
-        if moved is None or len(moved.places) != count:
+        if moved is None:
             return self.machine.rest
+        if len(moved.places) != count:
+            return self.stepper.closed(self.machine.rest)
         turns = moved.turns.reshape(-1, 3, 3)
         return Motion(
             moved.places, turns, moved.velocities, moved.momenta, time=float(moved.seconds)
         )
 
 
-def _at_rest(state: PolyhedronState) -> Hashable:
-    return replace(state, moved=None, grab=None, recorded=None, selected="")
+NOTHING: Final[Sources] = {}
+"""Sources of what follows nothing."""
+
+
+def _at_rest(state: PolyhedronState, sources: Sources) -> Hashable:
+    still = replace(as_held(state), moved=None, grab=None, recorded=None, selected="")
+    return still, key_of(sources)
 
 
 @remembered(limit=8, key=_at_rest)
-def moving(state: PolyhedronState) -> Moving:
-    """Return the machine of all bodies that are shown and were turned into solids."""
+def moving(state: PolyhedronState, sources: Sources = NOTHING) -> Moving:
+    """Return the machine of all bodies that are shown and are solids, or are followed."""
+    state = as_held(state)
     shapes: list[Shape] = []
     numbers: dict[str, int] = {}
+    meshes: dict[str, Mesh] = {}
+    drawn = {
+        body.id: solved(body, state)
+        for body in state.shown(Body)
+        if len(body.strokes) and (body.choice is not None or body.moves == "flat")
+    }
+    joined = joined_bodies(drawn)
     for body in state.shown(Body):
-        if not len(body.strokes) or (body.choice is None and body.moves != "flat"):
+        if body.id not in drawn or body.id in joined:
             continue
-        shape = _shape(body, solved(body, state))
+        shape = _shape(body, drawn[body.id], state)
         if shape is not None and is_near(shape.vertices):
             numbers[body.id] = len(shapes)
             shapes.append(shape)
+            mesh = drawn[body.id].mesh
+            if mesh is not None:
+                meshes[body.id] = mesh
+    for part_id, mesh in followed_meshes(state, sources).items():
+        if is_near(mesh.vertices):
+            numbers[part_id] = len(shapes)
+            shapes.append(_followed_shape(state.node(part_id), mesh, state))
+            meshes[part_id] = mesh
     machine = machine_of(
         shapes,
         gravity=GRAVITY if state.gravity else 0.0,
         planar=AXES[state.planar],
-        friction=state.friction if state.ground else None,
+        ground=state.ground,
+        friction=state.friction,
     )
-    machine = fastened(machine, fastenings_of(state, numbers))
-    made = Moving(machine, Stepper(machine.assembly), numbers)
+    aliases = {part: numbers[whole] for part, whole in joined.items() if whole in numbers}
+    machine = fastened(machine, fastenings_of(state, numbers | aliases))
+    machine = meeting(machine) if state.contact else machine
+    made = Moving(machine, Stepper(machine.assembly), numbers, joined, meshes)
     tolerance = 1e-6 * made.extent * METRE
     stepper = Stepper(machine.assembly, damping=state.damping, tolerance=tolerance)
     return replace(made, stepper=stepper)
 
 
+def as_held(state: PolyhedronState) -> PolyhedronState:
+    """Return a state whose held corners are held where they are: at rest, where nothing moved."""
+    if state.moved is not None:
+        return state
+    chosen = state.selected
+    bodies: tuple[Body | Followed, ...] = (*state.of_kind(Body), *state.of_kind(Followed))
+    for body in bodies:
+        if any(anchor.at is not None for anchor in body.anchors):
+            anchors = tuple(replace(anchor, at=None) for anchor in body.anchors)
+            state = state.with_node(replace(body, anchors=anchors))
+    return replace(state, selected=chosen)
+
+
+def has_bodies(state: PolyhedronState) -> bool:
+    """Return whether anything can be moved or joined."""
+    return bool(state.shown(Followed)) or bool(moving(state).numbers)
+
+
 def is_mechanism(state: PolyhedronState) -> bool:
     """Return whether anything is moved, held, joined or traced."""
     held = any(body.anchors for body in state.shown(Body))
-    return state.moved is not None or held or bool(state.fittings() or state.shown(Trace))
+    joined = bool(state.fittings() or state.shown(Trace) or state.shown(Followed))
+    return state.moved is not None or held or joined
 
 
 def kept(motion: Motion) -> Moved:
@@ -149,20 +221,18 @@ def recorded(state: PolyhedronState, motion: Motion) -> Recording | None:
     )
 
 
-def _shape(body: Body, found: Solved) -> Shape | None:
-    anchors = [corner_near(found, place) for place in body.anchors]
-    corners = corner_places_at_rest(body, found)
+def _shape(body: Body, found: Solved, state: PolyhedronState) -> Shape | None:
     if body.moves == "flat":
         if not len(found.graph.lines):
             return None
-        held = tuple(sorted({corner for corner in anchors if corner is not None}))
+        corners = corner_places_at_rest(body, found)
         normal = body.placement.directions(np.asarray(camera_of(body).axes[2])[None])[0]
         return Shape(
             corners,
             found.graph.lines,
             (),
             "flat",
-            held,
+            _held(body, state, corners),
             density=body.density,
             thickness=body.wall,
             normal=normal / np.linalg.norm(normal),
@@ -180,17 +250,53 @@ def _shape(body: Body, found: Solved) -> Shape | None:
         if moves != "links":
             vertices, faces = found.body.vertices, found.body.faces
             edges = edges_of(faces)
-    near = {_nearest(vertices, corners[corner]) for corner in anchors if corner is not None}
     return Shape(
         vertices,
         edges,
         faces,
         moves,
-        tuple(sorted(near)),
+        _held(body, state, vertices),
         density=body.density,
         thickness=body.wall,
         solid=solid,
+        parts=parts_of(found.mesh) if moves == "whole" and found.mesh is not None else (),
     )
+
+
+def _followed_shape(part: Followed, mesh: Mesh, state: PolyhedronState) -> Shape:
+    vertices = np.asarray(mesh.vertices, float)
+    return Shape(
+        vertices,
+        np.zeros((0, 2), np.intp),
+        (),
+        "whole",
+        _held(part, state, vertices),
+        density=part.density,
+        solid=is_closed(mesh),
+        triangles=np.asarray(mesh.faces, np.intp),
+        parts=parts_of(mesh),
+    )
+
+
+def _held(body: Body | Followed, state: PolyhedronState, vertices: Array) -> dict[int, Array]:
+    """Return which vertices of a shape are held, and where, mm."""
+    held: dict[int, Array] = {}
+    for anchor in body.anchors:
+        vertex = held_vertex(anchor, body, state, vertices)
+        if vertex is not None:
+            held[vertex] = vertices[vertex] if anchor.at is None else np.array(anchor.at)
+    return held
+
+
+def held_vertex(
+    anchor: Anchor, body: Body | Followed, state: PolyhedronState, vertices: Array
+) -> int | None:
+    """Return which vertex of a shape at rest, (n, 3) mm, is held; None where its corner is gone."""
+    corner = anchor.spot.corner
+    if corner is not None and isinstance(body, Body):
+        if corner_near(solved(body, state), corner) is None:
+            return None
+    return _nearest(vertices, place_of(anchor.spot, state))
 
 
 def corner_of(body: Body, found: Solved, place: Array) -> int:

@@ -15,7 +15,7 @@ from bozzetto_polyhedron.solve.spots import place_of
 
 def path_of(trace: Trace, state: PolyhedronState, made: Moving) -> Array:
     """Return where a corner has been, (t, 3) mm; empty where nothing was recorded of it."""
-    number, kept = made.numbers.get(trace.at.body), state.recorded
+    number, kept = made.number_of(trace.at.body), state.recorded
     count = len(made.machine.rest.places)
     if number is None or kept is None or len(kept.places) != count * len(kept.seconds):
         return np.zeros((0, 3))

@@ -13,8 +13,8 @@ from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Strokes
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.drawing_on.changed import Changed
-from bozzetto_polyhedron.graph.build import graph_of
 from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.graph.live import LiveGraph, continued, searched
 from bozzetto_polyhedron.model.changes import Change, Join
 from bozzetto_polyhedron.model.state import MOST_ANSWERS, Body, Dimension, PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
@@ -94,8 +94,10 @@ def solved(
     A drawing that nobody turned yet ends with its lines as long as they look wrong, and in a
     preview: they are what a person who draws has to see at once.
     """
+    if body.choice is None and quality == "preview":
+        return Solved(graph_while_drawn(body.strokes, checkpoint))
     graph = graph_of_ink(body.strokes, checkpoint)
-    if body.choice is None and (quality == "preview" or graph.health):
+    if body.choice is None and graph.health:
         return Solved(graph)
     answers = answers_of_ink(body.strokes, body.hidden, checkpoint)
     if not answers:
@@ -112,6 +114,16 @@ def solved(
     except UserError as problem:
         return Solved(graph, answers, number, problem=str(problem))
     return Solved(graph, answers, number, placed_body(base, body.placement), placed, mesh)
+
+
+def joined_bodies(results: Mapping[str, Solved]) -> dict[str, str]:
+    """Return the bodies that have become part of another one, by their ids, and which that is."""
+    return {
+        part: body_id
+        for body_id, found in results.items()
+        if found.changed is not None
+        for part in found.changed.joined
+    }
 
 
 def changed_until(body: Body, state: PolyhedronState, change: Change | None = None) -> Changed:
@@ -218,10 +230,28 @@ def _without_checkpoint(*asked: Any) -> Hashable:
     return asked[:-1]
 
 
-@remembered(limit=64, key=_without_checkpoint)
 def graph_of_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
     """Return the lines of a drawing and the corners in which they meet."""
-    return in_order(graph_of(strokes, checkpoint=checkpoint))
+    return in_order(_searched(strokes, checkpoint).graph)
+
+
+@remembered(limit=64, key=_without_checkpoint)
+def graph_while_drawn(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
+    """Return the lines of a drawing soon after its last stroke.
+
+    It continues what was found, by the whole search, before that stroke; nobody waits for that, for
+    it was shown then. So it is the same whatever was asked before.
+    """
+    if len(strokes) < 2:
+        return graph_of_ink(strokes, checkpoint)
+    earlier = strokes[:-1]
+    before = replace(_searched(earlier, checkpoint), strokes=tuple(earlier))
+    return in_order(continued(before, strokes, checkpoint=checkpoint).graph)
+
+
+@remembered(limit=64, key=_without_checkpoint)
+def _searched(strokes: Strokes, checkpoint: Checkpoint) -> LiveGraph:
+    return searched(strokes, checkpoint=checkpoint)
 
 
 def in_order(graph: LineGraph) -> LineGraph:

@@ -21,6 +21,7 @@ from bozzetto_polyhedron.model.fittings import (
     Slider,
     Spot,
 )
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.same_view import on_sheet
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
@@ -74,10 +75,12 @@ def place_of(spot: Spot, state: PolyhedronState) -> Array:
     return np.asarray(body.placement.points(np.array([spot.point]))[0])
 
 
-def spot_at(place: Array, body: Body | None, corner: Place | None = None) -> Spot:
+def spot_at(place: Array, body: Body | Followed | None, corner: Place | None = None) -> Spot:
     """Return the spot of a body, or of the ground, at a place at rest, (3,) mm in the model."""
     if body is None:
         return Spot("", _point(place))
+    if isinstance(body, Followed):
+        return Spot(body.id, _point(place))
     inner = body.placement.inverse().points(np.asarray(place)[None])[0]
     return Spot(body.id, _point(inner), corner)
 

@@ -30,7 +30,7 @@ class ChangeTool(ErasingTool):
     @override
     def preview(self, state: PolyhedronState, gesture: Gesture, context: Context) -> Scene:
         """Return the solid as it would be."""
-        return scene_after(self.apply(state, gesture, context))
+        return scene_after(self.apply(state, gesture, context), context.sources)
 
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:

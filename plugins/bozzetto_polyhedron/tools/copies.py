@@ -30,6 +30,7 @@ class CopiesTool(ChangeTool):
     id = "copies"
     title = "Copies"
     icon = "icons/copies.svg"
+    group = "Copies"
     hint = "Draw a line from a solid outward: copies of it stand along the line."
     makes = Copies
     then = NextStep("Type how many there are, or draw another line.")

@@ -19,6 +19,7 @@ class DimensionTool(ErasingTool):
     id = "dimension"
     title = "Dimension"
     icon = "icons/dimension.svg"
+    group = "Sizes and angles"
     hint = "Touch an edge of a solid, then type its length."
     gesture = "tap"
 

@@ -14,6 +14,7 @@ from bozzetto_polyhedron.model.assign_stroke import with_strokes
 from bozzetto_polyhedron.model.changes import Added, Join
 from bozzetto_polyhedron.model.same_view import on_sheet
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
 from bozzetto_polyhedron.tools.added_lines import with_added
 from bozzetto_polyhedron.tools.erase import ErasingTool
@@ -24,9 +25,6 @@ FEWEST: Final = 6
 """Lines of the smallest solid, a tetrahedron: with fewer there is nothing to say yet."""
 
 FIRST: Final = "Draw every edge of a solid, one stroke each, and the hidden ones lightly."
-
-SURE: Final = 0.5
-"""Confidence below which a person is asked."""
 
 
 class DrawLines(ErasingTool):
@@ -52,7 +50,7 @@ class DrawLines(ErasingTool):
         made = state
         for stroke in gesture.strokes:
             made = with_added(made, stroke) or made
-        return Scene() if made is state else scene_after(made)
+        return Scene() if made is state else scene_after(made, context.sources)
 
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:

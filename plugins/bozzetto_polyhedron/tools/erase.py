@@ -16,7 +16,8 @@ from bozzetto_polyhedron.model.fittings import Fitting, Trace
 from bozzetto_polyhedron.model.same_view import into_drawing
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.change_lines import change_lines
-from bozzetto_polyhedron.solve.moving import moving
+from bozzetto_polyhedron.solve.followed import Sources
+from bozzetto_polyhedron.solve.moving import NOTHING, moving
 from bozzetto_polyhedron.solve.picking import corner_places
 from bozzetto_polyhedron.solve.pipeline import solved
 from bozzetto_polyhedron.view.fittings import seen_ends
@@ -37,7 +38,7 @@ class ErasingTool(Tool[PolyhedronState]):
     @override
     def erase(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
         """Take away what the path lies over."""
-        return erased(state, ink.strokes[-1])
+        return erased(state, ink.strokes[-1], context.sources)
 
 
 class Erase(ErasingTool):
@@ -52,11 +53,11 @@ class Erase(ErasingTool):
     def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
         """Take away what the paths lie over."""
         for stroke in ink.strokes:
-            state = erased(state, stroke)
+            state = erased(state, stroke, context.sources)
         return state
 
 
-def erased(state: PolyhedronState, path: Stroke) -> PolyhedronState:
+def erased(state: PolyhedronState, path: Stroke, sources: Sources = NOTHING) -> PolyhedronState:
     """Return the state without the strokes that a path was rubbed over.
 
     Raises
@@ -81,7 +82,7 @@ def erased(state: PolyhedronState, path: Stroke) -> PolyhedronState:
             state = state.without_nodes(body.id, *gone)
         elif rubbed:
             state = state.with_node(replace(body, strokes=Strokes(kept)))
-    state = _without_fittings(state, before, path)
+    state = _without_fittings(state, before, path, sources)
     if state is before:
         raise UserError("There is no line under the eraser. Rub along the one that is to go.")
     return state
@@ -117,12 +118,12 @@ def _hung_on(body: Body, state: PolyhedronState) -> list[Part]:
 
 
 def _without_fittings(
-    state: PolyhedronState, before: PolyhedronState, path: Stroke
+    state: PolyhedronState, before: PolyhedronState, path: Stroke, sources: Sources
 ) -> PolyhedronState:
     """Return the state without the fittings that a path was rubbed over."""
     if not before.fittings():
         return state
-    made = moving(before)
+    made = moving(before, sources)
     for fitting in before.fittings():
         ends = seen_ends(before, made, fitting)
         if ends is None:

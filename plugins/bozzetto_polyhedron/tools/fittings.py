@@ -15,9 +15,9 @@ from bozzetto_polyhedron.mechanism.assembly import square_to
 from bozzetto_polyhedron.mechanism.fittings import frame_of
 from bozzetto_polyhedron.mechanism.pieces import TOGETHER, Shape
 from bozzetto_polyhedron.model.fittings import Coil, Crank, Fitting, Hinge, Link, Pin, Slider, Trace
-from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.solve.aiming import Aim, aim_at
-from bozzetto_polyhedron.solve.moving import Moving, moving
+from bozzetto_polyhedron.solve.moving import Moving, has_bodies, moving
 from bozzetto_polyhedron.solve.picking import REACH
 from bozzetto_polyhedron.solve.spots import spot_at
 from bozzetto_polyhedron.tools.erase import ErasingTool
@@ -27,6 +27,12 @@ SHORT: Final = 1e-6
 
 INSIDE: Final = 1e-3
 """Share of a bar from its ends within which it meets another one in a corner, and crosses none."""
+
+BESIDE: Final = 0.1
+"""Distance of an axis from a body of another object, by the largest extent, that it still joins."""
+
+PLACES: Final = 33
+"""Places along an axis at which it is looked for bodies."""
 
 AT_REST: Final = "This is drawn where everything is at rest. Choose “Back to rest” first."
 
@@ -41,7 +47,7 @@ class _JoiningTool(ErasingTool):
     def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
         """Add what this tool draws, from where each stroke begins to where it ends."""
         for stroke in ink.strokes:
-            made = moving(state)
+            made = moving(state, context.sources)
             if not made.numbers:
                 raise UserError("There is nothing to join yet. Turn a drawing into a solid first.")
             if state.moved is not None and not self.while_moved:
@@ -77,47 +83,61 @@ class _JoiningTool(ErasingTool):
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint; where nothing can be joined yet, that."""
-        if not moving(state).numbers:
+        if not has_bodies(state):
             return NextStep("Touch a corner of a drawing to turn it into a solid.", tool="turn")
         return NextStep(self.hint)
 
 
-class DrawLink(_JoiningTool):
+class _TyingTool(_JoiningTool):
+    """A link or a spring between two corners, at least one of them of a body."""
+
+    while_moved = True
+
+    @override
+    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+        """Return what lies between two corners, as long as they are apart now."""
+        if not begin.spot.body and not end.spot.body:
+            raise UserError("One end must be on a body. Begin at a corner.")
+        length = float(np.linalg.norm(end.place - begin.place))
+        return self.tied(made, Fitting(begin=begin.spot, end=end.spot), length)
+
+    def tied(self, made: Moving, ends: Fitting, length: float) -> Fitting:
+        """Return the fitting between two ends that are so far apart, mm."""
+        raise NotImplementedError
+
+
+class DrawLink(_TyingTool):
     """Bars between corners, also while things move."""
 
     id = "link"
     title = "Link"
     icon = "icons/link.svg"
+    group = "Mechanism"
     hint = "Draw from one corner to another; a bar keeps them apart."
     noun = "Link"
-    while_moved = True
 
     @override
-    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
-        """Return a bar as long as the corners are apart now."""
-        _two_bodies(begin, end)
-        length = float(np.linalg.norm(end.place - begin.place))
-        return Link(begin=begin.spot, end=end.spot, length=length)
+    def tied(self, made: Moving, ends: Fitting, length: float) -> Fitting:
+        """Return a bar."""
+        return Link(begin=ends.begin, end=ends.end, length=length)
 
 
-class DrawSpring(_JoiningTool):
+class DrawSpring(_TyingTool):
     """Springs between corners, also while things move."""
 
     id = "spring"
     title = "Spring"
     icon = "icons/spring.svg"
+    group = "Mechanism"
     hint = "Draw from one corner to another, or into the open; a spring pulls them together."
     noun = "Spring"
-    while_moved = True
 
     @override
-    def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
+    def tied(self, made: Moving, ends: Fitting, length: float) -> Fitting:
         """Return a spring that is at rest now; it carries the weight with a tenth of its length."""
-        _two_bodies(begin, end)
-        length = float(np.linalg.norm(end.place - begin.place))
         weight = 9.81 * float(made.machine.assembly.masses.sum())
         stiffness = float(f"{np.clip(weight / (0.1e-3 * length), 0.01, 1e6):.2g}")
-        return Coil(begin=begin.spot, end=end.spot, length=length, stiffness=stiffness)
+        return Coil(begin=ends.begin, end=ends.end, length=length, stiffness=stiffness)
 
 
 class DrawHinge(_JoiningTool):
@@ -126,6 +146,7 @@ class DrawHinge(_JoiningTool):
     id = "hinge"
     title = "Hinge"
     icon = "icons/hinge.svg"
+    group = "Mechanism"
     hint = "Draw an axis from one place of a body to another; choose a motor in its form."
     noun = "Hinge"
 
@@ -146,6 +167,7 @@ class DrawSlider(_JoiningTool):
     id = "slider"
     title = "Slider"
     icon = "icons/slider.svg"
+    group = "Mechanism"
     hint = "Draw from a corner along the straight way on which it may slide."
     noun = "Slider"
 
@@ -163,13 +185,14 @@ class DrawCrank(_JoiningTool):
     id = "motor"
     title = "Motor"
     icon = "icons/motor.svg"
+    group = "Mechanism"
     hint = "Draw along a bar of a flat drawing, from its axis outwards: it turns steadily."
     noun = "Motor"
 
     @override
     def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
         """Return the motor of the bar, against what is held or the longest other bar there."""
-        number = made.numbers.get(begin.spot.body)
+        number = made.number_of(begin.spot.body)
         if number is None or begin.spot.body != end.spot.body:
             raise UserError(f"Both ends must be corners of one drawing. {self.hint}")
         if made.machine.shapes[number].normal is None:
@@ -190,6 +213,7 @@ class DrawPin(ErasingTool):
     id = "pin"
     title = "Pin"
     icon = "icons/pin.svg"
+    group = "Mechanism"
     hint = "Touch the crossing of two bars of a flat drawing, and they are pinned there."
     gesture = "tap"
 
@@ -198,7 +222,7 @@ class DrawPin(ErasingTool):
         """Pin the bars under the pen."""
         if state.moved is not None:
             raise UserError(AT_REST)
-        made = moving(state)
+        made = moving(state, context.sources)
         for body_id, number in made.numbers.items():
             shape = made.machine.shapes[number]
             if shape.normal is None:
@@ -223,13 +247,14 @@ class TraceCorner(ErasingTool):
     id = "trace"
     title = "Trace"
     icon = "icons/trace.svg"
+    group = "Mechanism"
     hint = "Touch a corner: its path is drawn while things move."
     gesture = "tap"
 
     @override
     def tap(self, state: PolyhedronState, tap: Tap, context: Context) -> PolyhedronState:
         """Add the trace of a corner, or choose the one that it has."""
-        aim = aim_at(state, moving(state), tap.camera, np.array([tap.x, tap.y]))
+        aim = aim_at(state, moving(state, context.sources), tap.camera, np.array([tap.x, tap.y]))
         if aim is None or not aim.spot.body:
             raise UserError("There is no corner here. Touch a corner of a body.")
         for trace in state.of_kind(Trace):
@@ -260,23 +285,31 @@ def _crossing(shape: Shape, place: Array) -> Array | None:
     return best
 
 
-def _two_bodies(begin: Aim, end: Aim) -> None:
-    if not begin.spot.body and not end.spot.body:
-        raise UserError("One end must be on a body. Begin at a corner.")
-
-
 def _neighbour(state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> str:
-    """Return the id of another body with a corner on the axis; "" where none touches it."""
+    """Return the id of another body that an axis touches; "" where none does.
+
+    A drawn body is touched at a corner, any solid where the axis runs through it, and one of
+    another object where it passes near: an axis is drawn on a surface, and what turns about it may
+    lie behind.
+    """
     along = end.place - begin.place
     extent = max(float(np.linalg.norm(np.ptp(s.vertices, axis=0))) for s in made.machine.shapes)
-    best, away = "", TOGETHER * extent
-    for body in state.shown(Body):
-        number = made.numbers.get(body.id)
-        if number is None or body.id == begin.spot.body:
+    shares = np.linspace(0.0, 1.0, PLACES)[:, None]
+    best, away = "", BESIDE * extent
+    for body_id, number in made.numbers.items():
+        if body_id == begin.spot.body:
             continue
-        apart = made.machine.shapes[number].vertices - begin.place
-        share = np.clip(apart @ along / (along @ along), 0.0, 1.0)
-        far = float(np.linalg.norm(apart - share[:, None] * along, axis=1).min())
-        if far <= away:
-            best, away = body.id, far
+        shape = made.machine.shapes[number]
+        far = np.inf
+        for part in shape.parts:
+            outside = (begin.place + shares * along) @ part.normals.T - part.offsets
+            far = min(far, float(outside.max(axis=1).min()))
+        if shape.triangles is None:
+            apart = shape.vertices - begin.place
+            share = np.clip(apart @ along / (along @ along), 0.0, 1.0)
+            nearest = np.linalg.norm(apart - share[:, None] * along, axis=1).min()
+            far = min(far, float(nearest))
+        reach = TOGETHER if shape.triangles is None else BESIDE
+        if far <= min(away, reach * extent):
+            best, away = body_id, far
     return best

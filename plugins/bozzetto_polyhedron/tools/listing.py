@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from bozzetto.plugin import Tool
-from bozzetto_polyhedron.tools.chamfer import ChamferTool
+from bozzetto_polyhedron.tools.chamfer import ChamferTool, RoundEdge
 from bozzetto_polyhedron.tools.copies import CopiesTool
 from bozzetto_polyhedron.tools.dimension import DimensionTool
 from bozzetto_polyhedron.tools.draw_lines import DrawLines
@@ -34,6 +34,7 @@ def all_tools() -> tuple[Tool[Any], ...]:
         DrawOnFace(),
         PushLoop(),
         ChamferTool(),
+        RoundEdge(),
         MirrorTool(),
         CopiesTool(),
         Move(),

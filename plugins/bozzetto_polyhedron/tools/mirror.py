@@ -21,6 +21,7 @@ class MirrorTool(ChangeTool):
     id = "mirror"
     title = "Mirror"
     icon = "icons/mirror.svg"
+    group = "Copies"
     hint = "Touch a face: the solid is mirrored in its plane, and both become one."
     gesture = "tap"
     hovers = True

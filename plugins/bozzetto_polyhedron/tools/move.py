@@ -11,24 +11,26 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag, NextStep, Tap, override
-from bozzetto.view import Camera
+from bozzetto.view import Camera, triple
 from bozzetto_polyhedron.mechanism.analysis import mobility_of
-from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
+from bozzetto_polyhedron.mechanism.assembly import Motion
 from bozzetto_polyhedron.mechanism.pieces import METRE
 from bozzetto_polyhedron.mechanism.stepper import Pull
-from bozzetto_polyhedron.model.fittings import Place
+from bozzetto_polyhedron.model.fittings import Anchor, Place
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, Grab, PolyhedronState
+from bozzetto_polyhedron.solve.aiming import corner_spot
 from bozzetto_polyhedron.solve.moving import (
     Moving,
-    corner_of,
+    as_held,
+    has_bodies,
+    held_vertex,
     is_mechanism,
     kept,
     moving,
     recorded,
 )
 from bozzetto_polyhedron.solve.picking import REACH
-from bozzetto_polyhedron.solve.pipeline import solved
-from bozzetto_polyhedron.solve.spots import corner_near
 from bozzetto_polyhedron.tools.erase import ErasingTool
 from bozzetto_polyhedron.view.motion import moved_vertices
 
@@ -66,23 +68,28 @@ class Move(ErasingTool):
     @override
     def tap(self, state: PolyhedronState, tap: Tap, context: Context) -> PolyhedronState:
         """Hold the corner that is touched where it is, or let it go."""
-        made = _machine(state)
+        made = _machine(state, context)
         body, vertex = _nearest(state, made, tap.camera, np.array([tap.x, tap.y]))
-        found = solved(body, state)
-        at_rest = made.machine.shapes[made.numbers[body.id]].vertices[vertex]
-        corner = corner_of(body, found, at_rest)
-        x, y = found.graph.places[corner]
-        kept_places = tuple(p for p in body.anchors if corner_near(found, p) != corner)
-        if len(kept_places) == len(body.anchors):
-            kept_places = (*body.anchors, (float(x), float(y)))
-        return replace(state.with_node(replace(body, anchors=kept_places)), moved=None, grab=None)
+        number = made.numbers[body.id]
+        vertices = made.machine.shapes[number].vertices
+        left = tuple(
+            anchor
+            for anchor in body.anchors
+            if held_vertex(anchor, body, state, vertices) != vertex
+        )
+        if len(left) == len(body.anchors):
+            now = made.machine.moved(number, made.motion(state.moved))[vertex]
+            spot = corner_spot(state, body, vertices[vertex])
+            left = (*left, Anchor(spot, None if state.moved is None else triple(now)))
+        return replace(state.with_node(replace(body, anchors=left)), grab=None)
 
     @override
     def step(
         self, state: PolyhedronState, held: Drag | None, seconds: float, context: Context
     ) -> PolyhedronState:
         """Return the state a moment later, pulled by the pen where it holds something."""
-        made = _machine(state)
+        state = as_held(state)
+        made = _machine(state, context)
         motion = made.motion(state.moved)
         pull, grab = None, None
         if held is not None:
@@ -99,14 +106,14 @@ class Move(ErasingTool):
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint; where nothing was turned yet, that."""
-        if not moving(state).numbers:
+        if not has_bodies(state):
             return NextStep("Touch a corner of a drawing to turn it into a solid.", tool="turn")
         return NextStep(f"{_freedoms(state)}{self.hint}")
 
 
 def _freedoms(state: PolyhedronState) -> str:
     """Return in how many ways a mechanism at rest can move, in a sentence; "" where unknown."""
-    if state.moved is not None or not is_mechanism(state):
+    if state.moved is not None or not is_mechanism(state) or state.shown(Followed):
         return ""
     made = moving(state)
     if not made.numbers or len(made.machine.rest.places) > MOST_PIECES:
@@ -117,8 +124,8 @@ def _freedoms(state: PolyhedronState) -> str:
     return f"It can move in {degrees} way{'s' if degrees > 1 else ''}. "
 
 
-def _machine(state: PolyhedronState) -> Moving:
-    made = moving(state)
+def _machine(state: PolyhedronState, context: Context) -> Moving:
+    made = moving(state, context.sources)
     if not made.numbers:
         raise UserError("There is nothing to move yet. Turn a drawing into a solid first.")
     return made
@@ -153,7 +160,7 @@ def _pressed(path: Stroke) -> float:
 
 def _nearest(
     state: PolyhedronState, made: Moving, camera: Camera, place: Array
-) -> tuple[Body, int]:
+) -> tuple[Body | Followed, int]:
     """Return the corner that is seen nearest to a place, with its body."""
     best: tuple[float, str, int] | None = None
     for body_id in made.numbers:
@@ -165,13 +172,14 @@ def _nearest(
             best = float(away[number]), body_id, number
     if best is None or best[0] > 2.0 * REACH:
         raise UserError("There is no corner here. Pull at a corner.")
-    return state.node(best[1]), best[2]
+    node: Body | Followed = state.node(best[1])
+    return node, best[2]
 
 
 def _pull(made: Moving, motion: Motion, grab: Grab, held: Drag) -> Pull | None:
     number = made.numbers[grab.body]
     holders = made.machine.holders[number]
-    if grab.vertex >= len(holders) or holders[grab.vertex] == GROUND:
+    if grab.vertex >= len(holders) or grab.vertex in made.machine.shapes[number].anchors:
         raise UserError("This corner is held. Pull at another one, or touch it to let it go.")
     place = made.machine.moved(number, motion)[grab.vertex]
     target = held.camera.on_plane(held.path.points[-1:], place, held.camera.axes[2])[0]

@@ -1,4 +1,4 @@
-"""Draw a loop or a circle on a face, then drag it in, out or through; drag chamfers wider."""
+"""Draw a loop or a circle on a face, then drag it in, out or through; drag edges wider."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Drag, Gesture, Ink, NextStep, Tap, override
 from bozzetto.scene import Scene
 from bozzetto_polyhedron.drawing_on.push import dragged_depth
-from bozzetto_polyhedron.model.changes import Chamfer, Push
+from bozzetto_polyhedron.model.changes import EdgeChange, Push
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.changes import loop_of, outline_of
 from bozzetto_polyhedron.solve.picking import solids_in
@@ -23,7 +23,7 @@ from bozzetto_polyhedron.tools.erase import ErasingTool
 from bozzetto_polyhedron.view.loops import (
     HANDLE,
     WIDTH_HANDLE,
-    chamfer_in_model,
+    edge_in_model,
     loop_in_model,
 )
 from bozzetto_polyhedron.view.scene import scene_after
@@ -41,6 +41,7 @@ class DrawOnFace(ErasingTool):
     id = "loop"
     title = "Draw on a face"
     icon = "icons/loop.svg"
+    group = "Faces"
     hint = "Draw a closed loop or a circle on a face of a solid."
 
     @override
@@ -69,11 +70,12 @@ class DrawOnFace(ErasingTool):
 
 
 class PushLoop(ErasingTool):
-    """Loops on faces have a dot that takes them in and out, chamfers one that widens them."""
+    """Loops on faces have a dot that takes them in and out, changed edges one that widens them."""
 
     id = "push"
     title = "Push or pull"
     icon = "icons/push.svg"
+    group = "Faces"
     hint = "Drag the dot of a loop in or out; touch it to cut through."
     gesture = "drag"
 
@@ -83,9 +85,9 @@ class PushLoop(ErasingTool):
         for push in state.shown(Push):
             if drag.handle == HANDLE + push.id:
                 return _dragged(state, push, drag)
-        for chamfer in state.shown(Chamfer):
-            if drag.handle == WIDTH_HANDLE + chamfer.id:
-                return _widened(state, chamfer, drag)
+        for change in state.shown(EdgeChange):
+            if drag.handle == WIDTH_HANDLE + change.id:
+                return _widened(state, change, drag)
         raise UserError(self.hint)
 
     @override
@@ -99,7 +101,7 @@ class PushLoop(ErasingTool):
     @override
     def preview(self, state: PolyhedronState, gesture: Gesture, context: Context) -> Scene:
         """Return the body as it would be."""
-        return scene_after(self.apply(state, gesture, context))
+        return scene_after(self.apply(state, gesture, context), context.sources)
 
 
 def _with_loop(state: PolyhedronState, body: Body, strokes: tuple[Stroke, ...]) -> PolyhedronState:
@@ -132,12 +134,12 @@ def _dragged(state: PolyhedronState, push: Push, drag: Drag) -> PolyhedronState:
     return with_change(state, body, made)
 
 
-def _widened(state: PolyhedronState, chamfer: Chamfer, drag: Drag) -> PolyhedronState:
-    body = state.node(chamfer.body)
-    start, along, across = chamfer_in_model(state, body, chamfer)
+def _widened(state: PolyhedronState, change: EdgeChange, drag: Drag) -> PolyhedronState:
+    body = state.node(change.body)
+    start, along, per_size = edge_in_model(state, body, change)
     x, y = (float(value) for value in drag.path.points[-1])
-    width = dragged_depth(drag.camera, along, start, (x, y)) / across / body.placement.scale
-    return with_change(state, body, replace(chamfer, width=max(rounded(width), 0.0)))
+    size = dragged_depth(drag.camera, along, start, (x, y)) / per_size / body.placement.scale
+    return with_change(state, body, change.sized(max(rounded(size), 0.0)))
 
 
 def _extent(corners: Array) -> float:

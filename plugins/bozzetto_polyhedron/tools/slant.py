@@ -22,6 +22,7 @@ class SlantTool(ErasingTool):
     id = "slant"
     title = "Keep slant"
     icon = "icons/slant.svg"
+    group = "Sizes and angles"
     hint = "Touch a face: it keeps the slant that was drawn. Touch it again for right angles."
     gesture = "tap"
 

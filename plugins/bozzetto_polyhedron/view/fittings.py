@@ -107,15 +107,15 @@ def _ends(state: PolyhedronState, made: Moving, motion: Motion, fitting: Fitting
         bodies[1] = bodies[0]
     if isinstance(fitting, Slider):
         bodies = ["", ""]
-    if any(body and body not in made.numbers for body in (*bodies, fitting.begin.body)):
+    if fitting.begin.body and made.number_of(fitting.begin.body) is None:
         return None
-    numbers = [made.numbers[body] if body else GROUND for body in bodies]
-    return np.stack(
-        [
-            made.moved_place(number, place, motion)
-            for number, place in zip(numbers, rest, strict=True)
-        ]
-    )
+    ends = []
+    for body, place in zip(bodies, rest, strict=True):
+        number = made.number_of(body) if body else GROUND
+        if number is None:
+            return None
+        ends.append(made.moved_place(number, place, motion))
+    return np.stack(ends)
 
 
 def _items(fitting: Fitting, ends: Array, side: Array, radius: float, chosen: bool) -> list[Item]:
@@ -158,7 +158,7 @@ def _drive(fitting: Driven) -> str:
 
 def _side(made: Moving, fitting: Fitting) -> Array:
     """Return the direction to which coils and arcs are wide: in the plane of a flat drawing."""
-    number = made.numbers.get(fitting.begin.body)
+    number = made.number_of(fitting.begin.body)
     normal = None if number is None else made.machine.shapes[number].normal
     return np.array([0.0, 1.0, 0.0] if normal is None else normal)
 

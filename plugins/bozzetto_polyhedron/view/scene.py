@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from bozzetto.scene import Item, Layer, Scene
 from bozzetto_polyhedron.flat_pages import page_curves
 from bozzetto_polyhedron.model.changes import Mirror
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solve.followed import Sources
 from bozzetto_polyhedron.solve.measured_edges import edge_at
-from bozzetto_polyhedron.solve.moving import Moving, is_mechanism, moving
+from bozzetto_polyhedron.solve.moving import NOTHING, Moving, is_mechanism, moving
 from bozzetto_polyhedron.solve.picking import solids_in
-from bozzetto_polyhedron.solve.pipeline import Solved, solved
+from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
 from bozzetto_polyhedron.view.drawing_layers import (
     finding_items,
     ink_items,
@@ -20,7 +22,7 @@ from bozzetto_polyhedron.view.drawing_layers import (
 )
 from bozzetto_polyhedron.view.fittings import fitting_items, force_items, trace_items
 from bozzetto_polyhedron.view.loops import loop_items
-from bozzetto_polyhedron.view.motion import anchor_items, moved_items
+from bozzetto_polyhedron.view.motion import anchor_items, followed_items, moved_items
 from bozzetto_polyhedron.view.solid_layers import (
     added_items,
     measure_item,
@@ -39,20 +41,18 @@ HANDLES = "handles"
 """Name of the layer that is shown with the tool that drags it."""
 
 
-def scene_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Scene:
+def scene_of(
+    state: PolyhedronState, results: Mapping[str, Solved], sources: Sources = NOTHING
+) -> Scene:
     """Return ink, lines, findings and solids of all bodies that are shown.
 
     A drawing shows its lines until it is turned into a solid, by a touch; from then on its ink
     lies on the edges. A drawing that already closes has its faces under the lines.
     """
     layers: dict[str, list[Item]] = {name: [] for name in LAYERS}
-    made = moving(state) if results and is_mechanism(state) else None
-    joined = {
-        other
-        for found in results.values()
-        if found.changed is not None
-        for other in found.changed.joined
-    }
+    known = bool(results or sources)
+    made = moving(state, sources) if known and is_mechanism(state) else None
+    joined = joined_bodies(results)
     bodies = [body for body in state.shown(Body) if body.id not in joined]
     for body in bodies:
         found = results.get(body.id)
@@ -65,6 +65,10 @@ def scene_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Scene:
         else:
             _add_solid(layers, body, found, state)
     if made is not None:
+        for part in state.shown(Followed):
+            if part.id in made.numbers:
+                layers["solid"] += followed_items(part, made, made.motion(state.moved))
+                layers["anchors"] += anchor_items(part, made, made.motion(state.moved))
         layers["fittings"] += fitting_items(state, made, made.motion(state.moved))
         if state.forces:
             layers["forces"] += force_items(state, made)
@@ -83,9 +87,9 @@ def scene_of(state: PolyhedronState, results: Mapping[str, Solved]) -> Scene:
     )
 
 
-def scene_after(state: PolyhedronState) -> Scene:
+def scene_after(state: PolyhedronState, sources: Sources) -> Scene:
     """Return the scene of a state that a gesture would make: solids are solved for it."""
-    return scene_of(state, {body.id: solved(body, state) for body in solids_in(state)})
+    return scene_of(state, {body.id: solved(body, state) for body in solids_in(state)}, sources)
 
 
 def _add_drawing(

@@ -153,13 +153,17 @@ def _turns(turns: Array, total: float) -> Array:
 def _centre(ring: Array) -> tuple[Array, float]:
     """Return a place from which all of a polygon is seen, and its least room to any side's line.
 
-    The mean of the corners is taken if it has enough room; else the place with the most.
+    It is also beyond the lines that cut the corners off, from middle to middle, so that no
+    quadrangle is bent inward there. The mean of the corners is taken if it has enough room; else
+    the place with the most.
     """
-    way = np.roll(ring, -1, axis=0) - ring
+    after = np.concatenate((np.roll(ring, -1, axis=0), ring[1::2]))
+    start = np.concatenate((ring, np.roll(ring[1::2], 1, axis=0)))
+    way = after - start
     way = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-12)
 
     def room(places: Array) -> Array:
-        return np.asarray(cross(way[None], places[:, None] - ring[None]).min(axis=1))
+        return np.asarray(cross(way[None], places[:, None] - start[None]).min(axis=1))
 
     mean = ring[0::2].mean(axis=0)
     here = float(room(mean[None])[0])

@@ -15,7 +15,7 @@ from bozzetto_product.fill.domain import Domain, cross
 CLEAR: Final = 0.7
 """Least distance of inner vertices from boundary vertices, in spacings."""
 
-SMOOTHINGS: Final = 12
+SMOOTHINGS: Final = 24
 """Rounds in which inner vertices go to the mean of their neighbours."""
 
 NEWTON_STEPS: Final = 8
@@ -58,9 +58,8 @@ def mesh_over(domain: Domain, ring: Array) -> DomainMesh:
     spacing = float(np.linalg.norm(ring - np.roll(ring, -1, axis=0), axis=1).mean())
     for finer in (1.0, 0.7, 0.5):
         inside = _even_places(domain, ring, finer * spacing)
-        for _ in range(2):
-            triangles = _between(domain, np.concatenate((ring, inside)), spacing)
-            inside = _smoothed(ring, inside, triangles)
+        triangles = _between(domain, np.concatenate((ring, inside)), spacing)
+        inside = _smoothed(ring, inside, triangles)
         triangles = _between(domain, np.concatenate((ring, inside)), spacing)
         if _fits(triangles, len(ring), len(ring) + len(inside)):
             patches, parameters = parameters_of(domain, inside)

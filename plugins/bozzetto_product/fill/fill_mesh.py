@@ -222,7 +222,11 @@ def _boundary(
 
 def radius_ratios(mesh: Mesh) -> Array:
     """Return twice the inner over the outer radius of each triangle, 0 … 1."""
-    corners = mesh.vertices.astype(np.float64)[mesh.faces]
+    return corner_ratios(mesh.vertices.astype(np.float64)[mesh.faces])
+
+
+def corner_ratios(corners: Array) -> Array:
+    """Return twice the inner over the outer radius of triangles by their corners, (n, 3, 3)."""
     a, b, c = (
         np.linalg.norm(corners[:, (k + 1) % 3] - corners[:, (k + 2) % 3], axis=1) for k in range(3)
     )

@@ -6,6 +6,7 @@ and so would a concave one: there sides run on, and are cut into their halves wh
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -25,6 +26,18 @@ KINK: Final = float(np.radians(0.5))
 
 KINK_COST: Final = 0.2
 """How much further from the middle of a side a cut may be to avoid a kink, as share."""
+
+INWARD: Final = float(np.radians(2.0))
+"""Turn inward about a place from which on no side starts there if it can start elsewhere."""
+
+SHOULDER: Final = 0.03
+"""Reach of the turns that count for a start on a smooth outline, as share of its length."""
+
+EVEN: Final = 2.0
+"""What uneven sides cost there, in radians by the squares of their shares of the length."""
+
+CANDIDATES: Final = 20
+"""Most places that are tried there."""
 
 FEWEST: Final = 3
 """Sides of a loop that has so many convex corners; others get four."""
@@ -80,7 +93,9 @@ def sides_of_loop(
         kinks += [corner.turn] + [0.0] * (len(cut) - 1)
         ordered = cut if forward else cut[::-1]
         pieces += [SidePiece(number, each, forward, normals.fields[number]) for each in ordered]
-    starts = _side_starts(kinds, kinks, [piece.piece.length for piece in pieces])
+    plain = kinds.count(1) >= FEWEST and -1 not in kinds
+    turns = [0.0] * len(pieces) if plain else _turns(pieces, normals)
+    starts = _side_starts(kinds, kinks, [piece.piece.length for piece in pieces], turns)
     sides = []
     for start, end in zip(starts, [*starts[1:], starts[0] + len(pieces)], strict=True):
         run = [index % len(pieces) for index in range(start, end)]
@@ -93,10 +108,29 @@ def sides_of_loop(
     return tuple(sides)
 
 
-def _side_starts(kinds: list[int], kinks: list[float], lengths: list[float]) -> list[int]:
+def _turns(pieces: Sequence[SidePiece], normals: LoopNormals) -> list[float]:
+    """Return how far the loop turns about the start of each piece, half a piece on both sides.
+
+    Negative where it bends inward; corners are not counted.
+    """
+    made = []
+    for piece in pieces:
+        first, last = piece.ends()
+        normal = normals.corners[piece.half_edge].normal
+        made.append(float(np.arctan2(np.cross(first, last) @ normal, first @ last)))
+    return [0.5 * (made[index - 1] + turn) for index, turn in enumerate(made)]
+
+
+def _side_starts(
+    kinds: list[int], kinks: list[float], lengths: list[float], turns: list[float]
+) -> list[int]:
     """Return the pieces with which sides start, rising."""
     count = len(kinds)
     starts = [index for index in range(count) if kinds[index] > 0]
+    if len(starts) < FEWEST and min(turns) < -INWARD:
+        found = _most_outward(starts, kinds, lengths, turns)
+        if found:
+            return found
     if not starts:
         return _quarters(_smoothest(kinks, lengths), count)
     wanted = len(starts) if len(starts) >= FEWEST else FEWEST + 1
@@ -105,7 +139,7 @@ def _side_starts(kinds: list[int], kinks: list[float], lengths: list[float]) -> 
     for one, two in zip(concave, following, strict=True):
         between = range(one + 1, two)
         if not any(index % count in starts for index in between) and len(between):
-            starts.append(_middle_of(list(between), lengths, one, two) % count)
+            starts.append(_middle_of(list(between), lengths, turns, one, two) % count)
     starts = sorted(set(starts))
     while len(starts) < wanted:
         runs = list(zip(starts, [*starts[1:], starts[0] + count], strict=True))
@@ -120,9 +154,38 @@ def _side_starts(kinds: list[int], kinks: list[float], lengths: list[float]) -> 
         longest = int(np.argmax(sizes))
         if sizes[longest] <= 0.0:
             break
-        starts.append(_middle_of(choices[longest], lengths, *runs[longest]) % count)
+        starts.append(_middle_of(choices[longest], lengths, turns, *runs[longest]) % count)
         starts.sort()
     return starts
+
+
+def _most_outward(
+    fixed: list[int], kinds: list[int], lengths: list[float], turns: list[float]
+) -> list[int]:
+    """Return four starts, fixed ones among them, where the loop is bent outward most; or none.
+
+    Of a smooth outline with a waist these are its four shoulders. No side gets two concave
+    corners, for it has one cut only, and none is shorter than two pieces.
+    """
+    count = len(kinds)
+    arc = np.cumsum([0.0, *lengths])
+    way = np.abs(arc[:count, None] - arc[None, :count])
+    way = np.minimum(way, arc[-1] - way) / arc[-1]
+    around = np.exp(-0.5 * (way / SHOULDER) ** 2) @ np.array(turns)
+    free = [k for k in np.argsort(-around).tolist() if kinds[k] == 0 and around[k] > 0.0]
+    concave = np.cumsum([0, *(kind < 0 for kind in kinds), *(kind < 0 for kind in kinds)])
+    best, most = [], -np.inf
+    for more in itertools.combinations(free[:CANDIDATES], FEWEST + 1 - len(fixed)):
+        starts = sorted((*fixed, *more))
+        ends = [*starts[1:], starts[0] + count]
+        pairs = list(zip(starts, ends, strict=True))
+        if any(b - a < 2 or concave[b] - concave[a + 1] > 1 for a, b in pairs):
+            continue
+        shares = np.diff([arc[k] for k in starts], append=arc[starts[0]] + arc[-1]) / arc[-1]
+        worth = float(around[list(more)].sum()) - EVEN * float(((shares - 0.25) ** 2).sum())
+        if worth > most:
+            best, most = starts, worth
+    return best
 
 
 def _quarters(start: int, count: int) -> list[int]:
@@ -142,12 +205,19 @@ def _smoothest(kinks: list[float], lengths: list[float]) -> int:
     return int(np.argmax(room[quarters].min(axis=1)))
 
 
-def _middle_of(choices: list[int], lengths: list[float], low: int, high: int) -> int:
-    """Return the one of some piece starts that is nearest to the middle of a run."""
+def _middle_of(
+    choices: list[int], lengths: list[float], turns: list[float], low: int, high: int
+) -> int:
+    """Return the one of some piece starts that is nearest to the middle of a run.
+
+    Places where the loop bends inward come last: a patch folds that has its corner there.
+    """
     count = len(lengths)
     arc = np.cumsum([0.0] + [lengths[i % count] for i in range(low, high)])
-    off = [abs(arc[index - low] - 0.5 * arc[-1]) for index in choices]
-    return choices[int(np.argmin(off))]
+    off = [
+        (turns[index % count] < -INWARD, abs(arc[index - low] - 0.5 * arc[-1])) for index in choices
+    ]
+    return choices[min(range(len(choices)), key=off.__getitem__)]
 
 
 def _cut_of(run: list[int], pieces: list[SidePiece], kinds: list[int], kinks: list[float]) -> int:

@@ -67,7 +67,7 @@ def fill_net(
         checkpoint()
         image = None if axis is None else image_loop(net, loop, axis)
         other = known.get(frozenset(image or ()))
-        if image and other is not None and axis is not None and _is_run_of(image, other.loop):
+        if image and other is not None and axis is not None and is_run_of(image, other.loop):
             made.append(mirrored_fill(other, net, loop, pieces, axis))
             continue
         fill = _filled(loop, own, tuple(pieces[edge] for edge, _ in loop), spacing)
@@ -77,7 +77,7 @@ def fill_net(
     return tuple(made)
 
 
-def _is_run_of(image: Loop, loop: Loop) -> bool:
+def is_run_of(image: Loop, loop: Loop) -> bool:
     """Whether a loop is another one, begun anywhere."""
     start = image.index(loop[0])
     return image[start:] + image[:start] == loop

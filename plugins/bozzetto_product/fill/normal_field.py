@@ -60,6 +60,15 @@ class NormalField:
         return np.asarray(rate / np.where(speed > 0.0, speed, np.inf))
 
     @cached_property
+    def end_curvatures(self) -> Array:
+        """The curvature vectors of the curve at start and end, (2, 3), by mm."""
+        at = self.parameters[[0, -1]]
+        way, bend = self.spline.derivative(at), self.spline.derivative(at, 2)
+        square = (way * way).sum(axis=1, keepdims=True)
+        square = np.where(square > 0.0, square, np.inf)
+        return np.asarray((bend - (bend * way).sum(axis=1, keepdims=True) / square * way) / square)
+
+    @cached_property
     def length(self) -> float:
         """Length of a chain of places on the curve, mm."""
         places = self.spline.value(self.parameters)

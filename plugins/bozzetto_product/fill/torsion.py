@@ -55,20 +55,10 @@ class TwistCorner:
         cosine = float(self.out @ self.back)
         sine = float(np.cross(self.out, self.back) @ self.normal)
         bends = [
-            float(end_curvature(fields[edge], end) @ self.normal)
+            float(fields[edge].end_curvatures[end] @ self.normal)
             for edge, end in (self.leave, self.enter)
         ]
         return (bends[1] - bends[0]) * cosine / sine
-
-
-def end_curvature(field: NormalField, end: int) -> Array:
-    """Return the curvature vector of a field's curve at its start or end, (3,), by mm."""
-    at = field.parameters[[0, -1]][end : end + 1]
-    way, bend = field.spline.derivative(at)[0], field.spline.derivative(at, 2)[0]
-    square = float(way @ way)
-    if square <= 0.0:
-        return np.zeros(3)
-    return np.asarray((bend - (bend @ way) / square * way) / square)
 
 
 @remembered(limit=4000, key=lambda field, changes: (field, changes.tobytes()))

@@ -56,13 +56,14 @@ def _bodies(result: ProductResult) -> tuple[Solid | Surface, ...]:
             continue
         closed, detailed = part.closed, _detailed(result, part.patches)
         if detailed is None:
-            mesh, groups, exact = part.mesh, part.groups, _sewn(part.patches)
+            mesh, groups = part.mesh, part.groups
+            exact = _sewn(part.patches) if result.is_exact else None
         else:
             mesh, groups, exact = detailed
             closed = closed and exact.is_closed and is_closed_mesh(mesh)
             if part.turned_over:
                 mesh = replace(mesh, faces=mesh.faces[:, ::-1])
-        if part.turned_over:
+        if part.turned_over and exact is not None:
             exact = exact.turned_over()
         kind = Solid if closed else Surface
         made.append(kind(mesh, exact=exact, groups=groups))

@@ -1,8 +1,7 @@
-"""The loop that a touch means, and what is left open."""
+"""The loop that a touch means."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -81,43 +80,3 @@ def _depth(ring: Array, origin: Array, direction: Array) -> float | None:
     depth = (second * other).sum(axis=1) / scale
     met = (np.abs(volume) > 0) & (u >= 0) & (v >= 0) & (u + v <= 1) & (depth > 0)
     return float(depth[met].min()) if met.any() else None
-
-
-@dataclass(frozen=True)
-class OpenEnds:
-    """What keeps loops from closing a body.
-
-    Parameters
-    ----------
-    free_ends : tuple of int
-        Nodes where one edge ends and nothing goes on.
-    open_edges : tuple of int
-        Edges with one loop only.
-    bare_edges : tuple of int
-        Edges without a loop.
-    """
-
-    free_ends: tuple[int, ...]
-    open_edges: tuple[int, ...]
-    bare_edges: tuple[int, ...]
-
-
-def open_ends(net: Net, loops: tuple[Loop, ...]) -> OpenEnds:
-    """Find free ends, and edges with fewer than two loops.
-
-    Parameters
-    ----------
-    net : Net
-        Where the loops are.
-    loops : tuple of Loop
-        Those that are surfaces.
-    """
-    ends = np.array([end for edge in net.edges for end in (edge.start, edge.end)], dtype=int)
-    degree = np.bincount(ends[ends >= 0], minlength=len(net.nodes))
-    used = np.array([edge for loop in loops for edge, _ in loop], dtype=int)
-    count = np.bincount(used, minlength=len(net.edges))
-    return OpenEnds(
-        tuple(np.flatnonzero(degree == 1).tolist()),
-        tuple(np.flatnonzero(count == 1).tolist()),
-        tuple(np.flatnonzero(count == 0).tolist()),
-    )

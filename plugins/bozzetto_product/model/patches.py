@@ -64,3 +64,13 @@ class CurveGroup(Group):
             help="How far curves between the group's surfaces give way to one fair surface.",
         ),
     ] = 0.0
+    v_spring: Annotated[
+        float,
+        Parameter(
+            "V-spring",
+            0.0,
+            1.0,
+            0.01,
+            help="Of surfaces as in the paper: how far they are evened across their curves.",
+        ),
+    ] = 0.0

@@ -20,6 +20,7 @@ from bozzetto_product.model.planes import Plane, Point
 from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 
 WallSide = Literal["inside", "outside"]
+SurfaceKind = Literal["fair", "paper"]
 Lay = Literal["surface", "upright", "plane"]
 
 
@@ -44,6 +45,14 @@ class ProductState(PartsState):
     mirror: Annotated[
         bool, Parameter("Draw symmetric", help="Curves get their mirror image while you draw.")
     ] = False
+    surfaces: Annotated[
+        SurfaceKind,
+        Parameter(
+            "Surfaces",
+            help="Fair and exact, or triangles as in the paper: V-spring and pressed membrane.",
+            choices=(("fair", "Fair"), ("paper", "As in the paper")),
+        ),
+    ] = "fair"
     wall: Annotated[
         float,
         Parameter(

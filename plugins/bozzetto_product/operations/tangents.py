@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
+from bozzetto_product.model.joints import Meeting
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import curve_of, is_end, joint_of, splines_of
 from bozzetto_product.operations.settling import settled_state
@@ -16,6 +18,11 @@ from bozzetto_product.projection.planes import mirror_image
 
 NO_LENGTH: Final = 1e-12
 """Length, as a share of the size of a curve, that gives no direction."""
+
+
+SQUARE: Final = 15.0
+"""Angle between the end of a curve and the normal of the symmetry plane, degrees, up to which the
+curve is meant to run smoothly into its mirror image: twice what a hand is off."""
 
 
 def end_direction(spline: Spline, at: float) -> Array:
@@ -114,6 +121,34 @@ def match_tangents(
             inward = inward / length
         new[name] = with_end_direction(splines[name], ends[name].at, inward)
     return settled_state(state, new)
+
+
+def smooth_over_plane(state: ProductState, meetings: Iterable[Meeting]) -> ProductState:
+    """Return the network with curves that run on into their mirror images without a kink.
+
+    Both meet at twice the angle that an end is off the normal of the symmetry plane, so that every
+    surface beside has a kink there, too. Ends that are nearly square to the plane are set square.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    meetings : iterable of Meeting
+        Ends of curves in the symmetry plane; those that are not square by far stay.
+    """
+    splines = splines_of(state)
+    normal = np.asarray(state.symmetry.normal)
+    new: dict[str, Spline] = {}
+    for meet in meetings:
+        spline = new.get(meet.curve, splines[meet.curve])
+        curve = curve_of(state, meet.curve)
+        if not curve.mirrored or curve.plane is not None or not is_end(splines, meet):
+            continue
+        way = end_direction(spline, meet.at)
+        upright = float(way @ normal)
+        if abs(upright) >= np.cos(np.radians(SQUARE)):
+            new[meet.curve] = with_end_direction(spline, meet.at, np.sign(upright) * normal)
+    return settled_state(state, new) if new else state
 
 
 def _across(direction: Array, state: ProductState) -> Array:

@@ -28,6 +28,7 @@ from bozzetto_product.operations.meetings import (
     unused_joint_ids,
 )
 from bozzetto_product.operations.settling import settled_state
+from bozzetto_product.operations.tangents import smooth_over_plane
 from bozzetto_product.projection.planes import heights, in_plane, mirror_image
 from bozzetto_product.projection.spline_basis import chord_length
 
@@ -127,10 +128,18 @@ def _with_ends_joined(
     fresh = iter(unused_joint_ids(state.joints, len(made)))
     named = [(joint if joint.id else replace(joint, id=next(fresh)), at) for joint, at in made]
     changed = {joint.id: joint for joint, _ in named}
+    known = {(joint.id, meet) for joint in state.joints for meet in joint.meetings}
+    flat = [
+        meet
+        for joint, _ in named
+        for meet in joint.meetings
+        if joint.in_plane and (joint.id, meet) not in known
+    ]
     joints = [changed.pop(joint.id, joint) for joint in state.joints]
     whole = replace(state, joints=(*joints, *changed.values()))
     pins = {joint.id: place for joint, place in named if place is not None}
-    return settled_state(whole, {}, pins), tuple(joint.id for joint, _ in named)
+    joined = settled_state(whole, {}, pins)
+    return smooth_over_plane(joined, flat), tuple(joint.id for joint, _ in named)
 
 
 def _with_crossings_joined(

@@ -71,20 +71,22 @@ def faired(
     mirror : Reflection
         In which twins are images of one another.
     """
-    parts = _parts(net, loops, sorted(members))
+    parts = hanging_parts(net, loops, sorted(members))
     moves: dict[int, Spline] = {}
     nodes = net.nodes.copy()
     whole = True
     for part in parts:
-        inner = _inner(net, loops, part)
+        inner = inner_edges(net, loops, part)
         ring = _outline(net, loops, part, inner)
         fill = None if ring is None or not inner else _filled(net, loops, part, ring)
         if fill is None:
             whole = whole and len(part) == 1
             continue
         _let_go(net, fill, inner, share, nodes, moves)
-    made = _mirrored(net, nodes, moves, mirror)
-    edges = tuple(_carried(edge, made.get(number), nodes) for number, edge in enumerate(net.edges))
+    made = twins_mirrored(net, nodes, moves, mirror)
+    edges = tuple(
+        carried_edge(edge, made.get(number), nodes) for number, edge in enumerate(net.edges)
+    )
     moved = frozenset(
         number
         for number, (one, two) in enumerate(zip(net.edges, edges, strict=True))
@@ -104,7 +106,7 @@ def _uses(loops: Sequence[Loop], part: Collection[int]) -> dict[int, list[tuple[
     return uses
 
 
-def _parts(net: Net, loops: Sequence[Loop], members: Sequence[int]) -> list[list[int]]:
+def hanging_parts(net: Net, loops: Sequence[Loop], members: Sequence[int]) -> list[list[int]]:
     """Return members that hang together over edges that are no creases."""
     from scipy.cluster.hierarchy import DisjointSet
 
@@ -115,7 +117,7 @@ def _parts(net: Net, loops: Sequence[Loop], members: Sequence[int]) -> list[list
     return sorted(sorted(subset) for subset in sets.subsets())
 
 
-def _inner(net: Net, loops: Sequence[Loop], part: Collection[int]) -> tuple[int, ...]:
+def inner_edges(net: Net, loops: Sequence[Loop], part: Collection[int]) -> tuple[int, ...]:
     """Return the edges between two surfaces of a part, creases apart, that no other surface has."""
     own, every = _uses(loops, part), _uses(loops, range(len(loops)))
     return tuple(
@@ -206,7 +208,7 @@ def _stations(spline: Spline) -> Array:
     return at if spline.closed else np.append(at, end)
 
 
-def _mirrored(
+def twins_mirrored(
     net: Net, nodes: Array, moves: dict[int, Spline], mirror: Reflection
 ) -> dict[int, Spline]:
     """Return the curves with twins as images of one another, and bring nodes to theirs."""
@@ -239,7 +241,7 @@ def _mirrored(
     return made
 
 
-def _carried(edge: Edge, spline: Spline | None, nodes: Array) -> Edge:
+def carried_edge(edge: Edge, spline: Spline | None, nodes: Array) -> Edge:
     """Return an edge with its new curve, its ends in the very numbers of its nodes."""
     curve = edge.spline if spline is None else spline
     if not curve.closed:

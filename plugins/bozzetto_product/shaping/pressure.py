@@ -69,9 +69,9 @@ class Inflated:
     limited: bool
 
 
-def volume_of_pressure(fill: Fill, pressure: float) -> float:
-    """Return the volume of a pressure, mm³; ±1 blows a disc up to about half a ball."""
-    return float(pressure * UNIT * fill.area**1.5)
+def volume_of_pressure(area: float, pressure: float) -> float:
+    """Return the volume of a pressure on an area in mm², mm³; ±1 blows a disc up to half a ball."""
+    return float(pressure * UNIT * area**1.5)
 
 
 def inflated(

@@ -63,7 +63,7 @@ def walled_bodies(
     outward = state.wall_side == "outside"
     made = []
     for part in joined_patches(tuple(patches)):
-        meshes = tuple(one.fill.mesh for one in part.patches if one.fill is not None)
+        meshes = tuple(one.mesh for one in part.patches if one.mesh is not None)
         turned = tuple(_turned_over(mesh) for mesh in meshes) if part.turned_over else meshes
         wall: Wall | None = walled(
             turned, state.wall, outward, lambda: job.checkpoint(0.95, "Walls")
@@ -92,7 +92,7 @@ def _connected(patches: Sequence[SolvedPatch]) -> Iterator[list[SolvedPatch]]:
 
 def _joined(part: Sequence[SolvedPatch]) -> tuple[Mesh, tuple[FaceGroup, ...]]:
     """Return one mesh, in which vertices at the very same place are one, and its groups."""
-    meshes = [one.fill.mesh for one in part if one.fill is not None]
+    meshes = [one.mesh for one in part if one.mesh is not None]
     vertices = np.concatenate([mesh.vertices for mesh in meshes])
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     faces = np.concatenate([m.faces + start for m, start in zip(meshes, starts, strict=True)])

@@ -63,7 +63,7 @@ def faired_groups(
     moved: set[int] = set()
     kept = []
     for group in state.of_kind(CurveGroup):
-        held = _held(state, group)
+        held = parts_within(state, group)
         members = frozenset(k for k, patch in enumerate(patches) if patch.id in held)
         if group.let_go <= 0.0 or len(members) < 2:
             continue
@@ -82,7 +82,7 @@ def _faired(
     return faired(net, loops, members, share, Reflection(symmetry))
 
 
-def _held(state: ProductState, group: CurveGroup) -> set[str]:
+def parts_within(state: ProductState, group: CurveGroup) -> set[str]:
     """Return the ids of all parts within a group, in groups within it too."""
     held = {group.id}
     while True:

@@ -7,11 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
+from bozzetto.geometry import Mesh
 from bozzetto_product.details.bodies import DetailedBodies
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.paper.paper_surface import PaperSurface
 from bozzetto_product.shaping.wall import Wall
 from bozzetto_product.solve.canvas import Canvas
 
@@ -27,7 +29,7 @@ class SolvedPatch:
         It is the mirror image.
     loop : Loop
         In the net, counter-clockwise seen from outside.
-    fill : Fill, optional
+    surface : Fill or PaperSurface, optional
         None where there is no sound surface.
     problem : str
         Why there is none, for a person.
@@ -35,15 +37,35 @@ class SolvedPatch:
         It holds less than its pressure asks for, or it would come off its smooth edges.
     pull_problem : str
         Why it does not follow a stroke that pulls it, for a person.
+    asked_smooth : tuple of bool
+        For each half edge of a loop surfaced as in the paper, whether the network asks for a
+        smooth joint there; an exact surface tells that itself.
     """
 
     patch: Patch
     mirrored: bool
     loop: Loop
-    fill: Fill | None
+    surface: Fill | PaperSurface | None
     problem: str = ""
     limited: bool = False
     pull_problem: str = ""
+    asked_smooth: tuple[bool, ...] = ()
+
+    @property
+    def fill(self) -> Fill | None:
+        """The surface if it is exact; None where there is none, or it is of triangles only."""
+        return self.surface if isinstance(self.surface, Fill) else None
+
+    @property
+    def mesh(self) -> Mesh | None:
+        """Triangles of the surface; None where there is none."""
+        return None if self.surface is None else self.surface.mesh
+
+    def is_smooth_at(self, half_edge: int) -> bool:
+        """Whether the network asks for a smooth joint at a half edge of the loop."""
+        if self.fill is None:
+            return self.asked_smooth[half_edge]
+        return bool(np.isfinite(self.fill.g1_degrees[half_edge]))
 
     @property
     def name(self) -> str:
@@ -105,7 +127,12 @@ class ProductResult:
     @property
     def filled(self) -> tuple[SolvedPatch, ...]:
         """The patches that have a surface."""
-        return tuple(one for one in self.patches if one.fill is not None)
+        return tuple(one for one in self.patches if one.surface is not None)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the surfaces have exact patches: those as in the paper are triangles only."""
+        return not any(isinstance(one.surface, PaperSurface) for one in self.patches)
 
     @cached_property
     def uses(self) -> tuple[int, ...]:

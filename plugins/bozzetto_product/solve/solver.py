@@ -29,6 +29,7 @@ from bozzetto_product.solve.bodies import walled_bodies
 from bozzetto_product.solve.canvas import canvases_of
 from bozzetto_product.solve.following import followed_curves
 from bozzetto_product.solve.groups import faired_groups
+from bozzetto_product.solve.paper_surfacing import surfaced_as_in_paper
 from bozzetto_product.solve.result import ProductResult, SolvedPatch
 
 FOLDED = (
@@ -65,30 +66,47 @@ def solve_product(state: ProductState, job: Job) -> ProductResult:
                 break
             wanted.append((patch, mirrored, loop))
     loops = orient_loops(net, [loop for _, _, loop in wanted]).loops
-    groups = faired_groups(state, net, loops, [patch for patch, _, _ in wanted])
+    meant = [(patch, mirrored) for patch, mirrored, _ in wanted]
+    if state.surfaces == "paper":
+        made = surfaced_as_in_paper(state, net, meant, loops, job)
+        patches, groups, detailed = made.patches, made.groups, DetailedBodies()
+    else:
+        groups = faired_groups(state, net, loops, [patch for patch, _ in meant])
+        job.checkpoint(0.2, "Groups")
+        patches = _fair_patches(state, groups.net, meant, loops, job)
+        job.checkpoint(0.95, "Details")
+        detailed = _detailed(patches, state, job)
     net, curves = groups.net, groups.shown(curves)
-    job.checkpoint(0.2, "Groups")
-    fills = _filled(net, tuple(loops), job)
-    patches = []
-    for (patch, mirrored, _), loop, fill in zip(wanted, loops, fills, strict=True):
-        surface, problem, limited = _pressed(fill, patch.pressure)
-        surface, unfit = _followed(surface, patch, mirrored, state.symmetry)
-        patches.append(SolvedPatch(patch, mirrored, loop, surface, problem, limited, unfit))
-    job.checkpoint(0.95, "Details")
-    detailed = _detailed(patches, state, job)
-    walls = walled_bodies(state, [one for one in patches if one.fill is not None], job)
+    walls = walled_bodies(state, [one for one in patches if one.surface is not None], job)
     job.checkpoint(1.0, "Surfaces")
     return ProductResult(
         curves,
         canvases,
         net,
-        tuple(patches),
+        patches,
         tuple(lost),
         walls,
         groups.let_go,
         groups.kept,
         detailed,
     )
+
+
+def _fair_patches(
+    state: ProductState,
+    net: Net,
+    meant: Sequence[tuple[Patch, bool]],
+    loops: Sequence[Loop],
+    job: Job,
+) -> tuple[SolvedPatch, ...]:
+    """Return exact surfaces under their pressure, pulled by their strokes."""
+    patches = []
+    fills = _filled(net, tuple(loops), job)
+    for (patch, mirrored), loop, fill in zip(meant, loops, fills, strict=True):
+        surface, problem, limited = _pressed(fill, patch.pressure)
+        surface, unfit = _followed(surface, patch, mirrored, state.symmetry)
+        patches.append(SolvedPatch(patch, mirrored, loop, surface, problem, limited, unfit))
+    return tuple(patches)
 
 
 def _detailed(patches: Sequence[SolvedPatch], state: ProductState, job: Job) -> DetailedBodies:
@@ -116,7 +134,7 @@ def _pressed(fill: Fill | None, pressure: float) -> tuple[Fill | None, str, bool
         return None, FOLDED, False
     if pressure == 0.0:
         return fill, "", False
-    found = inflated(fill, volume_of_pressure(fill, pressure))
+    found = inflated(fill, volume_of_pressure(fill.area, pressure))
     return found.fill, "", found.limited
 
 

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Ink, Job, NextStep, override
 from bozzetto_product.details.outline_places import NO_SURFACE, places_of_ink
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.solve.paper_surfacing import UNCARVED
 from bozzetto_product.solve.solver import grounds_of, solve_product
 from bozzetto_product.tools.product_tool import ProductTool
 
@@ -38,6 +40,8 @@ class DrawDetail(ProductTool):
         """Return the gesture, and where to choose what becomes of the area."""
         if not state.of_kind(Patch):
             return NextStep(NO_SURFACE)
+        if state.surfaces == "paper":
+            return NextStep(UNCARVED)
         if state.chosen_of(Detail) is not None:
             return NextStep(
                 "Choose kind, depth and draft angle in the panel, or draw another round."
@@ -58,6 +62,8 @@ class DrawDetail(ProductTool):
 
 def with_detail_drawn(state: ProductState, strokes: Sequence[Stroke]) -> ProductState:
     """Return the state with one more detail, the outline of which is ink on a surface."""
+    if state.surfaces == "paper":
+        raise UserError(UNCARVED)
     result = solve_product(replace(state, nodes=_without_details(state)), Job())
     places, closed = places_of_ink(strokes, grounds_of(result.patches))
     model = state.chosen_of(Detail) or next(reversed(state.of_kind(Detail)), None)

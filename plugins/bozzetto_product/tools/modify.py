@@ -27,6 +27,7 @@ class Modify(ProductTool):
     id = "modify"
     title = "Modify"
     icon = "icons/modify.svg"
+    group = "Reshape"
     hint = "Draw over a curve where it is to run; press harder to pull it closer."
     hovers = True
 

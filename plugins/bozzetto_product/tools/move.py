@@ -48,6 +48,7 @@ class Move(ProductTool):
     id = MOVE_TOOL
     title = "Move joint"
     icon = "icons/move.svg"
+    group = "Reshape"
     hint = "Drag a joint; the curves that meet there come along. Touch a surface to choose it."
     gesture = "drag"
 
@@ -128,7 +129,7 @@ def _surface_under(state: ProductState, tap: Tap, scene: Scene) -> str:
         return ""
     one = filled[met.number]
     # Another product may have surfaces, too.
-    same = one.fill is not None and np.array_equal(one.fill.mesh.vertices, met.item.mesh.vertices)
+    same = one.mesh is not None and np.array_equal(one.mesh.vertices, met.item.mesh.vertices)
     return one.patch.id if same else ""
 
 

@@ -14,6 +14,7 @@ from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.shaping.pull import pulled
+from bozzetto_product.solve.paper_surfacing import UNPULLED
 from bozzetto_product.solve.result import SolvedPatch
 from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.product_tool import ProductTool
@@ -31,6 +32,7 @@ class Pull(ProductTool):
     id = "pull"
     title = "Pull"
     icon = "icons/pull.svg"
+    group = "Reshape"
     hint = "See a surface from the side, and draw where its contour is to be."
 
     @override
@@ -38,6 +40,8 @@ class Pull(ProductTool):
         """Return the gesture; where there is no surface, that curves are to be drawn."""
         if not state.of_kind(Patch):
             return NextStep(_NOTHING, tool="draw")
+        if state.surfaces == "paper":
+            return NextStep(UNPULLED)
         return NextStep(self.hint)
 
     @override
@@ -75,6 +79,8 @@ def with_pull(state: ProductState, stroke: Stroke) -> ProductState:
     UserError
         If there is no surface under the stroke, or it cannot follow it.
     """
+    if state.surfaces == "paper":
+        raise UserError(UNPULLED)
     one = _meant(state, stroke)
     if one is None or one.fill is None:
         raise UserError(
@@ -102,7 +108,7 @@ def _meant(state: ProductState, stroke: Stroke) -> SolvedPatch | None:
     chosen = state.chosen_of(Patch)
     if chosen is not None:
         filled = tuple(one for one in filled if one.patch.id == chosen.id) or filled
-    meshes = [one.fill.mesh for one in filled if one.fill is not None]
+    meshes = [one.mesh for one in filled if one.mesh is not None]
     places = resample(stroke.points, count=LOOKS)
     scene = Scene((Layer("surfaces", tuple(Shaded(mesh) for mesh in meshes)),))
     hits = cast_rays(scene, stroke.camera.rays(places))

@@ -64,8 +64,8 @@ def surface_items(result: ProductResult, colors: Sequence[Color]) -> Iterator[Sh
         owner.patch for shell in result.detailed.changed for owner in _plain(result, shell).owners
     }
     for number, (one, color) in enumerate(zip(result.filled, colors, strict=True)):
-        assert one.fill is not None
-        mesh = changed.get(number, EMPTY if number in gone else one.fill.mesh)
+        assert one.mesh is not None
+        mesh = changed.get(number, EMPTY if number in gone else one.mesh)
         finish, opacity = SHOWN_FINISHES[one.patch.finish]
         yield Shaded(mesh, color=color, opacity=opacity, finish=finish)
     for owner, mesh in sorted(details, key=lambda row: row[0].detail):

@@ -44,6 +44,12 @@ DRAWN_WIDTH: Final = 1.2
 CHOSEN_WIDTH: Final = 3.4
 """Width of the chosen curve or of the boundary of the chosen surface, px."""
 
+MARGIN: Final = 1.3
+"""Width of the margin on each side of a curve, px: ink is seen on a dark paint by it, and light
+ink on a light one."""
+
+MARGIN_OPACITY: Final = 0.7
+
 OPEN_WIDTH: Final = 4.5
 """Width of the light on an open edge, px: it shows on both sides of the curve."""
 
@@ -92,6 +98,7 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
             Layer("open edges", tuple(_open(result)), tool=LOOP_TOOL),
         ]
         layers.append(Layer("let go", tuple(_as_drawn(state, result))))
+        layers.append(Layer("margins of curves", tuple(_margins(state, curves))))
     layers.append(Layer("curves", tuple(_curves(state, curves))))
     layers.append(Layer("plane", tuple(_plane(state)), tool="" if _lies_so(state) else PLANE_TOOL))
     if result is not None:
@@ -150,18 +157,39 @@ def _walls(result: ProductResult) -> Layer:
     return Layer("walls", tuple(items))
 
 
+def _margins(state: ProductState, curves: Iterable[Curve]) -> Iterator[Lines]:
+    """Yield what parts curves from the paint of the surfaces on both sides."""
+    for curve, points, _ in _seen(state, curves):
+        yield Lines(
+            points.astype(np.float32),
+            color="paper",
+            width=_width(state, curve) + 2.0 * MARGIN,
+            opacity=MARGIN_OPACITY,
+            hidden="hide",
+        )
+
+
 def _curves(state: ProductState, curves: Iterable[Curve]) -> Iterator[Lines]:
+    for curve, points, mirrored in _seen(state, curves):
+        color = "accent" if curve.id == state.selected else curve.color or "ink"
+        yield lines([points], "second" if mirrored else color, _width(state, curve))
+
+
+def _width(state: ProductState, curve: Curve) -> float:
+    return CHOSEN_WIDTH if curve.id == state.selected else WIDTH
+
+
+def _seen(state: ProductState, curves: Iterable[Curve]) -> Iterator[tuple[Curve, Array, bool]]:
+    """Yield the curves that are shown as chains, and whether they are mirror images."""
     shown = {curve.id for curve in state.shown(Curve)}
     mirror = Reflection(state.symmetry)
     for curve in curves:
         if curve.spline is None or curve.id not in shown:
             continue
-        chosen = curve.id == state.selected
-        width = CHOSEN_WIDTH if chosen else WIDTH
         points = polyline(curve.spline)
-        yield lines([points], "accent" if chosen else curve.color or "ink", width)
+        yield curve, points, False
         if curve.mirrored:
-            yield lines([mirror.points(points)], "second", width)
+            yield curve, mirror.points(points), True
 
 
 def _as_drawn(state: ProductState, result: ProductResult) -> Iterator[Lines]:

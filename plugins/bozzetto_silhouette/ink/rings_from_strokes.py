@@ -13,7 +13,9 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.ink import arc_length
 from bozzetto_silhouette.ink.jitter_filter import filtered
+from bozzetto_silhouette.ink.joints import joint, self_joint
 from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
 
 MOST_STROKES = 1_000
@@ -34,16 +36,6 @@ HOOK_TURN = np.deg2rad(50.0)
 OWN_GAP = 0.5
 """A stroke whose ends are farther apart than this share of its length is not closed by
 itself if another stroke can close it."""
-
-JOINT = 0.16
-"""Length of ink at an end in which an overlap with the next stroke is looked for, as a share
-of the shorter stroke."""
-
-FEW = 12
-"""A line of fewer samples is a polygon, not ink."""
-
-BESIDE = 0.02
-"""Ink that overlaps without crossing runs side by side no farther apart than this."""
 
 SMALLEST = 6e-3
 """Strokes smaller than this beside larger ones are specks."""
@@ -130,11 +122,6 @@ def _places(points: Array, size: float, middle: Array) -> list[tuple[float, floa
     return [(float(x), float(y)) for x, y in points * size + middle]
 
 
-def _arc(line: Array) -> Array:
-    """Return the arc length at the vertices of an open line (n, 2)."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-
-
 def thinned(line: Array) -> Array:
     """Drop samples that repeat or clump, and of a very long line all but `MOST_SAMPLES`."""
     clump = CLUMP
@@ -167,7 +154,7 @@ def _hook_cut(line: Array) -> Array:
     Only ink that is dense there can show a hook; the corners of a polygon given by its
     vertices are none.
     """
-    arc = _arc(line)
+    arc = arc_length(line)
     if arc[-1] < 8.0 * HOOK or np.searchsorted(arc, HOOK) < 6:
         return line
     at = np.arange(0.0, 2.2 * HOOK, HOOK / 8.0)
@@ -235,7 +222,7 @@ def _chains(lines: list[Array]) -> list[list[Array]]:
 
 def _cost_of_closing(line: Array) -> float:
     """Return the cost of joining the two ends of one stroke, comparable to gaps between strokes."""
-    arcs = _arc(line)
+    arcs = arc_length(line)
     gap = float(np.hypot(*(line[0] - line[-1])))
     share = gap / max(float(arcs[-1]), 1e-12)
     if len(line) > 2 and gap <= 1.5 * float(np.diff(arcs).max()):
@@ -254,108 +241,11 @@ def _closed(chain: list[Array]) -> Array:
     for i in range(len(lines)):
         j = (i + 1) % len(lines)
         if i == j:
-            line, bridge = _self_joint(lines[i])
+            line, bridge = self_joint(lines[i])
             lines[i] = line
         else:
-            lines[i], lines[j], bridge = _joint(lines[i], lines[j])
+            lines[i], lines[j], bridge = joint(lines[i], lines[j])
         bridges.append(bridge)
     pieces = [piece for pair in zip(lines, bridges, strict=True) for piece in pair]
     ring = np.concatenate(pieces)
     return ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)]
-
-
-def _self_joint(line: Array) -> tuple[Array, Array]:
-    """Close one stroke onto itself: its halves are joined like two strokes."""
-    arc = _arc(line)
-    gap = float(np.hypot(*(line[0] - line[-1])))
-    if len(line) < FEW or gap <= 1.5 * float(np.diff(arc).max()):
-        # A polygon given by its vertices: the missing side is one like the others.
-        import shapely
-
-        if len(line) < FEW or shapely.LinearRing(line).is_simple:
-            return line, np.zeros((0, 2))
-    half = int(np.clip(np.searchsorted(arc, 0.5 * arc[-1]), 1, len(line) - 1))
-    tail, head, bridge = _joint(line[half:], line[: half + 1])
-    return np.concatenate([head[:-1], tail]), bridge
-
-
-def _joint(a: Array, b: Array) -> tuple[Array, Array, Array]:
-    """Trim the end of `a` and the start of `b` where they overlap; bridge what is left."""
-    import shapely
-
-    arc_a, arc_b = _arc(a), _arc(b)
-    window = JOINT * min(arc_a[-1], arc_b[-1])
-    gap = float(np.hypot(*(b[0] - a[-1])))
-    window = max(window, 1.5 * gap) if gap < 0.25 * min(arc_a[-1], arc_b[-1]) else window
-    first = int(np.searchsorted(arc_a, arc_a[-1] - window, side="right")) - 1
-    last = int(np.searchsorted(arc_b, window)) + 1
-    first = max(first, 0)
-    tail, head = a[first:], b[:last]
-    if len(tail) < 2 or len(head) < 2:
-        return a, b, np.zeros((0, 2))
-    line_a, line_b = shapely.LineString(tail), shapely.LineString(head)
-    meet = shapely.get_coordinates(shapely.intersection(line_a, line_b))
-    if len(meet):
-        # The earliest crossing on `a`: what follows of `a` falls away, so no other is left.
-        along = shapely.line_locate_point(line_a, shapely.points(meet))
-        k = int(along.argmin())
-        return (
-            _upto(a, arc_a, arc_a[first] + along[k], meet[k]),
-            _from(
-                b, arc_b, float(shapely.line_locate_point(line_b, shapely.Point(meet[k]))), meet[k]
-            ),
-            np.zeros((0, 2)),
-        )
-    # Side by side: the end of one lies beside the other's ink.
-    on_b = float(shapely.line_locate_point(line_b, shapely.Point(a[-1])))
-    beside_b = float(shapely.distance(line_b, shapely.Point(a[-1])))
-    on_a = float(shapely.line_locate_point(line_a, shapely.Point(b[0])))
-    beside_a = float(shapely.distance(line_a, shapely.Point(b[0])))
-    if min(beside_a, beside_b) < min(0.35 * gap, BESIDE):
-        if beside_b <= beside_a and 0.0 < on_b < 0.98 * line_b.length:
-            b = b[np.searchsorted(arc_b, on_b + 1.5 * beside_b) :]
-        elif 0.02 * line_a.length < on_a < line_a.length:
-            cut = arc_a[first] + on_a - 1.5 * beside_a
-            a = a[: max(int(np.searchsorted(arc_a, cut)), 2)]
-    return a, b, _bridge(a, b)
-
-
-def _upto(line: Array, arc: Array, cut: float, end: Array) -> Array:
-    return np.vstack([line[: max(int(np.searchsorted(arc, cut)), 1)], end])
-
-
-def _from(line: Array, arc: Array, cut: float, start: Array) -> Array:
-    return np.vstack([start, line[int(np.searchsorted(arc, cut, side="right")) :]])
-
-
-def _bridge(a: Array, b: Array) -> Array:
-    """Return points that lead from the end of `a` to the start of `b`, both excluded.
-
-    A cubic that leaves and arrives in the direction of the ink, as long as that is roughly
-    where it has to go; else nothing: a straight line.
-    """
-    chord = b[0] - a[-1]
-    gap = float(np.hypot(*chord))
-    arc_a, arc_b = _arc(a), _arc(b)
-    reach = max(0.5 * gap, 0.015)
-    if gap < 0.01 or gap > 0.35 or min(arc_a[-1], arc_b[-1]) < 2.0 * reach:
-        return np.zeros((0, 2))
-    back = np.array([np.interp(arc_a[-1] - reach, arc_a, a[:, k]) for k in (0, 1)])
-    front = np.array([np.interp(reach, arc_b, b[:, k]) for k in (0, 1)])
-    leave, arrive = a[-1] - back, front - b[0]
-    # A polygon given by few vertices is closed straight.
-    if len(a) < 8 or np.hypot(*(a[-1] - a[-2])) > 0.6 * gap:
-        return np.zeros((0, 2))
-    cosines = [float(v @ chord) / max(float(np.hypot(*v)) * gap, 1e-300) for v in (leave, arrive)]
-    if min(cosines) < np.cos(np.deg2rad(65.0)):
-        return np.zeros((0, 2))
-    leave *= gap / np.hypot(*leave)
-    arrive *= gap / np.hypot(*arrive)
-    t = np.linspace(0.0, 1.0, max(int(np.ceil(gap / 0.006)), 3) + 1)[1:-1, None]
-    bridge: Array = (
-        (1 + 2 * t) * (1 - t) ** 2 * a[-1]
-        + t * (1 - t) ** 2 * leave
-        + t**2 * (3 - 2 * t) * b[0]
-        - t**2 * (1 - t) * arrive
-    )
-    return bridge

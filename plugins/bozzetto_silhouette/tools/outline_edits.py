@@ -151,6 +151,7 @@ class SketchOver(_EditsOutline):
     id = "oversketch"
     title = "Sketch over"
     icon = "icons/oversketch.svg"
+    group = "Outline"
     hint = "Draw a piece of the outline again, from the line back to the line."
     choose = staticmethod(ring_drawn_over)
     make = Oversketch
@@ -162,6 +163,7 @@ class Smooth(_EditsOutline):
     id = "smooth"
     title = "Smooth"
     icon = "icons/smooth.svg"
+    group = "Outline"
     hint = "Rub along the outline; broad or repeated rubbing smooths more."
     choose = staticmethod(rubbed_ring)
     make = Smoothing

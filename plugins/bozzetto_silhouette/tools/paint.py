@@ -24,6 +24,7 @@ class Paint(ErasingTool):
     id = "paint"
     title = "Paint"
     icon = "icons/paint.svg"
+    group = "Colours"
     hint = "Draw over a part to give it the paint colour; the eraser takes it away."
 
     @override

@@ -22,6 +22,7 @@ class ProjectPicture(ErasingTool):
     id = "picture"
     title = "Project picture"
     icon = "icons/picture.svg"
+    group = "Colours"
     hint = "Tap to lay the underlay on the shape; tap without an underlay to take it off."
     gesture = "tap"
 

@@ -8,11 +8,12 @@ from types import SimpleNamespace
 
 import pytest
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QColor, QImage
+from PySide6.QtGui import QColor, QContextMenuEvent, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLabel, QPushButton, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QMenu, QPushButton, QWidget
 
 from bozzetto.document.model import Document
+from bozzetto.plugin import NextStep
 from bozzetto.scene.palette import DARK, LIGHT
 from bozzetto_app.panels import status_line
 from bozzetto_app.panels.history import HistoryPanel
@@ -91,10 +92,6 @@ def test_waiting_ink_can_be_finished_or_dropped(shown, fake_session):
     assert not part(rail, "waiting").isVisible()
 
 
-def eleven_tools():
-    return tuple(fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11))
-
-
 def test_waiting_ink_does_not_make_a_low_window_higher(shown, fake_session):
     fake_session.toolbox.tools = tuple(
         fakes.ToolInfo(f"t{k}", f"T{k}", None, "") for k in range(11)
@@ -120,6 +117,96 @@ def test_tools_have_their_full_size_where_there_is_room(shown, fake_session):
     assert {(b.width(), b.height()) for b in rail.findChildren(IconButton) if b.isVisible()} == {
         (44, 44)
     }
+
+
+def grouped_tools():
+    groups = ("", "Edges", "", "Edges", "Edges")
+    return tuple(
+        fakes.ToolInfo(f"t{k}", f"T{k}", None, f"Hint {k}.", group=group)
+        for k, group in enumerate(groups)
+    )
+
+
+@pytest.fixture
+def grouped(shown, fake_session):
+    """A rail of three buttons, the second one for three tools."""
+    fake_session.toolbox.tools = grouped_tools()
+    fake_session.toolbox.tool = "t0"
+    return shown(ToolRail(fake_session))
+
+
+def taken(session):
+    return [args[0] for args, _ in session.calls.named("toolbox.take_tool")]
+
+
+def flyout(rail):
+    menu = rail.findChild(QMenu, "tool-group")
+    return None if menu is None or not menu.isVisible() else menu
+
+
+def test_a_group_is_one_button_that_shows_the_last_used_tool(grouped, fake_session):
+    assert [b.accessibleName() for b in buttons(grouped)] == ["T0", "T1", "T2"]
+    assert button(grouped, "T1").toolTip() == "T1  (2)\nEdges: T1, T3, T4"
+    fake_session.toolbox.last_used["Edges"] = "t3"
+    fake_session.toolbox.tool_changed.emit()
+    assert [b.accessibleName() for b in buttons(grouped)] == ["T0", "T3", "T2"]
+    assert chosen(grouped) == ["T0"]
+    button(grouped, "T3").click()
+    assert taken(fake_session) == ["t3"]
+
+
+def test_a_group_in_the_hand_opens_when_it_is_pressed_again(grouped, fake_session):
+    fake_session.toolbox.tool = "t4"
+    fake_session.toolbox.tool_changed.emit()
+    assert chosen(grouped) == ["T4"]
+    button(grouped, "T4").click()
+    menu = flyout(grouped)
+    assert [each.text() for each in menu.actions()] == ["T1", "T3", "T4"]
+    assert menu.activeAction().text() == "T4"
+    QTest.keyClick(menu, Qt.Key.Key_Up)
+    QTest.keyClick(menu, Qt.Key.Key_Return)
+    assert taken(fake_session) == ["t3"]
+
+
+@pytest.mark.parametrize("way", ["right key", "right button", "hold"])
+def test_other_ways_to_open_a_group_take_no_tool(qtbot, grouped, fake_session, way):
+    one = button(grouped, "T1")
+    if way == "right key":
+        QTest.keyClick(one, Qt.Key.Key_Right)
+    elif way == "right button":
+        middle = one.rect().center()
+        reason = QContextMenuEvent.Reason.Mouse
+        event = QContextMenuEvent(reason, middle, one.mapToGlobal(middle))
+        QApplication.sendEvent(one, event)
+    else:
+        QTest.mousePress(one, Qt.MouseButton.LeftButton)
+        qtbot.waitUntil(lambda: flyout(grouped) is not None)
+        QTest.mouseRelease(one, Qt.MouseButton.LeftButton)
+    assert flyout(grouped) is not None
+    assert taken(fake_session) == []
+    flyout(grouped).close()
+
+
+def test_a_button_of_one_tool_does_not_open(grouped):
+    QTest.keyClick(button(grouped, "T0"), Qt.Key.Key_Right)
+    assert flyout(grouped) is None
+
+
+def test_the_next_tool_comes_to_the_front_of_its_group(grouped, fake_session):
+    fake_session.hints.step = NextStep("Touch an edge.", tool="t4")
+    fake_session.hints.changed.emit()
+    front = button(grouped, "T4")
+    assert front.is_next
+    assert front.accessibleDescription() == "Touch an edge."
+
+
+def test_eighteen_tools_in_eight_groups_keep_their_size_in_a_low_window(shown, fake_session):
+    fake_session.toolbox.tools = tuple(
+        fakes.ToolInfo(f"t{k}", f"T{k}", None, "", group=f"G{k // 2}") for k in range(16)
+    )
+    rail = shown(ToolRail(fake_session))
+    rail.resize(rail.width(), 400)
+    assert {b.height() for b in buttons(rail)} == {44}
 
 
 # -- modelers --
@@ -318,7 +405,7 @@ def strip(qtbot, shown, fake_session):
 def test_samples_and_recent_files_can_be_chosen(qtbot, strip):
     with qtbot.waitSignal(strip.sample_chosen) as sample:
         button(strip, "Glasses").click()
-    assert sample.args == ["bozzetto.symmetry", Path("/samples/glasses.json")]
+    assert sample.args == ["bozzetto.symmetry", Path("/samples/glasses.json"), "Glasses"]
     with qtbot.waitSignal(strip.sample_watched) as watched:
         button(strip, "Watch Fish being drawn").click()
     assert watched.args == ["bozzetto.silhouette", Path("/samples/fish.json")]

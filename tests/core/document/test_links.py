@@ -23,12 +23,8 @@ from bozzetto.document.links import (
 )
 from bozzetto.document.model import LONGEST_CHAIN, Document, Model, OpaqueState
 from bozzetto.document.recovery.journal_records import ChangeWriter, Replay
-from bozzetto.document.storage.bozz_file import (
-    decode_document,
-    encode_document,
-    open_document,
-    parse_document,
-)
+from bozzetto.document.storage.bozz_file import decode_document, encode_document, open_document
+from bozzetto.document.storage.bozz_reader import parse_document
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Strokes

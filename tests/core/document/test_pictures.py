@@ -9,7 +9,8 @@ import pytest
 
 from bozzetto.document.model import Document, Model
 from bozzetto.document.recovery.journal_records import ChangeWriter, Replay
-from bozzetto.document.storage.bozz_file import parse_document, read_document, write_document
+from bozzetto.document.storage.bozz_file import read_document, write_document
+from bozzetto.document.storage.bozz_reader import parse_document
 from bozzetto.document.storage.state_codec import (
     check_encodable,
     decode_state,

@@ -10,7 +10,6 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -33,7 +32,6 @@ FIRST_SEED = 20_000
 NOISES = (0.0, 0.005, 0.01, 0.02)
 SLANTED = ("slanted prism", "slanted step", "tapered", "chamfered")
 UPRIGHT = ("rectilinear prism", "stairs", "letter prism", "boxes", "notched box")
-BINS = (0.0, 0.5, 0.7, 0.85, 0.95, 1.01)
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,6 @@ class Outcome:
     third: bool
     faces: bool
     side: bool
-    confidence: float
     seconds: float
     lines: int
 
@@ -74,7 +71,6 @@ def outcome(
         any(right[:3]),
         faces == solid.face_sets(),
         is_right(seen, shapes[0], noise, mirrored=False),
-        answers[0].confidence,
         seconds,
         len(solid.edges),
     )
@@ -143,10 +139,9 @@ def shapes(count: int) -> list[Outcome]:
     return every
 
 
-def loops(count: int) -> list[Outcome]:
-    """Print how often pockets, bosses and holes are right, and return what was judged."""
+def loops(count: int) -> None:
+    """Print how often pockets, bosses and holes are right."""
     head(f"Pockets, bosses and holes at 1 %, {count} drawings each")
-    every: list[Outcome] = []
     for label, marks, asked in (
         ("hidden lines light", 0.0, 92.0),
         ("hidden lines light, 10 % of them wrong", 0.1, 92.0),
@@ -162,7 +157,6 @@ def loops(count: int) -> list[Outcome]:
         print(row(f"{label}: shape and faces", right, asked))
         side = 100.0 if marks is not None else None
         print(row(f"{label}: near side of shapes", _side(found), side))
-        every += found if marks is not None else []
     found = outcomes(
         count,
         tuple(MAKERS),
@@ -170,7 +164,6 @@ def loops(count: int) -> list[Outcome]:
         lambda solid, seed: outcome(solid, seed, 0.01, 0.1),
     )
     print(row("any solid, 10 % of the marks wrong: near side of right shapes", _side(found), 100.0))
-    return every + found
 
 
 def _side(found: list[Outcome]) -> float:
@@ -200,19 +193,6 @@ def perspective(count: int) -> None:
                 print(row(f"{name}, eye at {distance:g} sizes, {label}", measured, parallel))
 
 
-def calibration(name: str, every: list[Outcome]) -> None:
-    """Print how far confidence is from the share that is right."""
-    head(f"Confidence, {name}, {len(every)} drawings")
-    for low, high in pairwise(BINS):
-        found = [each for each in every if low <= each.confidence < high]
-        if not found:
-            continue
-        said = 100.0 * float(np.mean([each.confidence for each in found]))
-        right = share([each.first for each in found])
-        label = f"said {said:.1f} %, right {right:.1f} % ({len(found)} drawings): difference"
-        print(row(label, abs(said - right), 5.0, "points", least=False))
-
-
 def speed(every: list[Outcome], count: int) -> None:
     """Print how long answers take."""
     head("Time on this machine")
@@ -233,9 +213,7 @@ def speed(every: list[Outcome], count: int) -> None:
 
 def main(count: int) -> None:
     plain = shapes(count)
-    marked = loops(count)
-    calibration("all lines alike", plain)
-    calibration("hidden lines light", marked)
+    loops(count)
     speed(plain, count)
     perspective(count // 2)
 

@@ -18,12 +18,12 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry import Solid
-from bozzetto_polyhedron.graph.build import graph_of
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.hand_over import mesh_of
+from tests.plugins.polyhedron.graph_truth import graph_of
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
 from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
 from tests.plugins.polyhedron.objects import CAMERA, View, in_eye_frame, is_right, made, view

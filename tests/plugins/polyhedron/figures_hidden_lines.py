@@ -15,12 +15,11 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke
-from bozzetto_polyhedron.graph.build import graph_of
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
 from bozzetto_polyhedron.solve.completion import completed
 from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT, is_whole, share
-from tests.plugins.polyhedron.graph_truth import is_right
+from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
 from tests.plugins.polyhedron.objects import CAMERA, View, hidden_places, made, view
 

@@ -22,11 +22,11 @@ from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.face_rings import area_vector, edges_of
 from bozzetto_polyhedron.solid.planar_body import PlanarBody
-from bozzetto_polyhedron.solid.triangulation import face_areas, face_triangles, volume_of
+from bozzetto_polyhedron.solid.triangulation import face_triangles, volume_of
 from bozzetto_polyhedron.solid.unfolding import nets
 from bozzetto_polyhedron.solid.visibility import visible_pieces
 from tests.plugins.polyhedron.objects import CAMERA, SPAN, graph_of, made, view
-from tests.plugins.polyhedron.true_bodies import polygon_area
+from tests.plugins.polyhedron.true_bodies import face_areas, polygon_area
 
 NOISES = (0.005, 0.01, 0.02)
 

@@ -1,10 +1,10 @@
-"""Fit the weights of the ranking and the table of its confidence.
+"""Fit the weights of the ranking.
 
 ``python -m tests.plugins.polyhedron.fit_ranking [drawings]`` draws random solids with seeds below
 1000, reads them, and writes ``ranking_weights.py``. The weights maximise the likelihood of the
 right reading among all that were found for a drawing, with a pull towards ``START``, most of which
-were fitted to CAD parts that are not in this repository. The confidence is measured on drawings
-that its weights were not fitted to: both halves in turn.
+were fitted to CAD parts that are not in this repository. Both halves in turn tell how often the
+first reading is right on drawings that the weights were not fitted to; run ``fit_confidence`` then.
 """
 
 from __future__ import annotations
@@ -51,7 +51,6 @@ START = {
     "parts that hang nowhere": -1.5,
     "marks of hidden lines": 0.7,
 }
-SHARES = (0.0, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.96, 0.99, 1.0)
 
 HEADER = '''\
 """Numbers of the ranking; written by ``python -m tests.plugins.polyhedron.fit_ranking``."""
@@ -70,7 +69,6 @@ class Example:
 
     features: np.ndarray
     right: np.ndarray
-    marked: bool
 
 
 def example(seed: int) -> Example | None:
@@ -100,7 +98,7 @@ def example(seed: int) -> Example | None:
         ]
     )
     right = shaped & whole if (shaped & whole).any() else shaped
-    return Example(np.array([each.features for each in found]), right, marks is not None)
+    return Example(np.array([each.features for each in found]), right)
 
 
 def fitted(examples: list[Example]) -> np.ndarray:
@@ -129,58 +127,21 @@ def softmax(values: np.ndarray) -> np.ndarray:
     return found / found.sum()
 
 
-def first_shares(examples: list[Example], weights: np.ndarray) -> np.ndarray:
-    """Return share and rightness of the first reading of each example, (k, 2)."""
-    found = []
-    for each in examples:
-        shares = softmax(each.features @ weights)
-        found.append((shares.max(), float(each.right[shares.argmax()])))
-    return np.array(found)
-
-
-def table(measured: np.ndarray) -> list[float]:
-    """Return how often the first reading is right at each of the shares, never falling."""
-    knots = np.array(SHARES)
-    hats = np.array([np.interp(measured[:, 0], knots, row) for row in np.eye(len(knots))])
-    counts = hats.sum(1)
-    rates = (hats @ measured[:, 1] + 3.0 * np.clip(knots, 0.1, 0.97)) / (counts + 3.0)
-    weights = counts + 3.0
-    blocks: list[list[float]] = []
-    for rate, weight in zip(rates, weights, strict=True):
-        blocks.append([rate, weight, 1])
-        while len(blocks) > 1 and blocks[-2][0] > blocks[-1][0]:
-            last = blocks.pop()
-            both = blocks[-1][1] + last[1]
-            blocks[-1][0] = (blocks[-1][0] * blocks[-1][1] + last[0] * last[1]) / both
-            blocks[-1][1:] = [both, blocks[-1][2] + last[2]]
-    return [round(float(rate), 3) for rate, _, count in blocks for _ in range(int(count))]
+def first_is_right(examples: list[Example], weights: np.ndarray) -> list[bool]:
+    """Return for each example whether the reading of the highest score is right."""
+    return [bool(each.right[(each.features @ weights).argmax()]) for each in examples]
 
 
 def main(count: int) -> None:
     examples = [each for seed in range(count) if (each := example(seed)) is not None]
     weights = fitted(examples)
     halves = (examples[::2], examples[1::2])
-    measured = [
-        [(*pair, each.marked) for pair, each in zip(first_shares(b, fitted(a)), b, strict=True)]
-        for a, b in (halves, halves[::-1])
-    ]
-    rows = np.array([row for half in measured for row in half])
-    print(f"{len(examples)} drawings; first one right on the other half: {rows[:, 1].mean():.3f}")
-    path = Path(written.__file__)
+    right = [first_is_right(b, fitted(a)) for a, b in (halves, halves[::-1])]
+    share = np.concatenate(right).mean()
+    print(f"{len(examples)} drawings; first one right on the other half: {share:.3f}")
     lines = [f'    "{name}": {weight:.2f},' for name, weight in zip(FEATURES, weights, strict=True)]
-    unmarked, marked = (table(rows[rows[:, 2] == kind, :2]) for kind in (0, 1))
-    path.write_text(
-        HEADER
-        + "\n".join(lines)
-        + '\n}\n"""Weight of each measure."""\n\n'
-        + f"SHARES: Final = {SHARES}\n"
-        + '"""Shares of the first answer at which its probability was measured."""\n\n'
-        + f"CONFIDENCE_OF_UNMARKED: Final = {tuple(unmarked)}\n"
-        + '"""How often the first answer was right at these shares, all lines drawn alike."""\n\n'
-        + f"CONFIDENCE_OF_MARKED: Final = {tuple(marked)}\n"
-        + '"""The same with hidden lines drawn lightly."""\n',
-        encoding="utf-8",
-    )
+    text = HEADER + "\n".join(lines) + '\n}\n"""Weight of each measure."""\n'
+    Path(written.__file__).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Whether a graph is the one that was drawn."""
+"""The graph of strokes, and whether it is the one that was drawn."""
 
 from __future__ import annotations
 
@@ -8,6 +8,13 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.graph.live import searched
+from bozzetto_polyhedron.graph.segments import Drawn
+
+
+def graph_of(strokes: Sequence[Drawn]) -> LineGraph:
+    """Return lines and corners as the whole search finds them."""
+    return searched(strokes).graph
 
 
 def is_right(graph: LineGraph, places: Array, edges: Sequence[tuple[int, int]]) -> bool:

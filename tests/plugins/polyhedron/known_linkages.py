@@ -41,6 +41,8 @@ class Linkage:
         The corner that slides along the x-axis.
     drive : dict
         Of the motor; see `bozzetto_polyhedron.model.fittings.Driven`.
+    more : tuple of (str, dict)
+        Further bars that are turned, and how.
     """
 
     corners: Corners
@@ -51,6 +53,7 @@ class Linkage:
     pins: tuple[tuple[str, str], ...] = ()
     guided: str = ""
     drive: dict[str, object] = field(default_factory=lambda: {"speed": 180.0})
+    more: tuple[tuple[str, dict[str, object]], ...] = ()
 
 
 def meeting(one: np.ndarray, first: float, other: np.ndarray, second: float) -> np.ndarray:
@@ -166,10 +169,11 @@ def walking(friction: float, rate: float) -> tuple[Assembly, Motion]:
         np.array([rod for rod, _ in feet]),
         np.array([arm for _, arm in feet]),
         min(float(known.corners[leg[4]][1]) for leg in LEGS) / 1e3,
-        friction,
     )
     gravity = np.array([0.0, 0.0, -9.81])
-    return replace(assembly, joints=joints, ground=ground, gravity=gravity), motion
+    return replace(
+        assembly, joints=joints, ground=ground, gravity=gravity, friction=friction
+    ), motion
 
 
 def scissor() -> Linkage:
@@ -183,3 +187,35 @@ def scissor() -> Linkage:
     bars = ("ad", "bc", "cf", "de")
     pins = (("ad", "bc"), ("cf", "de"))
     return Linkage(corners, bars, "a", "ad", "f", pins, guided="b", drive=RISE)
+
+
+def robot_arm() -> Linkage:
+    """An arm of two braced booms and a gripper on a stand, with a motor in every joint."""
+    at = {
+        "a": (-40.0, 0.0), "b": (40.0, 0.0), "s": (0.0, 84.0),
+        "c": (4.0, 150.0), "e": (60.0, 186.0),
+        "d": (106.0, 204.0), "w": (176.0, 140.0),
+        "g": (222.0, 124.0), "h": (188.0, 90.0),
+    }  # fmt: skip
+    corners = {name: np.array(place) for name, place in at.items()}
+    stand = ("ab", "as", "bs")
+    booms = ("se", "sc", "ce", "ew", "ed", "dw")
+    gripper = ("wg", "wh")
+
+    def to_and_fro(angle: float, period: float) -> dict[str, object]:
+        return {"drive": "swing", "angle": angle, "period": period}
+
+    more = (
+        ("ew", to_and_fro(-28.0, 2.0)),
+        ("wg", to_and_fro(14.0, 1.0)),
+        ("wh", to_and_fro(-14.0, 1.0)),
+    )
+    return Linkage(
+        corners,
+        (*stand, *booms, *gripper),
+        "ab",
+        "se",
+        "w",
+        drive=to_and_fro(22.0, 4.0),
+        more=more,
+    )

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bozzetto_polyhedron.mechanism.analysis import balance_of, weights
 from bozzetto_polyhedron.mechanism.assembly import (
     GROUND,
     Assembly,
@@ -91,6 +92,13 @@ def bars(
     return made, motion, free
 
 
+def tensions(assembly: Assembly, motion: Motion, loads: np.ndarray) -> np.ndarray:
+    """Return how much each massless bar is pulled by its weight and by forces (n, 3), N."""
+    every = weights(assembly)
+    every[:, :3] += loads
+    return -balance_of(assembly, motion, every).rows
+
+
 def box_on_ground(
     *, height: float, turn: tuple[float, float, float] = (0.0, 0.0, 0.0), friction: float = 0.5
 ) -> tuple[Assembly, Motion]:
@@ -98,7 +106,7 @@ def box_on_ground(
     size, mass = np.array([0.1, 0.06, 0.04]), 0.2
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     inertia = mass / 12.0 * np.diag((size**2).sum() - size**2)
-    ground = Ground(np.zeros(8, np.intp), 0.5 * size * signs, 0.0, friction)
+    ground = Ground(np.zeros(8, np.intp), 0.5 * size * signs, 0.0)
     motion = Motion.at_rest(np.array([[0.0, 0.0, height]]))
     turned = replace(motion, turns=rotations_by(np.array([turn], float)))
-    return Assembly(np.array([mass]), inertia[None], ground=ground), turned
+    return Assembly(np.array([mass]), inertia[None], ground=ground, friction=friction), turned

@@ -8,39 +8,23 @@ import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
 
-from bozzetto.plugin import Ink, Job
+from bozzetto.plugin import Ink
 from bozzetto.testing import Pen, Shell
 from bozzetto.view import turn
 from bozzetto_polyhedron.model.changes import Added, Join
 from bozzetto_polyhedron.model.state import Body
-from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
+from bozzetto_polyhedron.solve.moving import moving
 from bozzetto_polyhedron.tools.draw_lines import DrawLines
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
 from tests.plugins.polyhedron.objects import OBJECTS
+from tests.plugins.polyhedron.shell_bodies import MODELER, body, changed, with_box
 from tests.plugins.polyhedron.test_exact_planes import off_planes
-
-MODELER = PolyhedronModeler()
 
 
 @pytest.fixture
 def box(shell) -> Shell:
-    """A box of known planes, seen in another view than that of its drawing."""
-    solid = OBJECTS["box"]
-    shell.open("bozzetto.polyhedron")
-    shell.camera = VIEW
-    shell.draw(*strokes_of(fitted(solid), solid.edges, jitter=1.0, seed=9400))
-    shell.run("next-answer")
-    shell.camera = turn(VIEW, 12.0, -9.0)
-    return shell
-
-
-def body(shell: Shell, number: str = "n1"):
-    return MODELER.solve(shell.state, Job()).bodies[number].body
-
-
-def changed(shell: Shell):
-    return MODELER.solve(shell.state, Job()).bodies["n1"].changed
+    return with_box(shell, seed=9400, turned=(12.0, -9.0))
 
 
 def top(made) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -217,6 +201,12 @@ def test_strokes_from_corner_to_corner_bridge_two_solids(two):
     assert volume_of(made) > volume_of(one) + volume_of(other)
     assert genus_of(made) == 0
     assert len(two.shapes().breps) == 1
+    machine = moving(two.state)
+    assert list(machine.numbers) == ["n1"]
+    assert machine.number_of("n2") == 0
+    assert len(machine.machine.rest.places) == 1
+    volume = machine.machine.assembly.masses[0] / two.state.node("n1").density * 1e9
+    assert volume == pytest.approx(volume_of(made), rel=1e-9)
 
 
 def test_a_stroke_to_a_corner_brings_the_other_solid_there(box):

@@ -20,12 +20,12 @@ from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.hand_over import brep_of, mesh_of, solid_of
 from bozzetto_polyhedron.solid.sheet import sheet_solid
-from bozzetto_polyhedron.solid.triangulation import face_areas, genus_of, triangles_of, volume_of
+from bozzetto_polyhedron.solid.triangulation import genus_of, triangles_of, volume_of
 from bozzetto_polyhedron.solid.unfolding import face_curves, laid_faces, net_curves, nets
 from bozzetto_polyhedron.solid.upright import upright
 from bozzetto_polyhedron.solid.visibility import visible_pieces
 from tests.core.exchange.test_curve_interop import ask
-from tests.plugins.polyhedron.true_bodies import all_bodies, drawn, polygon_area
+from tests.plugins.polyhedron.true_bodies import all_bodies, drawn, face_areas, polygon_area
 
 BODIES = {body.name: body for body in all_bodies()}
 

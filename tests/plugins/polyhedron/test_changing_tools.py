@@ -9,13 +9,11 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import brep_mesh
-from bozzetto.plugin import Drag, Job, Tap
+from bozzetto.plugin import Drag, Tap
 from bozzetto.testing import Pen, Shell
-from bozzetto.view import turn
 from bozzetto_polyhedron.drawing_on.cylinders import round_edges, walls_of
 from bozzetto_polyhedron.model.changes import Chamfer, Copies, Mirror, Push
 from bozzetto_polyhedron.model.state import Body, Measure
-from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.solid.face_rings import edges_of, tangents
 from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
 from bozzetto_polyhedron.tools.chamfer import ChamferTool
@@ -23,32 +21,13 @@ from bozzetto_polyhedron.tools.mirror import MirrorTool
 from bozzetto_polyhedron.tools.push import PushLoop
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
 from tests.plugins.polyhedron.objects import OBJECTS
+from tests.plugins.polyhedron.shell_bodies import MODELER, body, changed, facing, with_box
 from tests.plugins.polyhedron.test_exact_planes import off_planes
-
-MODELER = PolyhedronModeler()
 
 
 @pytest.fixture
 def box(shell) -> Shell:
-    solid = OBJECTS["box"]
-    shell.open("bozzetto.polyhedron")
-    shell.camera = VIEW
-    shell.draw(*strokes_of(fitted(solid), solid.edges, jitter=1.0, seed=9500))
-    shell.run("next-answer")
-    shell.camera = turn(VIEW, 15.0, -6.0)
-    return shell
-
-
-def changed(shell: Shell):
-    return MODELER.solve(shell.state, Job()).bodies["n1"].changed
-
-
-def body(shell: Shell):
-    return changed(shell).body
-
-
-def facing(shell: Shell) -> int:
-    return int(np.argmin(body(shell).normals @ shell.camera.axes[2]))
+    return with_box(shell, seed=9500)
 
 
 def draw_circle(shell: Shell, radius: float = 15.0, corners: int = 90) -> np.ndarray:

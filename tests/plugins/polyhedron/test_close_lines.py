@@ -7,10 +7,10 @@ import pytest
 
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke
-from bozzetto_polyhedron.graph.build import graph_of, normalized, size_of
+from bozzetto_polyhedron.graph.build import normalized, size_of
 from bozzetto_polyhedron.graph.dashes import rows_of_dashes
 from bozzetto_polyhedron.graph.segments import Segments, pieces_of
-from tests.plugins.polyhedron.graph_truth import is_right
+from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import SIZE, Hand, owned_strokes_of, strokes_of
 from tests.plugins.polyhedron.objects import made, view
 

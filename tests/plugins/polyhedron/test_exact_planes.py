@@ -15,12 +15,13 @@ from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.solid.equal_lengths import equal_lengths
 from bozzetto_polyhedron.solid.exact import EqualLengths, exact_body
 from bozzetto_polyhedron.solid.face_rings import edges_of
-from bozzetto_polyhedron.solid.triangulation import face_areas, genus_of, volume_of
+from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
 from bozzetto_polyhedron.solid.upright import upright
 from tests.plugins.polyhedron.true_bodies import (
     all_bodies,
     cuboid_with_loop,
     drawn,
+    face_areas,
     of_prism,
     parallel_camera,
     prism,

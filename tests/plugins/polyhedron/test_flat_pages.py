@@ -12,10 +12,9 @@ from bozzetto.plugin import Job
 from bozzetto.testing import Shell
 from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.solid.face_rings import edges_of
-from bozzetto_polyhedron.solid.triangulation import face_areas
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
 from tests.plugins.polyhedron.objects import OBJECTS
-from tests.plugins.polyhedron.true_bodies import polygon_area
+from tests.plugins.polyhedron.true_bodies import face_areas, polygon_area
 from tests.plugins.polyhedron.write_samples import FOLDER
 
 MODELER = PolyhedronModeler()

@@ -11,15 +11,15 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context
 from bozzetto_polyhedron.commands.hidden_edges import draw_hidden_edges, without_guessed
-from bozzetto_polyhedron.graph.build import graph_of
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.model.assign_stroke import new_body
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
 from bozzetto_polyhedron.solve.pipeline import solved
 from tests.plugins.polyhedron.figures_hidden_lines import drawing, outcome, visible_lines
+from tests.plugins.polyhedron.graph_truth import graph_of
 from tests.plugins.polyhedron.hand import SIZE, Hand
-from tests.plugins.polyhedron.objects import OBJECTS, Polyhedron, View, view
+from tests.plugins.polyhedron.objects import OBJECTS, Polyhedron, View, frustum, view
 
 STEADY = Hand(jitter=0.0, wobble=0.0, tremble=0.0)
 
@@ -53,6 +53,28 @@ def test_hidden_lines_of_a_prism_are_those_of_the_solid(name: str, seed: int) ->
         if share == 1.0
     }
     assert hidden <= found <= edges
+
+
+def pyramid() -> Polyhedron:
+    base = [(-1.0, -0.8, 0.0), (1.0, -0.8, 0.0), (1.0, 0.8, 0.0), (-1.0, 0.8, 0.0)]
+    rings = [(0, 3, 2, 1), *((k, (k + 1) % 4, 4) for k in range(4))]
+    edges = np.array([(k, (k + 1) % 4) for k in range(4)] + [(k, 4) for k in range(4)])
+    faces = tuple((ring,) for ring in rings)
+    return Polyhedron(np.array([*base, (0.0, 0.0, 1.7)]), edges, faces)
+
+
+@pytest.mark.parametrize("solid", [pyramid(), frustum(4)], ids=["pyramid", "frustum"])
+@pytest.mark.parametrize("seed", [1, 2, 4, 5, 6])
+def test_mirror_images_are_among_the_guesses(solid: Polyhedron, seed: int) -> None:
+    seen, graph = seen_graph(solid, seed)
+    hidden = {tuple(sorted(p)) for p, s in zip(solid.edges.tolist(), seen.hidden, strict=True) if s}
+    corners = seen.plane * (1.0, -1.0) * SIZE
+    found = []
+    for guess in hidden_lines(graph):
+        away = np.linalg.norm(guess.ends.reshape(-1, 1, 2) - corners, axis=2)
+        if away.min(1).max() < 0.02 * SIZE:
+            found.append({tuple(sorted(p)) for p in away.argmin(1).reshape(-1, 2).tolist()})
+    assert hidden in found
 
 
 def test_a_drawing_with_all_lines_has_none_to_guess() -> None:

@@ -9,12 +9,13 @@ import pytest
 
 from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.mechanism.stepper import Stepper
-from bozzetto_polyhedron.model.fittings import Trace
+from bozzetto_polyhedron.model.fittings import Pin, Trace
 from bozzetto_polyhedron.model.state import Body
 from bozzetto_polyhedron.solve.moving import moving
 from bozzetto_polyhedron.solve.paths import path_of
+from bozzetto_polyhedron.view.fittings import seen_ends
 from tests.plugins.polyhedron import known_linkages
-from tests.plugins.polyhedron.linkages import SHEET, drawn, on_sheet, places, played
+from tests.plugins.polyhedron.linkages import SHEET, drawn, on_sheet, places, played, with_motor
 
 
 def path(state) -> np.ndarray:
@@ -100,3 +101,27 @@ def test_bars_that_are_drawn_have_the_lengths_of_the_plan():
     assert all(np.abs(now[name] - corners[name]).max() < 0.01 for name in corners)
     assert len(state.of_kind(Body)) == 1
     assert on_sheet(known) == corners
+
+
+def test_pins_stay_where_their_bars_cross():
+    known = known_linkages.scissor()
+    state, corners = drawn(known)
+    end = played(state, 0.6)
+    made, now = moving(end), places(end, corners)
+    pins = [seen_ends(end, made, pin)[0] for pin in end.of_kind(Pin)]
+    seen = SHEET.project(np.array(pins))[0]
+    for pin, (one, other) in zip(seen, known.pins, strict=True):
+        middle = np.mean([now[name] for name in one + other], axis=0)
+        assert pin == pytest.approx(middle, abs=0.1)
+    assert np.linalg.norm(now["f"] - corners["f"]) > 20.0
+
+
+def test_every_joint_of_the_robot_arm_has_its_motor():
+    known = known_linkages.robot_arm()
+    state, corners = drawn(known)
+    for bar, drive in known.more:
+        state = with_motor(state, *(corners[name] for name in bar), **drive)
+    machine = moving(state).machine
+    assert mobility_of(machine.assembly, machine.rest).degrees == 0
+    line = path(played(state, 2.0))
+    assert np.ptp(line, axis=0).min() > 30.0

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bozzetto_polyhedron.mechanism.analysis import bar_forces, mobility_of
+from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.mechanism.assembly import (
     GROUND,
     Assembly,
@@ -26,6 +26,7 @@ from tests.plugins.polyhedron.mechanisms import (
     four_bar,
     linkage,
     plates,
+    tensions,
 )
 
 FRAME = 1.0 / 120.0
@@ -159,7 +160,7 @@ def test_truss_carries_its_load_as_the_method_of_joints_says():
     places = np.array([[0, 0, 0], [0, 0, -np.tan(angle)], [1.0, 0, 0]])
     assembly, motion, _ = bars(places, [(0, 2), (1, 2)], fixed={0, 1})
     assembly = replace(assembly, planar=np.array([0.0, 1.0, 0.0]))
-    level, strut = bar_forces(assembly, motion, np.array([[0.0, 0.0, -load]]))
+    level, strut = tensions(assembly, motion, np.array([[0.0, 0.0, -load]]))
     assert level == pytest.approx(load / np.tan(angle), rel=1e-9)
     assert strut == pytest.approx(-load / np.sin(angle), rel=1e-9)
 
@@ -172,7 +173,7 @@ def test_forces_balance_at_every_joint_of_a_random_truss(seed):
     pairs = [(k, j) for k in range(3, 9) for j in rng.choice(k, 3, replace=False)]
     assembly, motion, free = bars(places, pairs, fixed)
     loads = rng.normal(size=(len(free), 3))
-    forces = bar_forces(assembly, motion, loads)
+    forces = tensions(assembly, motion, loads)
     for number, corner in enumerate(free):
         total = loads[number].copy()
         for (a, b), force in zip(pairs, forces, strict=True):

@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from bozzetto.document.model import Document, Model
+from bozzetto.document.storage.bozz_file import read_document, write_document
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement, brep_mesh
 from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.plugin import Context, Drag, Ink, Job, Tap
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen
+from bozzetto_polyhedron.commands.motion import at_rest
 from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.modeler import PolyhedronModeler
@@ -138,6 +142,41 @@ def test_a_held_corner_is_let_go_by_a_second_touch():
     assert anchored(state, 4).nodes[0].anchors == ()
 
 
+@pytest.mark.parametrize("moves", ["whole", "links", "plates", "flat"])
+def test_a_corner_is_held_where_it_is_and_nothing_goes_back_to_rest(moves):
+    state = pulled(anchored(box(moves), 0), 7, np.array([60.0, -40.0]), 0.4)
+    before, rest = corners(state), corners(replace(state, moved=None))
+    held = anchored(state, 7)
+    assert corners(held) == pytest.approx(before, abs=1e-12)
+    assert np.linalg.norm(before[7] - rest[7]) > 1.0
+    for _ in range(20):
+        held = TOOL.step(held, None, FRAME, Context())
+    assert corners(held)[[0, 7]] == pytest.approx(before[[0, 7]], abs=1e-3)
+    again = at_rest(held, Context())
+    assert corners(again) == pytest.approx(rest, abs=1e-12)
+    moved = pulled(again, 3, np.array([40.0, 10.0]), 0.2)
+    assert corners(moved)[7] == pytest.approx(rest[7], abs=1e-3)
+
+
+def test_what_is_held_elsewhere_is_kept_by_a_document(tmp_path):
+    state = anchored(pulled(anchored(box("whole"), 0), 7, np.array([60.0, -40.0]), 0.2), 7)
+    path = tmp_path / "held.bozz"
+    model = Model("m1", "Held", MODELER.id, state, state_version=MODELER.state_version)
+    write_document(Document((model,)), path)
+    again = read_document(path, Registry())[0].model("m1").state
+    assert corners(again) == pytest.approx(corners(state), abs=0.0)
+    assert again.nodes[0].anchors == state.nodes[0].anchors
+
+
+def test_held_corners_of_the_first_version_are_found_by_their_place():
+    body = box("links").nodes[0]
+    stored = {"nodes": [{"$type": "Body", "id": body.id, "anchors": [[3.0, 4.0]]}, {"id": "n2"}]}
+    node, other = MODELER.upgrade(stored, 1)["nodes"]
+    assert node["anchors"] == [{"spot": {"body": body.id, "corner": [3.0, 4.0]}}]
+    assert other == {"id": "n2"}
+    assert MODELER.upgrade(stored, 2) is stored
+
+
 def test_pulling_at_nothing_or_at_a_held_corner_is_refused():
     state = anchored(box("links"), 0)
     with pytest.raises(UserError, match="is held"):
@@ -174,7 +213,7 @@ def test_all_of_it_can_be_put_back(shell):
 def test_freedoms_and_gaps_are_reported():
     state = pulled(anchored(box("links"), 0, 1), 7, np.array([30.0, 0.0]), 0.1)
     told = MODELER.report(state, MODELER.solve(state, Job()))["mechanism"]
-    assert told["pieces"] == 6
+    assert told["pieces"] == 8
     assert told["freedoms"] == 3 * 6 - 11
     assert told["joint_gap_mm"] < 1e-2
 

@@ -6,38 +6,21 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Job
 from bozzetto.testing import Pen, Shell
-from bozzetto.view import turn
 from bozzetto_polyhedron.model.changes import Push
-from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
-from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
-from tests.plugins.polyhedron.objects import OBJECTS
-
-MODELER = PolyhedronModeler()
+from tests.plugins.polyhedron.shell_bodies import body, facing, with_box
 
 
 @pytest.fixture
 def box(shell) -> Shell:
-    solid = OBJECTS["box"]
-    shell.open("bozzetto.polyhedron")
-    shell.camera = VIEW
-    shell.draw(*strokes_of(fitted(solid), solid.edges, jitter=1.0, seed=9300))
-    shell.run("next-answer")
-    shell.camera = turn(VIEW, 15.0, -6.0)
-    return shell
-
-
-def body(shell: Shell):
-    return MODELER.solve(shell.state, Job()).bodies["n1"].body
+    return with_box(shell, seed=9300)
 
 
 def face_on_top(shell: Shell) -> np.ndarray:
     """Return the corners of the face that looks at the eye most, mm."""
     made = body(shell)
-    number = int(np.argmin(made.normals @ shell.camera.axes[2]))
-    return made.vertices[list(made.faces[number][0])]
+    return made.vertices[list(made.faces[facing(shell)][0])]
 
 
 def loop(shell: Shell, share: float = 0.4, corner: bool = False) -> None:

@@ -17,6 +17,7 @@ from bozzetto.document.model import Document, Model
 from bozzetto.document.storage.bozz_file import read_document, write_document
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_polyhedron.model.state import PolyhedronState
+from bozzetto_polyhedron.modeler import PolyhedronModeler
 from tests.plugins.polyhedron.linkages import FOUR_BAR, FOUR_BAR_LINES, linkage, traced, with_motor
 
 VALIDATE = (
@@ -34,7 +35,9 @@ def four_bar(tmp_path) -> Path:
 
 
 def stored(state: PolyhedronState, path: Path) -> Path:
-    write_document(Document((Model("m1", "Linkage", "bozzetto.polyhedron", state),)), path)
+    modeler = PolyhedronModeler
+    model = Model("m1", "Linkage", modeler.id, state, state_version=modeler.state_version)
+    write_document(Document((model,)), path)
     return path
 
 

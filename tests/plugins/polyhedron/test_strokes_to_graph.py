@@ -12,9 +12,9 @@ import pytest
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
-from bozzetto_polyhedron.graph.build import graph_of
 from bozzetto_polyhedron.graph.line_graph import LineGraph
-from tests.plugins.polyhedron.graph_truth import is_right
+from bozzetto_polyhedron.graph.live import searched
+from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import CLEAN, SIZE, UNTIDY, Hand, stroke, strokes_of
 from tests.plugins.polyhedron.simple_objects import OBJECTS, view
 
@@ -200,7 +200,7 @@ def test_the_search_can_be_ended() -> None:
 
     strokes, *_ = drawing("box", 3)
     with pytest.raises(Ended):
-        graph_of(strokes, checkpoint=end)
+        searched(strokes, checkpoint=end)
 
 
 def test_nothing_gives_an_empty_graph() -> None:

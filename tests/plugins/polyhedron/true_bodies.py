@@ -9,6 +9,8 @@ import numpy as np
 
 from bozzetto.view import Camera
 from bozzetto_polyhedron.reconstruction.answer import Answer
+from bozzetto_polyhedron.solid.face_rings import area_vectors
+from bozzetto_polyhedron.solid.planar_body import PlanarBody
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,3 +162,8 @@ def drawn(body, share, rng, *, turn=None):
 
 def parallel_camera():
     return Camera("orthographic", height=200.0)
+
+
+def face_areas(body: PlanarBody) -> np.ndarray:
+    """Return the areas of faces, holes taken off, mm², (f,)."""
+    return np.linalg.norm(area_vectors(body.vertices, body.faces), axis=1)

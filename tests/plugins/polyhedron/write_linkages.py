@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 
 from bozzetto.ink import Stroke
-from tests.plugins.polyhedron.known_linkages import Linkage, four_bar, jansen, peaucellier, scissor
+from tests.plugins.polyhedron.known_linkages import (
+    Linkage,
+    four_bar,
+    jansen,
+    peaucellier,
+    robot_arm,
+    scissor,
+)
 from tests.plugins.polyhedron.linkages import SHEET, on_sheet, straight
 from tests.plugins.polyhedron.write_samples import FOLDER
 
@@ -18,6 +25,7 @@ LINKAGES = {
     "straight-line": peaucellier,
     "walking-leg": jansen,
     "scissor-lift": scissor,
+    "robot-arm": robot_arm,
 }
 """By the names of their files."""
 
@@ -47,6 +55,9 @@ def steps_of(known: Linkage) -> tuple[list[Stroke], list[dict[str, Any]]]:
         strokes.append(straight(begin, np.add(begin, (60.0, 0.0))))
     steps += [{"tool": "motor", "strokes": [len(strokes)]}, {"set": known.drive}]
     strokes.append(between(known.motor))
+    for bar, drive in known.more:
+        steps += [{"tool": "motor", "strokes": [len(strokes)]}, {"set": drive}]
+        strokes.append(between(bar))
     steps.append(tap("trace", corners[known.traced]))
     return strokes, steps
 

@@ -19,6 +19,7 @@ from tests.plugins.polyhedron.objects import (
     Polyhedron,
     View,
     box,
+    edges_of,
     hidden_shares,
     polyhedron_of,
     prism,
@@ -106,6 +107,26 @@ def tower() -> Polyhedron:
     return Polyhedron(corners, np.array(sorted(pairs)), faces, "tower")
 
 
+def folding_screen() -> Polyhedron:
+    """Four panels that stand in a zigzag, hinged at the edges that they share."""
+    plan = [(float(k), 0.55 * (k % 2)) for k in range(5)]
+    corners = np.array([(x, y, z) for z in (0.0, 1.9) for x, y in plan])
+    faces: tuple[Face, ...] = tuple(((k, k + 1, k + 6, k + 5),) for k in range(4))
+    return Polyhedron(corners, edges_of(faces), faces, "folding-screen")
+
+
+def swung(solid: Polyhedron, camera: Camera, count: int) -> list[dict[str, object]]:
+    """Return the steps after which the first panel of a screen is held and the others swing."""
+    places = camera.project(fitted(solid, 110.0, (0.0, 0.0, 45.0)))[0].round(1).tolist()
+    return [
+        {"tool": "draw", "strokes": list(range(count))},
+        {"tool": "turn", "tap": places[0]},
+        {"set": {"moves": "plates"}},
+        *({"tool": "move", "tap": places[corner]} for corner in (0, 1, 5)),
+        {"command": "swing"},
+    ]
+
+
 def square(low: float, high: float, z: float) -> list[tuple[float, float, float]]:
     """Corners of a level square, counter-clockwise from above."""
     return [(low, low, z), (high, low, z), (high, high, z), (low, high, z)]
@@ -126,8 +147,10 @@ def swell(pressure: np.ndarray) -> np.ndarray:
     return pressure * (0.7 + 0.3 * np.sqrt(np.sin(along)))
 
 
-def drawing(strokes: Sequence[Stroke], camera: Camera) -> str:
-    """Return ink JSON, one stroke a line."""
+def drawing(
+    strokes: Sequence[Stroke], camera: Camera, steps: Sequence[dict[str, object]] = ()
+) -> str:
+    """Return ink JSON, one stroke or step a line."""
     width, height = camera.viewport
     head = {
         "format": "bozzetto-ink/1",
@@ -141,7 +164,9 @@ def drawing(strokes: Sequence[Stroke], camera: Camera) -> str:
         },
     }
     lines = [json.dumps(_row(stroke)) for stroke in strokes]
-    return json.dumps(head)[:-1] + ', "strokes": [\n' + ",\n".join(lines) + "\n]}\n"
+    done = ",\n".join(map(json.dumps, steps))
+    used = f', "steps": [\n{done}\n]' if steps else ""
+    return json.dumps(head)[:-1] + ', "strokes": [\n' + ",\n".join(lines) + f"\n]{used}}}\n"
 
 
 def _row(stroke: Stroke) -> dict[str, list[float]]:
@@ -175,6 +200,11 @@ def main() -> None:
         strokes = by_hand(solid, camera, seed)
         (FOLDER / f"{solid.name}.json").write_text(drawing(strokes, camera), encoding="utf-8")
         print(f"wrote {solid.name}.json with {len(strokes)} strokes")
+    screen, camera = folding_screen(), from_side(20.0, 35.0)
+    strokes = by_hand(screen, camera, len(made))
+    text = drawing(strokes, camera, swung(screen, camera, len(strokes)))
+    (FOLDER / f"{screen.name}.json").write_text(text, encoding="utf-8")
+    print(f"wrote {screen.name}.json with {len(strokes)} strokes")
 
 
 if __name__ == "__main__":

@@ -20,7 +20,6 @@ from bozzetto_product.projection.planes import (
     plane_through,
 )
 from bozzetto_product.projection.sheet_curve import curve_on_sheet
-from bozzetto_product.projection.surface_following import follow_surface
 from bozzetto_product.projection.views import seen_at
 from tests.plugins.product.drawn_curves import (
     COURSES,
@@ -192,23 +191,6 @@ def test_the_same_ink_twice_gives_the_same_numbers() -> None:
     scene, ink = on_canvas(rough("bottle")), drawn(COURSES["S"], 3002)
     one, other = (curve_from_ink(ink, scene).spline.control_points for _ in range(2))
     assert (one == other).all()
-
-
-def test_a_curve_follows_its_surface_and_keeps_its_height_over_it() -> None:
-    before = rough("sphere")
-    got = curve_from_ink([one_stroke(_swing((560, 430), (660, 460)), EYE)], on_canvas(before))
-    assert got.places is not None
-    turn = Placement((0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0), 1.0, (5.0, 6.0, 7.0))
-    moved = follow_surface(got.spline, got.places, before, before.placed(turn))
-    assert np.allclose(
-        moved.spline.control_points, turn.points(got.spline.control_points), atol=0.1
-    )
-    lift = Placement(offset=(1.0, 2.0, 3.0))
-    risen = follow_surface(got.spline, got.places, before, before.placed(lift))
-    wanted = lift.points(got.spline.control_points)
-    assert np.allclose(risen.spline.control_points, wanted, atol=1e-3)
-    still = follow_surface(got.spline, got.places, before, before)
-    assert still.spline is got.spline
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto_product.loops.finding import find_loops
-from bozzetto_product.loops.picking import loops_at, open_ends
+from bozzetto_product.loops.picking import loops_at
 from tests.plugins.product.drawn_networks import DRAWN
 from tests.plugins.product.random_networks import cells
 from tests.plugins.product.sketched_network import edge_set
@@ -42,16 +42,3 @@ def test_a_touch_beside_all_loops_means_none(
 ) -> None:
     net = DRAWN["sheet"]().net()
     assert loops_at(net, find_loops(net), *ray) == ()
-
-
-def test_open_edges_and_free_ends_are_told() -> None:
-    sketch = DRAWN["sheet"]()
-    sketch.curve("n0.0", (-130.0, -130.0, 0.0))
-    net = sketch.net()
-    found = find_loops(net)
-    left = open_ends(net, found.loops)
-    assert len(left.open_edges) == 16
-    assert len(left.bare_edges) == len(left.free_ends) == 1
-    assert np.allclose(net.nodes[left.free_ends[0]], (-130, -130, 0))
-    whole = open_ends(net, ())
-    assert len(whole.bare_edges) == len(net.edges)

@@ -109,7 +109,7 @@ def test_a_disc_becomes_the_cap_of_its_volume_through_the_hemisphere(share: floa
 
 def test_the_volume_is_kept_to_the_last_digits_and_so_is_the_boundary() -> None:
     start = middle_of_a_sheet()
-    wanted = volume_of_pressure(start, 0.1)
+    wanted = volume_of_pressure(start.area, 0.1)
     found = inflated(start, wanted)
     assert not found.limited
     assert volume_between(start, found.fill) == pytest.approx(wanted, rel=2e-3)
@@ -123,13 +123,13 @@ def test_the_volume_is_kept_to_the_last_digits_and_so_is_the_boundary() -> None:
 @pytest.mark.parametrize("pressure", [0.05, -0.05, 0.15])
 def test_smooth_edges_stay_smooth(pressure: float) -> None:
     start = middle_of_a_sheet()
-    found = inflated(start, volume_of_pressure(start, pressure)).fill
+    found = inflated(start, volume_of_pressure(start.area, pressure)).fill
     assert max(found.g1_degrees) <= max(start.g1_degrees) + 0.1
 
 
 def test_too_much_pressure_stops_where_the_surface_would_come_off() -> None:
     start = middle_of_a_sheet()
-    asked = volume_of_pressure(start, 2.0)
+    asked = volume_of_pressure(start.area, 2.0)
     found = inflated(start, asked)
     assert found.limited
     assert 0.0 < found.volume < asked
@@ -140,7 +140,7 @@ def test_too_much_pressure_stops_where_the_surface_would_come_off() -> None:
 @pytest.mark.parametrize("make", [disc, lambda: middle_of_a_sheet(lambda x, y: 0.0 * x)])
 def test_out_and_in_are_mirror_images_on_a_plane(make) -> None:
     start = make()
-    volume = volume_of_pressure(start, 0.2)
+    volume = volume_of_pressure(start.area, 0.2)
     out, back = (places(inflated(start, sense * volume).fill) for sense in (1, -1))
     np.testing.assert_allclose(out * (1, 1, -1), back, atol=1e-9 * start.solution.loop.size)
 
@@ -148,7 +148,7 @@ def test_out_and_in_are_mirror_images_on_a_plane(make) -> None:
 def test_more_pressure_is_more_volume_everywhere() -> None:
     start = disc()
     tops = [
-        places(inflated(start, volume_of_pressure(start, p)).fill)[:, 2].max()
+        places(inflated(start, volume_of_pressure(start.area, p)).fill)[:, 2].max()
         for p in (0.1, 0.3, 0.6, 1.0)
     ]
     assert (np.diff(tops) > 0.05).all()
@@ -156,7 +156,7 @@ def test_more_pressure_is_more_volume_everywhere() -> None:
 
 def test_a_thousand_times_larger_and_turned_is_the_same() -> None:
     turn = np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3
-    volume = volume_of_pressure(disc(), 0.7)
+    volume = volume_of_pressure(disc().area, 0.7)
     small = places(inflated(disc(), volume).fill)
     large = places(inflated(disc(1000.0, turn), 1e9 * volume).fill)
     middle, radius = ball_through(small)
@@ -172,7 +172,7 @@ def ball_through(points: np.ndarray) -> tuple[np.ndarray, float]:
 
 def test_twice_the_same_whatever_was_asked_between() -> None:
     start = middle_of_a_sheet()
-    volume = volume_of_pressure(start, 0.12)
+    volume = volume_of_pressure(start.area, 0.12)
     once = inflated(start, volume).fill
     inflated(start, -volume)
     inflated(start, 0.3 * volume)

@@ -251,3 +251,37 @@ def test_a_gap_that_is_none_joins_nothing(gap: float) -> None:
     state, _ = grid_network(4008, 1.0, cells=1)
     assert trim(state, gap=gap).state is state
     assert trim(ProductState(), gap=1.0).state.nodes == ()
+
+
+def _meets_plane(degrees: float) -> tuple[Spline, Spline]:
+    """A curve that ends a little before the plane, so far off its normal: before and after."""
+    slope = np.tan(np.radians(degrees))
+    y = -np.linspace(40.0, 0.3, 9)
+    before = Spline.uniform(np.column_stack((slope * y, y, 10.0 - y * y / 200.0)))
+    (after,) = splines_of(trim(_curves(before, mirrored=True), gap=1.0).state).values()
+    return before, after
+
+
+@pytest.mark.parametrize("degrees", [0.0, 4.0, 11.0])
+def test_an_end_nearly_square_to_the_plane_runs_on_into_its_image(degrees: float) -> None:
+    before, after = _meets_plane(degrees)
+    last, beside = after.control_points[-1], after.control_points[-2]
+    assert last[1] == 0.0
+    assert (beside[[0, 2]] == last[[0, 2]]).all()
+    # Elsewhere it stays where it was drawn.
+    share = np.linspace(0.0, 1.0, 60)
+    moved = np.linalg.norm(after.value(share) - before.value(share), axis=1)
+    assert moved[:30].max() < 0.4
+    assert moved.max() < 1.0
+
+
+def test_an_end_that_comes_to_the_plane_at_an_angle_keeps_it() -> None:
+    _, after = _meets_plane(30.0)
+    way = after.control_points[-1] - after.control_points[-2]
+    assert np.degrees(np.arctan2(abs(way[0]), abs(way[1]))) == pytest.approx(30.0, abs=2.0)
+
+
+def test_a_curve_without_an_image_keeps_its_direction_at_the_plane() -> None:
+    before, _ = _meets_plane(11.0)
+    state = _curves(before, mirrored=False)
+    assert _same(trim(state, gap=1.0).state, state)

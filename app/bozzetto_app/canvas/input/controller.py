@@ -43,7 +43,7 @@ from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
 
 if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
-    from bozzetto_app.session.toolbox import ToolInfo
+    from bozzetto_app.session.tool_groups import ToolInfo
 
 __all__ = ["Hand"]
 

@@ -16,7 +16,9 @@ import msgspec
 from numpy.typing import NDArray
 
 from bozzetto.document.model import Document, NamedView
-from bozzetto.document.storage.bozz_file import STROKES, StoredDocument, put_strokes, take_strokes
+from bozzetto.document.storage.bozz_parts import STROKES
+from bozzetto.document.storage.bozz_reader import StoredDocument, take_strokes
+from bozzetto.document.storage.bozz_writer import put_strokes
 from bozzetto.document.storage.records import (
     Id,
     ModelHeader,

@@ -39,7 +39,8 @@ from bozzetto.document.recovery.recovery_session import (
     delete,
     facts_of,
 )
-from bozzetto.document.storage.bozz_file import open_document, parse_document
+from bozzetto.document.storage.bozz_file import open_document
+from bozzetto.document.storage.bozz_reader import parse_document
 from bozzetto.document.storage.state_codec import StateTypes
 from bozzetto.document.storage.zip_container import decode_json
 from bozzetto.errors import DocumentError, UserError, words_of

@@ -59,7 +59,7 @@ def sound_tools(tools: Any) -> tuple[Tool[Any], ...]:
     for tool in tools:
         if not isinstance(tool, Tool):
             raise Unsound(f"{_name_of(tool)} is not derived from bozzetto.plugin.Tool")
-        for name in ("id", "title", "icon", "hint"):
+        for name in ("id", "title", "icon", "hint", "group"):
             if not isinstance(getattr(tool, name, None), str):
                 raise Unsound(f"{type(tool).__name__}.{name} must be a text")
         if not tool.id or tool.id in ids:

@@ -9,7 +9,7 @@ MOST_EDITS: Final = 2
 """Letters that may be missing, too many, exchanged or wrong in a misspelt name."""
 
 SHORT: Final = 4
-"""Letters of a name up to which two edits make another word of it."""
+"""Letters of either name up to which two edits make another word of it: drop, group."""
 
 SHORTEST: Final = 3
 """Letters of a name up to which another letter makes another word of it: tap, top, map."""
@@ -26,7 +26,7 @@ def meant_by(name: str, known: Iterable[str]) -> str:
             if sorted(plain) == sorted(wanted):
                 return other
             continue
-        most = MOST_EDITS if len(wanted) > SHORT else 1
+        most = MOST_EDITS if min(len(plain), len(wanted)) > SHORT else 1
         if _edits(plain, wanted, most) <= most:
             return other
     return ""

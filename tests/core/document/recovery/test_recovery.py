@@ -18,7 +18,8 @@ from bozzetto.document.recovery.file_lock import Locked
 from bozzetto.document.recovery.journal import read_records
 from bozzetto.document.recovery.journal_records import ChangeWriter, Replay
 from bozzetto.document.recovery.recovery import RecoveryStore
-from bozzetto.document.storage.bozz_file import encode_document, open_document, parse_document
+from bozzetto.document.storage.bozz_file import encode_document, open_document
+from bozzetto.document.storage.bozz_reader import parse_document
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import Strokes
 from tests.document_kit import (

@@ -17,15 +17,14 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
 from bozzetto.document.model import Document, Model, OpaqueState
-from bozzetto.document.storage import bozz_file as file_module
-from bozzetto.document.storage import migrations
+from bozzetto.document.storage import bozz_reader, migrations
 from bozzetto.document.storage.bozz_file import (
     decode_document,
-    document_info,
     encode_document,
     read_document,
     write_document,
 )
+from bozzetto.document.storage.bozz_reader import document_info
 from bozzetto.document.waiting_ink import WaitingStroke, marked, strokes_of
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.geometry.placement import Placement
@@ -237,8 +236,8 @@ def test_an_older_file_is_migrated_step_by_step(monkeypatch):
 
     content = encode_document(rich_document())
     steps = (*migrations.STEPS, newest)
-    monkeypatch.setattr(file_module, "VERSION", len(steps) + 1)
-    monkeypatch.setattr(file_module, "migrate", lambda t, v: migrations.migrate(t, v, steps))
+    monkeypatch.setattr(bozz_reader, "VERSION", len(steps) + 1)
+    monkeypatch.setattr(bozz_reader, "migrate", lambda t, v: migrations.migrate(t, v, steps))
     document, report = decode_document(content, FakeRegistry())
     assert document.views == ()
     assert same_state(tuple(document), tuple(rich_document()))

@@ -27,7 +27,7 @@ from tests.plugins.car.sketched import (
 )
 
 CARS = {"styled": styled, "rubbery": rubbery}
-SEEDS = range(4)
+SEEDS = range(8)
 
 
 @pytest.fixture(params=TEMPLATES)

@@ -7,8 +7,16 @@ import dataclasses
 import numpy as np
 import pytest
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto_car.solver.prior import Cost, Prior, extent, robust_weights
+from bozzetto_car.solver.prior import Cost, Prior, extent, robust_weights, size_measure
+from bozzetto_car.solver.proportions import (
+    believable_size,
+    kin_directions,
+    outer_dimensions,
+    size_covariance,
+    size_of_known,
+)
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 
@@ -19,9 +27,13 @@ def template(request: pytest.FixtureRequest) -> Template:
 
 
 def plain(**changes: float) -> Cost:
-    """Squares alone, without coupling and proportions."""
-    cost = dataclasses.replace(Cost.balanced(), coupling=np.inf, proportion=0.0)
+    """Squares of nodes by themselves, alone."""
+    cost = dataclasses.replace(Cost.balanced(), smooth=0.0, proportion=0.0, kinship=0.0)
     return dataclasses.replace(cost, **changes)
+
+
+def covariance(template: Template, **changes: float) -> Array:
+    return np.linalg.inv(Prior(template, plain(**changes)).form(template.variables))
 
 
 def test_the_template_costs_nothing_and_everything_else_something(template: Template) -> None:
@@ -43,59 +55,73 @@ def test_deviation_is_the_sum_over_all_nodes(template: Template) -> None:
     assert found == pytest.approx(np.sum((moved / 40.0) ** 2))
 
 
-def test_coupling_costs_what_edges_are_stretched_and_bent(template: Template) -> None:
-    """The wheels are tied to two nodes each, which no edge of the template tells."""
-    rng = np.random.default_rng(2)
-    variables = template.variables + rng.normal(0.0, 50.0, len(template.variables))
-    variables = template.reduced(
-        np.where(
-            np.isin(np.arange(len(template.names)), template.wheels)[:, None],
-            template.positions,
-            template.whole(variables),
-        )
+def test_what_neighbours_do_together_costs_less(template: Template) -> None:
+    """Two nodes that go the same way are cheaper than two that part; far ones do not care."""
+    prior = Prior(template, plain(smooth=60.0))
+    for names, least in ((("C3", "C4"), 1.2), (("C1", "C7"), 0.95)):
+        cost = []
+        for sign in (1.0, -1.0):
+            moved = template.positions.copy()
+            moved[template.node[names[0]], 2] += 30.0
+            moved[template.node[names[1]], 2] += sign * 30.0
+            cost.append(prior.value(template.reduced(moved)))
+        assert cost[1] >= least * cost[0]
+
+
+def test_outer_dimensions_add_their_covariance_and_no_more(template: Template) -> None:
+    """Monte Carlo with the dimensions themselves: what is read off the cars is what was put in."""
+    added = covariance(template, proportion=1.0) - covariance(template)
+    assert np.linalg.matrix_rank(added, tol=1e-6 * np.abs(added).max()) == 5
+    step = 1e-4
+    was = outer_dimensions(template, template.positions)
+    rows = []
+    for column in np.eye(len(added)):
+        moved = template.whole(template.variables + step * column)
+        rows.append((outer_dimensions(template, moved) - was) / step / was)
+    told = np.array(rows).T
+    assert told @ added @ told.T == pytest.approx(size_covariance(), rel=1e-3, abs=1e-6)
+
+
+def test_the_way_to_another_template_is_cheap(template: Template) -> None:
+    ways = kin_directions(template)
+    assert ways.shape[1] == 2
+    loose, stiff = (Prior(template, plain(kinship=share)) for share in (0.2, 0.0))
+    for way in ways.T:
+        along = template.variables + 0.2 * way
+        assert loose.value(along) <= 1.0
+        assert stiff.value(along) > 5.0
+
+
+@pytest.mark.parametrize("factor", [0.7, 1.0, 1.4])
+def test_size_costs_nothing_where_something_else_tells_it(factor: float) -> None:
+    """A prior of another size is the same prior, in other units."""
+    template = bundled("sedan")
+    rng = np.random.default_rng(4)
+    offset = rng.normal(0.0, 30.0, len(template.variables))
+    offset -= (size_measure(template) @ offset) * template.variables
+    one = Prior(template, Cost.balanced(), 1.0)
+    other = Prior(template, Cost.balanced(), factor)
+    assert other.value(factor * template.variables) == pytest.approx(0.0, abs=1e-9)
+    assert other.value(factor * (template.variables + offset)) == pytest.approx(
+        one.value(template.variables + offset), rel=1e-6
     )
-    moved = template.whole(variables) - template.positions
-    torn = sum(np.sum((moved[a] - moved[b]) ** 2) for a, b in template.edges)
-    ties = 0.0
-    for wheel, around in (("WF", ("B1", "B2")), ("WR", ("B4", "B5"))):
-        for side in ("R", "L"):
-            own = moved[template.node[f"{wheel}.{side}"]]
-            ties += sum(
-                np.sum((own - moved[template.node[f"{name}.{side}"]]) ** 2) for name in around
-            )
-    coupled = Prior(template, plain(coupling=25.0)).value(variables)
-    alone = Prior(template, plain()).value(variables)
-    assert coupled - alone == pytest.approx((torn + ties) / 25.0**2)
+    free = Prior(template, Cost.balanced(), 1.0, held=False)
+    assert free.value(factor * template.variables) == pytest.approx((factor - 1.0) ** 2)
 
 
-def test_a_car_that_moves_as_a_whole_is_not_torn(template: Template) -> None:
-    along = template.reduced(template.positions + np.array([70.0, 0.0, 30.0]))
-    coupled, alone = (Prior(template, cost).value(along) for cost in (plain(coupling=1.0), plain()))
-    assert coupled == pytest.approx(alone)
-
-
-def test_proportions_add_a_variance_and_no_more(template: Template) -> None:
-    """The form is the inverse of a covariance: without them, plus that of three factors."""
-    rigid = np.linalg.inv(Prior(template, plain()).form(template.variables))
-    loose = np.linalg.inv(Prior(template, plain(proportion=0.05)).form(template.variables))
-    added = np.zeros_like(rigid)
-    middle = np.array([template.positions[:, 0].mean(), 0.0, 0.0])
-    for axis in range(3):
-        factor = np.ones(3)
-        factor[axis] = 1.05
-        stretched = middle + (template.positions - middle) * factor
-        step = template.reduced(stretched) - template.variables
-        added += np.outer(step, step)
-    assert loose - rigid == pytest.approx(added, abs=1e-6 * np.abs(added).max())
-
-
-def test_longer_as_a_whole_is_cheaper_than_in_one_place(template: Template) -> None:
-    prior = Prior(template, Cost.balanced())
-    longer = template.reduced(template.positions * [1.05, 1.0, 1.0])
-    step = np.linalg.norm(longer - template.variables)
-    lump = template.variables.copy()
-    lump[3] += step
-    assert prior.value(longer) < 0.1 * prior.value(lump)
+def test_the_believable_size_is_that_of_cars_that_were_built(template: Template) -> None:
+    """Whatever size a car was solved at, the same comes out; and a car that is larger as all cars
+    are is left alone."""
+    places = template.positions
+    for factor in (0.5, 1.0, 1.7):
+        assert factor * believable_size(template, factor * places) == pytest.approx(1.0)
+    wider = believable_size(template, places * [1.0, 1.05, 1.0])
+    assert 0.94 < wider < 1.0
+    assert size_of_known({"front_overhang": 1.2}) is None
+    assert size_of_known({"length": 1.2}) == pytest.approx(1.2)
+    both = size_of_known({"length": 1.2, "width": 1.1})
+    assert both is not None
+    assert 1.1 <= both <= 1.2
 
 
 def test_the_papers_cost_is_a_sum_of_norms(template: Template) -> None:

@@ -1,0 +1,1 @@
+"""From pictures of paper to strokes: page, threshold, skeleton, junctions, gaps."""

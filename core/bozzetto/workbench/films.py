@@ -1,0 +1,161 @@
+"""Films of what moves: a document let go for a while, as GLB with an animation or as GIF."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from bozzetto.document.links import resolved
+from bozzetto.document.model import Document, Model
+from bozzetto.errors import UserError
+from bozzetto.plugin.context import Context
+from bozzetto.plugin.job import Job
+from bozzetto.plugin.tool import Tool
+from bozzetto.view.camera import Camera
+from bozzetto.workbench.export_document import chosen_models, object_shapes, unusable
+from bozzetto.workbench.workbench import Workbench
+
+LONGEST: Final = 0.05
+"""Longest step of a tool, s; see `Tool.step`."""
+
+MOST_FRAMES: Final = 3600
+"""Frames of a film: a minute at 60 a second."""
+
+COLORS: Final = 128
+"""Of a GIF."""
+
+ENDINGS: Final = (".glb", ".gif")
+"""Of the files that are films."""
+
+
+def frames(
+    bench: Workbench, document: Document, seconds: float, rate: float, job: Job | None = None
+) -> Iterator[Document]:
+    """Yield a document as it is at the beginning and after each frame.
+
+    Parameters
+    ----------
+    bench : Workbench
+        Runs the tools.
+    document : Document
+        Stays as it is.
+    seconds, rate : float
+        How long, s, and frames a second.
+    job : Job, optional
+        Is told how far it has come.
+
+    Raises
+    ------
+    UserError
+        If nothing in it moves by itself, or there are too many frames.
+    """
+    if not 0.0 < seconds * rate <= MOST_FRAMES:
+        raise UserError(f"A film has 1 to {MOST_FRAMES} frames. Make it shorter.")
+    job = job or Job()
+    players = {model.id: tool for model in document if (tool := _player(bench, model)) is not None}
+    if not players:
+        raise UserError("Nothing in this document moves by itself.")
+    yield document
+    for model in resolved(document).values():
+        if model.id in players and model.sources:
+            bench.solve(model, job)  # a tool is given what was solved
+    count = max(1, round(seconds * rate))
+    steps = max(1, -int(-1.0 / rate // LONGEST))
+    for number in range(count):
+        job.checkpoint(number / count, f"{number + 1} / {count}")
+        for model in [model for model in document if model.id in players]:
+            context = Context(camera=document.camera or Camera())
+            context = replace(context, sources=bench.given_sources(model))
+            for _ in range(steps):
+                model = bench.step(model, players[model.id], None, 1.0 / rate / steps, context)
+            document = document.with_model(model)
+        yield document
+
+
+def glb_of(
+    bench: Workbench,
+    films: Iterable[Document],
+    rate: float,
+    names: Sequence[str] | None = None,
+    warn: Callable[[Sequence[str]], Any] = lambda warnings: None,
+) -> bytes:
+    """Return a GLB with an animation of some objects, by default of all that are visible.
+
+    Raises
+    ------
+    UserError
+        If there is no shape.
+    """
+    from bozzetto.exchange.mesh.glb import write_motion
+    from bozzetto.geometry import meshed
+
+    shapes: list[Any] = []
+    for document in films:
+        models, _ = chosen_models(document, names)
+        objects = object_shapes(bench, models, Job())
+        if not shapes:
+            warn(objects.warnings())
+        shapes.append(meshed(objects.shapes))
+    if not any(shapes[0].meshes()):
+        raise UserError("There is no shape to write. Turn a drawing into a solid first.")
+    return write_motion(shapes, [number / rate for number in range(len(shapes))])
+
+
+def gif_of(
+    bench: Workbench,
+    films: Iterable[Document],
+    rate: float,
+    size: tuple[int, int],
+    camera_for: Callable[[Any, Document], Camera] | None = None,
+) -> bytes:
+    """Return a GIF of all visible objects.
+
+    Parameters
+    ----------
+    bench : Workbench
+        Solves what is shown.
+    films : iterable of Document
+        See `frames`.
+    rate : float
+        Frames a second.
+    size : (int, int)
+        px.
+    camera_for : callable, optional
+        Gives the view from the first scene and its document; by default that of the document, or
+        one that shows everything.
+    """
+    from PIL import Image
+
+    from bozzetto.scene.snapshot import own_or_framed, picture
+
+    camera, images = None, []
+    for document in films:
+        scene = bench.scene(document, Job())
+        if camera is None:
+            camera = (
+                own_or_framed(scene, document.camera, size)
+                if camera_for is None
+                else camera_for(scene, document)
+            )
+        pixels = picture(scene, camera=camera, size=size)
+        image = Image.fromarray(pixels).convert("RGB")
+        images.append(image.quantize(COLORS, dither=Image.Dither.NONE))
+    data = io.BytesIO()
+    images[0].save(
+        data,
+        "GIF",
+        save_all=True,
+        append_images=images[1:],
+        duration=max(20, round(1000.0 / rate)),
+        loop=0,
+    )
+    return data.getvalue()
+
+
+def _player(bench: Workbench, model: Model) -> Tool[Any] | None:
+    """Return the tool of a model that goes on by itself, if there is one."""
+    if not model.visible or unusable(bench, model) is not None:
+        return None
+    return next((tool for tool in bench.tools(model.modeler) if tool.plays), None)

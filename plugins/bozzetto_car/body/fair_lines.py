@@ -1,0 +1,123 @@
+"""Fair lines through nodes that have moved: the character of the template, without wiggles.
+
+Tangents of the template, in mm, on nodes that have moved bend most edges twice. Here an edge turns
+relative to its chord as it does in the template: its tangents are turned and stretched with the
+chord. Chains are then annealed (`chain_smoothing.anneal`). An edge that still bends to both sides
+lies where a row of nodes zigzags, which is the tremor of marks; it runs straight along its chord,
+and its neighbours leave it in that direction.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bozzetto.arrays import Array
+from bozzetto_car.body.chain_smoothing import anneal
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.network import Network, junctions, with_tangents
+
+STRAIGHT: Final = 1e-9
+"""Product of the turns (sines) at both ends below which an edge does not count as bent twice."""
+
+ROUNDS: Final = 4
+"""Most rounds of straightening: one edge that is straightened may bend its neighbour twice."""
+
+
+def fair_network(template: Template, positions: ArrayLike) -> Network:
+    """Return fair edges through nodes that have moved.
+
+    Parameters
+    ----------
+    template : Template
+        The template of the car.
+    positions : (n, 3) array_like
+        Places of the nodes, mm.
+    """
+    return straightened(anneal(turned_with_chords(template, positions)))
+
+
+def turned_with_chords(template: Template, positions: ArrayLike) -> Network:
+    """Return edges whose tangents keep their angle to the chord, and their length relative to it.
+
+    Parameters
+    ----------
+    template : Template
+        The template, whose edges they are.
+    positions : (n, 3) array_like
+        Places of the nodes, mm. An edge without a length keeps its tangents.
+    """
+    places = np.asarray(positions, float)
+    old, new = (
+        nodes[template.edges[:, 1]] - nodes[template.edges[:, 0]]
+        for nodes in (template.positions, places)
+    )
+    sizes = np.linalg.norm(old, axis=1), np.linalg.norm(new, axis=1)
+    there = (sizes[0] > 0.0) & (sizes[1] > 0.0)
+    a, b = old[there] / sizes[0][there, None], new[there] / sizes[1][there, None]
+    tangents = np.array(template.tangents)
+    stretched = tangents[there] * (sizes[1] / np.where(there, sizes[0], 1.0))[there, None, None]
+    # The least turn from a to b is a reflection in the plane across a, then across a + b.
+    middle = a + b
+    length = np.linalg.norm(middle, axis=1, keepdims=True)
+    middle /= np.where(length > 0.0, length, 1.0)
+    for mirror in (a, middle):
+        along = (stretched * mirror[:, None]).sum(axis=2, keepdims=True)
+        stretched = stretched - 2.0 * along * mirror[:, None]
+    tangents[there] = stretched
+    ends = {(edge, end): tangents[edge, end] for edge in range(len(tangents)) for end in (0, 1)}
+    return with_tangents(Network(template, places, template.tangents), ends)
+
+
+def double_bends(network: Network) -> Array:
+    """Return the product of the turns at both ends of each edge; above 0 it bends twice, (m,).
+
+    Turns are sines of the angles of tangent and chord, with the sense that they turn in.
+    """
+    ends, tangents = network.ends, network.tangents
+    chord = ends[:, 1] - ends[:, 0]
+    turns = np.cross(chord[:, None], tangents)
+    sizes = np.linalg.norm(chord, axis=1) ** 2 * np.linalg.norm(tangents, axis=2).prod(axis=1)
+    return np.asarray((turns[:, 0] * turns[:, 1]).sum(axis=1) / np.where(sizes > 0.0, sizes, 1.0))
+
+
+def straightened(network: Network) -> Network:
+    """Return a network without edges that bend twice: those run straight; lengths stay.
+
+    Joints of chains keep one direction, so a neighbour in a chain turns with it. Where a chain
+    crosses the middle it does so at a right angle, as before.
+
+    Parameters
+    ----------
+    network : Network
+        A network whose chains have one direction at each junction.
+    """
+    at = {
+        end: joint for joint in junctions(network.template) for end in (joint.before, joint.after)
+    }
+    for _ in range(ROUNDS):
+        bends = double_bends(network)
+        bad = np.flatnonzero(bends > STRAIGHT)
+        if not len(bad):
+            break
+        changed: dict[tuple[int, int], Array] = {}
+        for edge in bad[np.argsort(-bends[bad], kind="stable")].tolist():
+            start, finish = network.ends[edge]
+            way = (finish - start) / np.linalg.norm(finish - start)
+            for end in (0, 1):
+                joint = at.get((edge, end))
+                if joint is not None and joint.crosses:
+                    continue
+                together = {(edge, end): 1}
+                if joint is not None:
+                    together = dict(zip((joint.before, joint.after), joint.senses, strict=True))
+                if together.keys() & changed.keys():
+                    continue
+                own = together[edge, end]
+                for other, sense in together.items():
+                    length = np.linalg.norm(network.tangents[other])
+                    changed[other] = sense * own * length * way
+        network = with_tangents(network, changed)
+    return network

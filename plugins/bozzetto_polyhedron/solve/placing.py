@@ -1,0 +1,26 @@
+"""How far rigid pieces were taken from rest, as placements."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bozzetto.geometry import Placement
+from bozzetto_polyhedron.mechanism.assembly import Motion
+from bozzetto_polyhedron.mechanism.pieces import METRE
+from bozzetto_polyhedron.solve.moving import Moving
+
+
+def taken_by(made: Moving, number: int, motion: Motion) -> Placement:
+    """Return where a body that moves as one piece has been taken."""
+    pieces = made.machine.holders[number]
+    return placement_of(made, int(pieces[0]), motion) if len(pieces) else Placement()
+
+
+def placement_of(made: Moving, piece: int, motion: Motion) -> Placement:
+    """Return where a piece has been taken."""
+    turn = motion.turns[piece]
+    offset = (motion.places[piece] - turn @ made.machine.rest.places[piece]) / METRE
+    if np.array_equal(turn, np.eye(3)) and not offset.any():
+        return Placement()
+    x, y, z = (float(value) for value in offset)
+    return Placement(tuple(float(value) for value in turn.ravel()), 1.0, (x, y, z))

@@ -1,0 +1,90 @@
+"""Lines of solved cars: bent once, like the template's, and smooth where its lines are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bozzetto.geometry.patches import coons_nets, crease_angles
+from bozzetto_car.body.chain_smoothing import smooth_chains
+from bozzetto_car.body.fair_lines import (
+    double_bends,
+    fair_network,
+    straightened,
+    turned_with_chords,
+)
+from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.model import MIRROR, Template
+from bozzetto_car.template.network import Network
+from tests.plugins.car.sketched import rubbery, styled
+
+
+@pytest.fixture(params=TEMPLATES)
+def template(request: pytest.FixtureRequest) -> Template:
+    return bundled(request.param)
+
+
+def trembling(template: Template, seed: int) -> np.ndarray:
+    """A styled car with 15 mm of tremor in each node."""
+    car = styled(template, seed)
+    moves = np.random.default_rng(seed).normal(0.0, 15.0, car.shape)
+    car += 0.5 * (moves + moves[template.mirrored] * MIRROR)
+    car[template.centre, 1] = 0.0
+    return car
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_edge_bends_twice(template: Template, seed: int) -> None:
+    was = (double_bends(Network.of(template, trembling(template, seed))) > 1e-6).sum()
+    made = fair_network(template, trembling(template, seed))
+    assert was >= 8
+    assert double_bends(made).max() <= 1e-6
+
+
+def test_nodes_stay_and_both_sides_are_the_same(template: Template) -> None:
+    car = trembling(template, 1)
+    made = fair_network(template, car)
+    assert np.array_equal(made.positions, car)
+    image = template.mirrored_edges
+    for edge, twin in enumerate(image.tolist()):
+        own = made.tangents[edge]
+        other = made.tangents[twin] if twin >= 0 else -made.tangents[~twin, ::-1]
+        assert np.array_equal(own, other * MIRROR) or np.allclose(own, other * MIRROR, atol=1e-9)
+
+
+def test_smooth_joints_stay_smooth(template: Template) -> None:
+    """Surfaces that the template joins smoothly are smooth in every car."""
+
+    def creases(network: Network) -> np.ndarray:
+        nets = coons_nets(network.control_points, template.sides)
+        return crease_angles(nets, template.sides, len(template.edges))
+
+    smooth = creases(Network.of(template)) < 1e-6
+    assert smooth.sum() >= 10
+    for seed in range(3):
+        assert creases(fair_network(template, trembling(template, seed)))[smooth].max() < 1e-6
+
+
+def test_a_turned_and_stretched_car_has_the_templates_edges(template: Template) -> None:
+    """A similarity in the plane of symmetry takes tangents along exactly."""
+    turn = np.radians(20.0)
+    matrix = 1.3 * np.array(
+        [
+            [np.cos(turn), 0.0, np.sin(turn)],
+            [0.0, 1.0, 0.0],
+            [-np.sin(turn), 0.0, np.cos(turn)],
+        ]
+    )
+    made = turned_with_chords(template, template.positions @ (1.3 * np.eye(3)))
+    assert made.tangents == pytest.approx(1.3 * template.tangents, abs=1e-9)
+    flat = np.isin(template.edges, template.centre).all(axis=1)
+    made = turned_with_chords(template, template.positions @ matrix.T)
+    assert made.tangents[flat] == pytest.approx(template.tangents[flat] @ matrix.T, abs=1e-9)
+
+
+def test_what_does_not_bend_twice_is_left_alone(template: Template) -> None:
+    network = fair_network(template, rubbery(template, 2))
+    again = straightened(network)
+    assert np.array_equal(again.tangents, network.tangents)
+    smoothed = smooth_chains(again)
+    assert smoothed.tangents == pytest.approx(again.tangents, abs=1e-9)
