@@ -13,7 +13,7 @@ from bozzetto.plugin import Tool
 from bozzetto.plugin.gesture import Tap
 from bozzetto.scene import Handle, Layer, Lines, Scene, Shaded
 from bozzetto.testing import Pen
-from bozzetto_app.session.toolbox import ToolInfo
+from bozzetto_app.session.tool_groups import ToolInfo
 
 
 def circle(session, x, radius=60):

@@ -194,7 +194,7 @@ def _mirrored(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Who
     points, lines, kept = _without_stems(drawing, junctions)
     labels = parallel_classes(drawing).labels[kept]
     mirrored = (
-        _with_images(points, lines, images, reach)
+        _with_images(points, lines, images, reach, across=True)
         for images in mirror_images(points, lines, labels, reach)
     )
     return [whole for whole in mirrored if whole is not None]
@@ -207,8 +207,13 @@ def _without_stems(drawing: Drawing, junctions: Junctions) -> tuple[Array, Index
     return drawing.points[corners], numbers.reshape(-1, 2).astype(np.intp), kept
 
 
-def _with_images(points: Array, lines: Index, images: Array, reach: float) -> _Whole | None:
-    """Return corners and lines with their images; None where a corner has too few lines."""
+def _with_images(
+    points: Array, lines: Index, images: Array, reach: float, *, across: bool = False
+) -> _Whole | None:
+    """Return corners and lines with their images; None where a corner has too few lines.
+
+    Lines `across` join corners to their images where both have one line too few.
+    """
     if not len(points):
         return None
     away = np.linalg.norm(images[:, None] - points, axis=2)
@@ -217,9 +222,15 @@ def _with_images(points: Array, lines: Index, images: Array, reach: float) -> _W
     fresh = np.cumsum(~own) - 1 + len(points)
     numbers = np.where(own, nearest, fresh)
     pairs = np.sort(np.concatenate((lines, numbers[lines])), axis=1)
-    whole = _Whole(np.concatenate((points, images[~own])), np.unique(pairs, axis=0))
-    degrees = np.bincount(whole.lines.ravel(), minlength=len(whole.points))
-    return whole if (degrees >= 3).all() else None
+    pairs = np.unique(pairs, axis=0)
+    corners = np.concatenate((points, images[~own]))
+    degrees = np.bincount(pairs.ravel(), minlength=len(corners))
+    if across:
+        joins = np.sort(np.column_stack((np.arange(len(points)), numbers)), axis=1)
+        joins = joins[(joins[:, 0] != joins[:, 1]) & (degrees[joins] == 2).all(axis=1)]
+        pairs = np.unique(np.concatenate((pairs, joins)), axis=0)
+        degrees = np.bincount(pairs.ravel(), minlength=len(corners))
+    return _Whole(corners, pairs) if (degrees >= 3).all() else None
 
 
 def _most_common(places: Array, reach: float, most: int = 6) -> Index:

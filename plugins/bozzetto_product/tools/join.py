@@ -34,6 +34,7 @@ class Join(ProductTool):
     id = JOIN_TOOL
     title = "Join"
     icon = "icons/join.svg"
+    group = "Curve"
     hint = "Touch an end that nearly meets a curve: both are joined there."
     gesture = "tap"
     hovers = True

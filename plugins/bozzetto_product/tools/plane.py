@@ -34,6 +34,7 @@ class SetPlane(ProductTool):
     id = PLANE_TOOL
     title = "Plane"
     icon = "icons/plane.svg"
+    group = "Curve"
     hint = _FIRST
     gesture = "tap"
     hovers = True

@@ -16,6 +16,7 @@ class Redraw(ProductTool):
     id = "redraw"
     title = "Redraw a stretch"
     icon = "icons/redraw.svg"
+    group = "Curve"
     hint = "Begin and end on a curve: what you draw takes the place of the stretch between."
 
     @override

@@ -24,6 +24,7 @@ class Split(ProductTool):
     id = "split"
     title = "Split"
     icon = "icons/split.svg"
+    group = "Curve"
     hint = "Touch a curve where it is to be cut; its pieces stay joined."
     gesture = "tap"
     hovers = True

@@ -1,7 +1,7 @@
 """How far the confidence of first answers is from how often they are right.
 
 ``python -m tests.plugins.polyhedron.figures_confidence [drawings] [first seed]`` prints a Markdown
-table; seeds from 40,000 on, to which nothing is fitted. The drawings are those of
+table; seeds from 50,000 on, to which nothing is fitted. The drawings are those of
 ``fit_confidence``. Unmarked answers are said 2 % lower by the program, for the side from which they
 are seen; that is not in these figures.
 """
@@ -16,7 +16,7 @@ import numpy as np
 from bozzetto_polyhedron.reconstruction.confidence_tables import CONFIDENCES, SHARES
 from tests.plugins.polyhedron.fit_confidence import Outcome, outcome
 
-FIRST_SEED = 40_000
+FIRST_SEED = 50_000
 BINS = (0.0, 0.5, 0.7, 0.85, 0.95, 1.01)
 ASKED = 5.0
 """Points."""

@@ -23,7 +23,6 @@ from bozzetto.ink.curves.resample import resample
 from bozzetto.ink.trace.page import homography
 from bozzetto.ink.trace.trace import Sheet, TracedLine, sheet_of, trace
 from bozzetto.view import Camera
-from bozzetto_polyhedron.graph.build import graph_of
 from tests.core.ink.trace.pencil_paper import (
     FAINT,
     PHONE,
@@ -33,7 +32,7 @@ from tests.core.ink.trace.pencil_paper import (
     paper_picture,
 )
 from tests.fidelity import FOLDERS, rings_of
-from tests.plugins.polyhedron.graph_truth import is_right
+from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import CLEAN, SIZE, owned_strokes_of
 from tests.plugins.polyhedron.objects import made, view
 
