@@ -18,8 +18,9 @@ from bozzetto_product.details.outline_places import NO_SURFACE, tangent_axes
 from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.solve.paper_surfacing import UNCARVED
 from bozzetto_product.solve.solver import grounds_of, solve_product
-from bozzetto_product.tools.detail import DEPTH, GAP, UNCARVED, without_details
+from bozzetto_product.tools.detail import DEPTH, GAP, without_details
 from bozzetto_product.tools.product_tool import ProductTool
 from bozzetto_product.view.detail_view import EMBLEM_TOOL, MIDDLE, SIZED, emblem_corner
 
