@@ -7,13 +7,12 @@ from collections.abc import Callable
 import numpy as np
 from product_hand import Body, Hand
 from product_lamp import lamp as lamp
-from product_sandal import sandal as sandal
 from product_shaver import shaver as shaver
 
 from bozzetto.arrays import Array
 from bozzetto_product.model.rough_shapes import RoughShape
 
-NAMES = ("mouse", "remote", "helmet", "shaver", "sandal", "lamp")
+NAMES = ("mouse", "remote", "helmet", "shaver", "lamp")
 
 WHITE, SAND = (236, 234, 229), (222, 212, 196)
 GRAPHITE, INK = (58, 61, 66), (28, 30, 34)

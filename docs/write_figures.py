@@ -1,4 +1,7 @@
-"""Write the tables of pages that name their commands: ``python docs/write_figures.py [PAGE]``.
+"""Write the tables of pages that name their commands.
+
+``python docs/write_figures.py [PAGE.md …] [figures_NAME …]``: with names of modules only the tables
+that these make.
 
 A table stands between the command that makes it and an end mark:
 
@@ -17,6 +20,7 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -39,12 +43,19 @@ def output_of(command: str) -> str:
     return done.stdout.strip()
 
 
-def written(page: str) -> str:
-    """Return a page with all its figures made anew."""
-    return BLOCK.sub(lambda found: f"{found[1]}\n{output_of(found['command'])}\n\n{found[3]}", page)
+def written(page: str, names: Sequence[str] = ()) -> str:
+    """Return a page with its figures made anew: those of the modules named, or else all."""
+
+    def made(found: re.Match[str]) -> str:
+        if names and not any(found["command"].endswith(f".{name}") for name in names):
+            return found[0]
+        return f"{found[1]}\n{output_of(found['command'])}\n\n{found[3]}"
+
+    return BLOCK.sub(made, page)
 
 
 if __name__ == "__main__":
-    for name in sys.argv[1:] or PAGES:
+    wanted = [name for name in sys.argv[1:] if not name.endswith(".md")]
+    for name in [name for name in sys.argv[1:] if name.endswith(".md")] or PAGES:
         path = ROOT / "docs" / name
-        path.write_text(written(path.read_text(encoding="utf-8")), encoding="utf-8")
+        path.write_text(written(path.read_text(encoding="utf-8"), wanted), encoding="utf-8")

@@ -6,15 +6,12 @@ A file is not trusted: every number and name is checked, and every refusal names
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-import numpy as np
-
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, Strokes
+from bozzetto.ink import PIXELS, Stroke, Strokes, a_list, a_number, a_point, an_object, point_rows
 from bozzetto.scene import Picture
 from bozzetto_car.body.build import body_of
 from bozzetto_car.camera.sketch_camera import upright_camera
@@ -29,11 +26,8 @@ MOST_SKETCHES: Final = 8
 MOST_NAMES: Final = 400
 """Most marks or strokes of one view."""
 
-MOST_PLACES: Final = 20_000
-"""Most places of one stroke."""
-
-FARTHEST: Final = 1e8
-"""Largest coordinate of a place, px."""
+LARGEST: Final = PIXELS[1]
+"""Largest number of a picture's pixels along a side, and of a dimension in mm."""
 
 KINDS: Final = ("auto", "perspective", "orthographic")
 
@@ -65,14 +59,14 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
     UserError
         If something is missing, or of the wrong kind or size; the message names the key.
     """
-    views = _list(facts.get("views"), "views", MOST_SKETCHES)
+    views = a_list(facts.get("views"), "views", MOST_SKETCHES)
     if not views:
         raise UserError("“views” is empty. Give at least one view with its marks.")
     state = _of_template(facts.get("template", "sedan"))
     edits: list[TracedEdges] = []
     for number, value in enumerate(views):
         where = f"views[{number}]"
-        view = _object(value, where)
+        view = an_object(value, where)
         unknown = sorted(set(view) - VIEW_KEYS)
         if unknown:
             raise UserError(f"{where} has a key “{unknown[0]}”. Known are {_row(VIEW_KEYS)}.")
@@ -81,8 +75,8 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
         edits += _strokes(view.get("strokes", {}), state.sketches[-1], f"{where}.strokes")
     state = replace(state, edits=tuple(edits), selected=state.sketches[0].id)
     state = _dimensioned(state, facts.get("dimensions", {}))
-    for number, value in enumerate(_list(facts.get("styling", []), "styling", MOST_NAMES)):
-        state = _styled(state, _object(value, f"styling[{number}]"), f"styling[{number}]")
+    for number, value in enumerate(a_list(facts.get("styling", []), "styling", MOST_NAMES)):
+        state = _styled(state, an_object(value, f"styling[{number}]"), f"styling[{number}]")
     return state
 
 
@@ -103,9 +97,9 @@ def _sketch(
     pictures: Mapping[str, Picture],
 ) -> Sketch:
     given = view.get("image", common)
-    image = _object(given, f"{where}.image" if "image" in view else "image")
+    image = an_object(given, f"{where}.image" if "image" in view else "image")
     width, height = (
-        _number(image.get(key), f"image.{key}", 1.0, FARTHEST) for key in ("width", "height")
+        a_number(image.get(key), f"image.{key}", 1.0, LARGEST) for key in ("width", "height")
     )
     kind = view.get("kind", "auto")
     if kind not in KINDS:
@@ -128,27 +122,27 @@ def _sketch(
 
 
 def _marks(value: object, where: str) -> tuple[Mark, ...]:
-    marks = _object(value, where)
+    marks = an_object(value, where)
     if len(marks) > MOST_NAMES:
         raise UserError(f"{where} has more than {MOST_NAMES} marks.")
     made = []
     for node, place in marks.items():
         if not isinstance(node, str) or not 1 <= len(node) <= 40:
             raise UserError(f"{where} has a mark without the name of a node, such as C1.")
-        u, v = _place(place, f"{where}.{node}")
+        u, v = a_point(place, f"{where}.{node}", PIXELS).tolist()
         made.append(Mark(node, u, v))
     return tuple(made)
 
 
 def _strokes(value: object, sketch: Sketch, where: str) -> list[TracedEdges]:
     """Return strokes along edges, as if they had been drawn on the sketch."""
-    strokes = _object(value, where)
+    strokes = an_object(value, where)
     if len(strokes) > MOST_NAMES:
         raise UserError(f"{where} has more than {MOST_NAMES} strokes.")
     camera = upright_camera(sketch.size).camera
     made = []
     for edge, places in strokes.items():
-        points = _places(places, f"{where}.{edge}")
+        points = point_rows(places, f"{where}.{edge}", PIXELS)
         stroke = Stroke(points[:, 0], points[:, 1], camera, tool="imported")
         # The drawn line tells the end of the edge better than a mark beside it.
         made.append(
@@ -162,10 +156,10 @@ def _strokes(value: object, sketch: Sketch, where: str) -> list[TracedEdges]:
 def _dimensioned(state: CarState, given: object) -> CarState:
     long = {short: name for name, short in SHORT.items()}
     values: dict[str, float] = {}
-    for key, value in _object(given, "dimensions").items():
+    for key, value in an_object(given, "dimensions").items():
         if key not in long:
             raise UserError(f"There is no dimension “{str(key)[:40]}”. Give {_row(long)}.")
-        values[long[key]] = _number(value, f"dimensions.{key}", 1.0, FARTHEST)
+        values[long[key]] = a_number(value, f"dimensions.{key}", 1.0, LARGEST)
     # A car solved with its dimensions fits its sketches better than one stretched afterwards.
     return replace(
         state,
@@ -187,7 +181,7 @@ def _styled(state: CarState, value: Mapping[str, Any], where: str) -> CarState:
     name = value.get("name", state.unused_name("Styling curve"))
     if not isinstance(name, str) or not 1 <= len(name) <= 200:
         raise UserError(f"{where}.name is a text of 1 to 200 characters.")
-    points = _places(value.get("points"), f"{where}.points")
+    points = point_rows(value.get("points"), f"{where}.points", PIXELS)
     body = body_of(state)
     sketch_camera = body.sketch_cameras[sketches[view].id]
     patches, on, places = project_stroke(body, points - sketch_camera.shift, sketch_camera.camera)
@@ -200,38 +194,3 @@ def _styled(state: CarState, value: Mapping[str, Any], where: str) -> CarState:
 
 def _row(words: Iterable[str]) -> str:
     return ", ".join(sorted(words))
-
-
-def _object(value: object, where: str) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping):
-        raise UserError(f"“{where}” is missing, or no object {{…}}.")
-    return value
-
-
-def _list(value: object, where: str, most: int) -> Sequence[Any]:
-    if not isinstance(value, list | tuple):
-        raise UserError(f"“{where}” is missing, or no list […].")
-    if len(value) > most:
-        raise UserError(f"“{where}” has more than {most} entries.")
-    return value
-
-
-def _number(value: object, where: str, least: float, most: float) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool) and least <= value <= most:
-        return float(value)  # a NaN is in no range
-    raise UserError(f"“{where}” is a number from {least:g} to {most:g}.")
-
-
-def _place(value: object, where: str) -> tuple[float, float]:
-    pair = _list(value, where, 2)
-    if len(pair) != 2:
-        raise UserError(f"“{where}” is a place [u, v] in pixels.")
-    u, v = (_number(part, where, -FARTHEST, FARTHEST) for part in pair)
-    return u, v
-
-
-def _places(value: object, where: str) -> Array:
-    row = _list(value, where, MOST_PLACES)
-    if len(row) < 2:
-        raise UserError(f"“{where}” needs two places at least.")
-    return np.array([_place(place, where) for place in row], float)

@@ -32,6 +32,7 @@ from bozzetto_product.hand_over.shapes import curves_of, shapes_of
 from bozzetto_product.hand_over.template_facts import with_template
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import Detail
+from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.patches import CurveGroup, Patch
 from bozzetto_product.model.planes import Plane
 from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
@@ -57,7 +58,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
 
     id = "bozzetto.product"
     state_type = ProductState
-    part_types = (Curve, Patch, Detail, RoughShape, FollowedShape, CurveGroup)
+    part_types = (Curve, Patch, Detail, Emblem, RoughShape, FollowedShape, CurveGroup)
     first_parameters = ("mirror",)
     figures = FIGURES
 

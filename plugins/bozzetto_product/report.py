@@ -259,8 +259,11 @@ def _of_walls(state: ProductState, result: ProductResult) -> Iterator[str]:
             f"Walls of {state.wall:g} mm do not fit, so the product is handed over without. "
             "Make them thinner, or the product larger."
         )
-    elif bodies and any(not detail.problem for detail in result.detailed.details):
-        yield "Walls leave details out. Set the wall to 0 to hand the details over."
+    if any(body.left_out for body in result.walls):
+        yield (
+            "What is cut through is left out of walls that grow outward. Let them grow inward to "
+            "have it."
+        )
     found = [wall for wall in bodies if wall is not None]
     if any(wall.rounded for wall in found):
         yield (

@@ -22,6 +22,8 @@ from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.object_edits import ObjectEdits
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.toolbox import Toolbox
+from bozzetto_app.session.tracing import Tracing
+from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
@@ -47,6 +49,8 @@ class PictureInput(QObject):
     ----------
     channel : Channel
         The reading under way.
+    tracing : Tracing
+        Makes ink of pictures of drawings on paper.
 
     Signals
     -------
@@ -61,6 +65,7 @@ class PictureInput(QObject):
         workbench: Workbench,
         drawing: DocumentModel,
         selection: Selection,
+        view: ViewState,
         toolbox: Toolbox,
         objects: ObjectEdits,
         context: GestureContext,
@@ -69,6 +74,7 @@ class PictureInput(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
+        self.tracing = Tracing(drawing, view, toolbox, notices, self)
         self.channel = Channel(
             "picture", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
         )

@@ -5,7 +5,7 @@ them holds the session:
 
 * the state: `document_model`, `selection`, `view_state`, `toolbox`, `scene_model`;
 * the services that work on it: `gestures`, `motion`, `object_edits`, `part_edits`,
-  `modeler_commands`, `from_shapes`, `ink_readings`, `pictures`, `tracing`, `files`, `solver`,
+  `modeler_commands`, `from_shapes`, `ink_readings`, `pictures`, `files`, `solver`,
   `view_advice`, `hints`;
 * `notices`, which tells the person about it.
 
@@ -41,7 +41,6 @@ from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.solver import Solver
 from bozzetto_app.session.toolbox import Toolbox
-from bozzetto_app.session.tracing import Tracing
 from bozzetto_app.session.view_advice import ViewAdviser
 from bozzetto_app.session.view_state import ViewState
 
@@ -106,9 +105,8 @@ class Session(QObject):
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
         self.readings = InkReadings(bench, drawing, selection, context, notices, self)
         self.pictures = PictureInput(
-            bench, drawing, selection, toolbox, objects, context, edits, notices, self
+            bench, drawing, selection, view, toolbox, objects, context, edits, notices, self
         )
-        self.tracing = Tracing(drawing, view, toolbox, notices, self)
         self.files = Files(
             bench, drawing, view, toolbox, scene, context, self.pictures, notices, self
         )
@@ -119,7 +117,7 @@ class Session(QObject):
             self.files,
             self.shapes.channel,
             self.pictures.channel,
-            self.tracing.channel,
+            self.pictures.tracing.channel,
         )
         for work in self._shown_work:
             work.progressed.connect(self.progressed)
@@ -182,7 +180,7 @@ class Session(QObject):
             self.files,
             self.shapes.channel,
             self.pictures.channel,
-            self.tracing,
+            self.pictures.tracing,
         ):
             part.cancel()
 

@@ -33,6 +33,14 @@ if TYPE_CHECKING:
     from bozzetto.ink.curves.spline_fit import SplineFit as SplineFit
     from bozzetto.ink.curves.spline_fit import fit_spline as fit_spline
     from bozzetto.ink.drawing import Drawing as Drawing
+    from bozzetto.ink.file_values import PIXELS as PIXELS
+    from bozzetto.ink.file_values import PLANE as PLANE
+    from bozzetto.ink.file_values import SPACE as SPACE
+    from bozzetto.ink.file_values import a_list as a_list
+    from bozzetto.ink.file_values import a_number as a_number
+    from bozzetto.ink.file_values import a_point as a_point
+    from bozzetto.ink.file_values import an_object as an_object
+    from bozzetto.ink.file_values import point_rows as point_rows
     from bozzetto.ink.merge.merge import MergedStrokes as MergedStrokes
     from bozzetto.ink.merge.merge import merge_strokes as merge_strokes
     from bozzetto.ink.merge.weights import stroke_weights as stroke_weights
@@ -64,6 +72,8 @@ else:
             "bozzetto.ink.curves.smooth": "smooth",
             "bozzetto.ink.curves.spline_fit": "SplineFit fit_spline",
             "bozzetto.ink.drawing": "Drawing",
+            "bozzetto.ink.file_values": "PIXELS PLANE SPACE a_list a_number a_point an_object "
+            "point_rows",
             "bozzetto.ink.merge.merge": "MergedStrokes merge_strokes",
             "bozzetto.ink.merge.weights": "stroke_weights",
             "bozzetto.ink.oversketch.lift": "lift_curve",

@@ -17,11 +17,13 @@ from bozzetto.view import Rays
 from bozzetto_product.details.carve import Form, Near, Thickness, carved, parted
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.course import CROSSES
-from bozzetto_product.details.ground import Ground, followed_outline
+from bozzetto_product.details.emblem_places import LOST, emblem_outlines
+from bozzetto_product.details.ground import Ground, followed_outline, kept_places
 from bozzetto_product.details.region import faces_over
 from bozzetto_product.details.ring import Ring, ring_through
 from bozzetto_product.details.shell import Owner, Shell
-from bozzetto_product.model.details import Detail
+from bozzetto_product.model.details import Detail, OutlinePlaces
+from bozzetto_product.model.emblems import Emblem, FlatOutlines
 from bozzetto_product.model.planes import Plane
 from bozzetto_product.network.reflection import Reflection
 
@@ -36,7 +38,6 @@ LAYERS: Final = 4
 triangles lie a little beside a surface."""
 
 OFF: Final = "The outline is on no surface. Draw it on a surface."
-LOST: Final = "its surface is gone. Switch the surface on again, or delete the detail."
 UNDRAWN: Final = "it has no outline. Draw it with the tool “Detail”."
 ASIDE: Final = "a surface under it is gone; it lies on those beside it."
 OPEN: Final = (
@@ -89,11 +90,19 @@ class DetailedBodies:
     details : tuple of SolvedDetail
     plain : tuple of Shell
         The same surfaces without details.
+    grounds : tuple of Ground
+        What they lie on.
     """
 
     shells: tuple[Shell, ...] = ()
     details: tuple[SolvedDetail, ...] = ()
     plain: tuple[Shell, ...] = ()
+    grounds: tuple[Ground, ...] = ()
+
+    def number_of(self, detail: Detail, mirrored: bool) -> int:
+        """Return the number of a detail, or of its mirror image."""
+        rows = ((one.detail, one.mirrored) for one in self.details)
+        return next(k for k, row in enumerate(rows) if row == (detail, mirrored))
 
     @property
     def changed(self) -> tuple[Shell, ...]:
@@ -112,13 +121,19 @@ def detailed_bodies(
 
     What cannot be carved is left as it is and told by its `SolvedDetail.problem`.
     """
-    plain = _shells(tuple(grounds))
-    made = DetailedBodies(plain, plain=plain)
+    made = _plain_bodies(tuple(grounds))
     for detail in details:
         for mirrored in (False, True) if detail.mirrored else (False,):
             checkpoint()
             made = _with_detail(made, tuple(grounds), detail, mirrored, symmetry)
     return made
+
+
+@remembered(limit=4, key=lambda grounds: tuple((g.patch, g.mirrored, g.fill.key) for g in grounds))
+def _plain_bodies(grounds: tuple[Ground, ...]) -> DetailedBodies:
+    """Return the bodies without details: what those with details are remembered by."""
+    plain = _shells(grounds)
+    return DetailedBodies(plain, plain=plain, grounds=grounds)
 
 
 @remembered(limit=4, key=lambda grounds: tuple(g.fill.key for g in grounds))
@@ -158,34 +173,29 @@ def _with_detail(
     if detail.places is None:
         row = SolvedDetail(detail, mirrored, problem=UNDRAWN)
         return replace(made, details=(*made.details, row))
-    followed = followed_outline(grounds, detail.places)
-    if followed is None:
+    plane = symmetry if mirrored else None
+    try:
+        places = outline_of(detail, grounds)
+    except UserError as error:
+        row = SolvedDetail(detail, mirrored, problem=str(error))
+        return replace(made, details=(*made.details, row))
+    laid = _laid(grounds, places, detail.closed, plane)
+    if laid is None:
         row = SolvedDetail(detail, mirrored, problem=LOST)
         return replace(made, details=(*made.details, row))
-    points, normals = followed.points, followed.normals
-    if mirrored:
-        mirror = Reflection(symmetry)
-        points = mirror.points(points)
-        normals = normals - 2.0 * (normals @ mirror.normal)[:, None] * mirror.normal
-    told = ASIDE if followed.lost else ""
+    told = ASIDE if laid.lost else ""
+    if isinstance(detail, Emblem) and detail.flat is not None and detail.flat.missing:
+        told = f"there are no letters for “{detail.flat.missing}”; it is written without."
     if not detail.closed and detail.kind != "split":
         told = OPEN
-    pieces = np.split(np.arange(len(points)), detail.places.starts[1:].tolist())
-    outlines = tuple(
-        np.vstack((points[rows], points[rows[:1]])) if detail.closed else points[rows]
-        for rows in pieces
-    )
-    solved = SolvedDetail(detail, mirrored, outlines, told=told)
-    shells, problem, deviation = list(made.shells), "", 0.0
+    solved = SolvedDetail(detail, mirrored, laid.outlines, laid.problem, told)
+    shells, deviation = list(made.shells), 0.0
     try:
-        chart = Chart.facing(points, normals)
-        near = _nearest_of(chart, points)
-        if detail.closed:
-            regions = _regions(chart, points, detail.places.corners > 0, pieces)
-        else:
-            regions = [[ring_through(chart.flat(points), detail.places.corners > 0, closed=False)]]
         form = Form(detail.kind, detail.depth, float(np.radians(detail.draft)), detail.gap)
-        for region in regions:
+        for region in laid.regions:
+            chart, near = laid.chart, laid.near
+            assert chart is not None
+            assert near is not None
             which = _shell_under(shells, chart, region[0], near)
             if which < 0:
                 under = _shell_under(made.plain, chart, region[0], near)
@@ -196,10 +206,114 @@ def _with_detail(
                 done = parted(shells[which], chart, region[0], near, number)
             shells[which], deviation = done.shell, max(deviation, done.deviation)
     except UserError as error:
-        problem = str(error)
-        shells = list(made.shells)
-    row = replace(solved, problem=problem, deviation=deviation)
+        return replace(made, details=(*made.details, replace(solved, problem=str(error))))
+    row = replace(solved, deviation=deviation)
     return replace(made, shells=tuple(shells), details=(*made.details, row))
+
+
+def outline_of(detail: Detail, grounds: tuple[Ground, ...]) -> OutlinePlaces:
+    """Return the places of a detail's outlines; those of an emblem are laid on the surfaces.
+
+    Raises
+    ------
+    UserError
+        If an emblem has no outlines, or they are beside the surfaces.
+    """
+    assert detail.places is not None
+    if not isinstance(detail, Emblem):
+        return detail.places
+    assert detail.flat is not None or not detail.text
+    return _emblem_places(detail.places, detail.flat, detail.height, detail.turn, grounds)
+
+
+@remembered(
+    limit=64,
+    key=lambda places, flat, height, turn, grounds: (
+        places,
+        flat,
+        height,
+        turn,
+        tuple((g.patch, g.mirrored, g.fill.key) for g in grounds),
+    ),
+)
+def _emblem_places(
+    places: OutlinePlaces,
+    flat: FlatOutlines | None,
+    height: float,
+    turn: float,
+    grounds: tuple[Ground, ...],
+) -> OutlinePlaces:
+    text = "" if flat is None else flat.text
+    emblem = Emblem(places=places, flat=flat, height=height, turn=turn, text=text)
+    rows = emblem_outlines(emblem, grounds)
+    assert flat is not None
+    return kept_places(grounds, np.concatenate(rows), flat.corners > 0, flat.starts.tolist())
+
+
+@dataclass(frozen=True, eq=False)
+class _Laid:
+    """Outlines on the surfaces as they are now.
+
+    Parameters
+    ----------
+    outlines : tuple of (n, 3) float
+        Polylines, mm.
+    lost : tuple of str
+        Ids of patches that are gone.
+    problem : str
+        Why there are no regions, for a person.
+    chart : Chart, optional
+        None with a problem, as is `near`.
+    near : callable, optional
+        See `Near`.
+    regions : tuple of tuple of Ring
+        The outline round each region, and those of holes in it; of an open outline itself.
+    """
+
+    outlines: tuple[Array, ...]
+    lost: tuple[str, ...]
+    problem: str = ""
+    chart: Chart | None = None
+    near: Near | None = None
+    regions: tuple[tuple[Ring, ...], ...] = ()
+
+
+@remembered(
+    limit=128,
+    key=lambda grounds, places, closed, plane: (
+        places,
+        closed,
+        plane,
+        tuple((g.patch, g.mirrored, g.fill.key) for g in grounds),
+    ),
+)
+def _laid(
+    grounds: tuple[Ground, ...], places: OutlinePlaces, closed: bool, plane: Plane | None
+) -> _Laid | None:
+    """Return where outlines are now, or their mirror images; None where their surfaces are gone."""
+    followed = followed_outline(grounds, places)
+    if followed is None:
+        return None
+    points, normals = followed.points, followed.normals
+    if plane is not None:
+        mirror = Reflection(plane)
+        points = mirror.points(points)
+        normals = normals - 2.0 * (normals @ mirror.normal)[:, None] * mirror.normal
+    pieces = np.split(np.arange(len(points)), places.starts[1:].tolist())
+    outlines = tuple(
+        np.vstack((points[rows], points[rows[:1]])) if closed else points[rows] for rows in pieces
+    )
+    corners = places.corners > 0
+    try:
+        chart = Chart.facing(points, normals)
+        if closed:
+            regions = _regions(chart, points, corners, pieces)
+        else:
+            regions = [[ring_through(chart.flat(points), corners, closed=False)]]
+    except UserError as error:
+        return _Laid(outlines, followed.lost, str(error))
+    near = _nearest_of(chart, points)
+    return _Laid(outlines, followed.lost, "", chart, near, tuple(map(tuple, regions)))
 
 
 def _nearest_of(chart: Chart, points: Array) -> Near:

@@ -10,6 +10,8 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.geometry import BSplineSurface
+from bozzetto.plugin import remembered
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.course import (
     CORNER,
@@ -162,7 +164,7 @@ def parted(shell: Shell, chart: Chart, ring: Ring, near: Near, number: int) -> C
     """
 
     def made(rings: list[Ring]) -> Carved:
-        longer = rings[0].drawn_out(REACH)
+        longer = _longer(rings[0])
         ends = np.array((1.0, longer.end - 1.0))
         place = longer.value(ends.mean(keepdims=True))[0]
         first = first_face(shell, chart, place, near(place), 1.0)
@@ -174,12 +176,17 @@ def parted(shell: Shell, chart: Chart, ring: Ring, near: Near, number: int) -> C
     return _nudged(shell, [ring], made)
 
 
+@remembered(limit=64)
+def _longer(ring: Ring) -> Ring:
+    return ring.drawn_out(REACH)
+
+
 def _nudged(shell: Shell, rings: Sequence[Ring], made: Callable[[list[Ring]], Carved]) -> Carved:
     """Return what is made of outlines, moved a little where they go through a corner of faces."""
     for way in NUDGES:
         step = NUDGE * shell.size * np.array(way)
         try:
-            return made([ring.moved(step) for ring in rings])
+            return made([ring.moved(step) for ring in rings] if step.any() else list(rings))
         except MeetsCorner:
             continue
     raise UserError(CORNER)
@@ -194,46 +201,89 @@ def _carved(
     thickness: Thickness,
     number: int,
 ) -> Carved:
-    starts = [ring.value(np.zeros(1))[0] for ring in rings]
-    first = [first_face(shell, chart, start, near(start), 1.0) for start in starts]
+    first = _first_faces(shell, chart, rings, near)
     courses = [course_of(shell, chart, r, f, 1.0) for r, f in zip(rings, first, strict=True)]
     faces = region_faces(shell, chart, rings[0], [p.face for c in courses for p in c])
-    surfaces = list({id(s): s for s in (shell.faces[face].surface for face in faces)}.values())
+    surfaces = tuple({id(s): s for s in (shell.faces[face].surface for face in faces)}.values())
+    through = form.kind == "cut" and shell.is_closed
+    plan = _planned(chart, tuple(rings), surfaces, form, thickness, shell.size, through)
+    for inner in plan.rings[len(rings) :]:
+        (start,) = _first_faces(shell, chart, [inner], near)
+        courses.append(course_of(shell, chart, inner, start, 1.0))
+    owner = Owner(shell.owners[first[0]].patch, number, made=True)
+    far = [_far_course(shell, chart, ring, plan.offset) for ring in plan.far]
+    edges = outline_edges(shell, chart, plan.rings, courses, plan.level, far)
+    cut = cut_shell(shell, edges, courses, far)
+    if plan.level is None:
+        inside = cut.inside
+        return Carved(_owned(cut.shell, inside, number) if form.kind == "split" else _opened(cut))
+    made = with_walls(cut, edges, plan.level.floor, owner)
+    if form.kind == "button":
+        within = {cut.tops[k] for k, edge in enumerate(edges) if edge.ring >= len(rings)}
+        made = _owned(made, flooded(made, within), number)
+    return Carved(made, 0.0 if plan.level.floor is None else plan.level.floor.deviation)
+
+
+def _first_faces(shell: Shell, chart: Chart, rings: Sequence[Ring], near: Near) -> list[int]:
+    starts = [ring.value(np.zeros(1))[0] for ring in rings]
+    return [first_face(shell, chart, start, near(start), 1.0) for start in starts]
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """What a detail is made of, whatever has become of the faces that it lies on.
+
+    Parameters
+    ----------
+    rings : tuple of Ring
+        The outlines, and behind them those of a button in its opening.
+    far : tuple of Ring
+        The outlines on the far side of the body, of what goes through it.
+    level : Level, optional
+        Where walls end; None without walls.
+    offset : callable
+        Places and normals of the surfaces.
+    """
+
+    rings: tuple[Ring, ...]
+    far: tuple[Ring, ...]
+    level: Level | None
+    offset: Offset
+
+
+@remembered(limit=256)
+def _planned(
+    chart: Chart,
+    rings: tuple[Ring, ...],
+    surfaces: tuple[BSplineSurface, ...],
+    form: Form,
+    thickness: Thickness,
+    size: float,
+    through: bool,
+) -> _Plan:
+    """Return what a detail is made of.
+
+    It depends on surfaces as wholes and not on how faces are trimmed, so that a detail needs no
+    new one when another detail has changed.
+    """
     offset = offset_of(surfaces, chart)
     count = len(rings)
     if form.kind == "button":
-        for ring in rings[:count]:
-            inner = _inner_ring(chart, offset, ring, form.gap)
-            place = inner.value(np.zeros(1))[0]
-            start = first_face(shell, chart, place, near(place), 1.0)
-            courses.append(course_of(shell, chart, inner, start, 1.0))
-            rings = [*rings, inner]
-        _check(rings, rings[:count], [ring.reversed() for ring in rings[count:]], GAP)
-    owner = Owner(shell.owners[first[0]].patch, number, made=True)
-    if form.kind == "split" or (form.kind == "cut" and not shell.is_closed):
-        edges = outline_edges(shell, chart, rings, courses, None, [])
-        cut = cut_shell(shell, edges, courses, [])
-        inside = cut.inside
-        return Carved(_owned(cut.shell, inside, number) if form.kind == "split" else _opened(cut))
-    if form.kind == "cut":
-        far_rings = _far_rings(chart, offset, rings, form.draft, thickness)
-        far = [_far_course(shell, chart, ring, offset) for ring in far_rings]
-        edges = outline_edges(shell, chart, rings, courses, Level(None, rings=far_rings), far)
-        return Carved(with_walls(cut_shell(shell, edges, courses, far), edges, None, owner))
+        inner = [_inner_ring(chart, offset, ring, form.gap) for ring in rings]
+        rings = (*rings, *inner)
+        _check(rings, rings[:count], [ring.reversed() for ring in inner], GAP)
+    if through:
+        far = _far_rings(chart, offset, rings, form.draft, thickness)
+        return _Plan(rings, far, Level(None, rings=far), offset)
+    if form.kind in ("split", "cut"):
+        return _Plan(rings, (), None, offset)
     height = form.depth if form.kind == "raised" else -form.depth
-    level = floor_level(chart, rings, surfaces, height, form.draft, shell.size)
-    assert level.floor is not None
+    level = floor_level(chart, rings, surfaces, height, form.draft, size)
     if height < 0.0:
         _check_room(offset, rings[0], form.depth, thickness)
     floors = [_on_floor(level, k, ring) for k, ring in enumerate(rings)]
     _check(floors, rings, floors, DRAFT)
-    edges = outline_edges(shell, chart, rings, courses, level, [])
-    cut = cut_shell(shell, edges, courses, [])
-    made = with_walls(cut, edges, level.floor, owner)
-    if form.kind == "button":
-        within = {cut.tops[k] for k, edge in enumerate(edges) if edge.ring >= count}
-        made = _owned(made, flooded(made, within), number)
-    return Carved(made, level.floor.deviation)
+    return _Plan(rings, (), level, offset)
 
 
 def _owned(shell: Shell, faces: Collection[int], number: int) -> Shell:

@@ -83,8 +83,14 @@ class Chart:
         return np.asarray((points - self.origin) @ self.axes[2])
 
 
+@remembered(
+    limit=4096,
+    key=lambda surface, chart, places, outward: (surface, chart, places.tobytes(), outward),
+)
 def parameters_at(surface: BSplineSurface, chart: Chart, places: Array, outward: float) -> Array:
     """Return where a surface is over places of a chart.
+
+    Remembered: while depth, draft or gap of a detail change, the same places are asked for.
 
     Parameters
     ----------

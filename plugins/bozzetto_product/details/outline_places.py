@@ -273,7 +273,12 @@ def places_of_points(
 
 
 def laid_flat(
-    rows: Sequence[Array], at: Array, up: Array, width: float, grounds: Sequence[Ground]
+    rows: Sequence[Array],
+    at: Array,
+    up: Array,
+    width: float,
+    grounds: Sequence[Ground],
+    turn: float = 0.0,
 ) -> list[Array]:
     """Return flat outlines on the tangent plane at a place, let down on to the surface.
 
@@ -289,6 +294,8 @@ def laid_flat(
         Of all outlines together, mm.
     grounds : sequence of Ground
         What they are laid on.
+    turn : float
+        By which they are turned then, counter-clockwise, radians.
 
     Returns
     -------
@@ -302,29 +309,31 @@ def laid_flat(
     """
     if not grounds:
         raise UserError(NO_SURFACE)
+    middle, (x, y, normal) = tangent_axes(at, up, grounds)
+    x, y = np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x
+    every = np.concatenate(rows)
+    low, high = every.min(axis=0), every.max(axis=0)
+    scale = width / float(high[0] - low[0])
+    flat = scale * (every - 0.5 * (low + high))
+    points = middle + flat[:, :1] * x + flat[:, 1:] * y
+    scene = Scene((Layer("surfaces", tuple(Shaded(g.fill.mesh) for g in grounds)),))
+    start = points + 0.5 * width * normal
+    hits = cast_rays(scene, Rays(start, np.broadcast_to(-normal, points.shape)))
+    if not hits.hit.all():
+        raise UserError(BESIDE)
+    found = np.asarray(hits.points, float)
+    return np.split(found, np.cumsum([len(row) for row in rows])[:-1].tolist())
+
+
+def tangent_axes(at: Array, up: Array, grounds: Sequence[Ground]) -> tuple[Array, Array]:
+    """Return the nearest place of surfaces, (3,) mm, and axes there: x, y near up, normal."""
     place = located(grounds, at[None])
     normal, middle = place.normals[0], place.points[0]
     y = up - (up @ normal) * normal
     if np.linalg.norm(y) < 1e-6 * np.linalg.norm(up):
         y = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     y = y / np.linalg.norm(y)
-    x = np.cross(y, normal)
-    every = np.concatenate(rows)
-    low, high = every.min(axis=0), every.max(axis=0)
-    scale = width / float(high[0] - low[0])
-    scene = Scene((Layer("surfaces", tuple(Shaded(g.fill.mesh) for g in grounds)),))
-    made = []
-    for row in rows:
-        flat = scale * (row - 0.5 * (low + high))
-        points = middle + flat[:, :1] * x + flat[:, 1:] * y
-        lift = 0.5 * width
-        hits = cast_rays(
-            scene, Rays(points + lift * normal, np.broadcast_to(-normal, points.shape))
-        )
-        if not hits.hit.all():
-            raise UserError(BESIDE)
-        made.append(np.asarray(hits.points, float))
-    return made
+    return middle, np.stack((np.cross(y, normal), y, normal))
 
 
 def polygon_corners(row: Array) -> Flags:

@@ -11,7 +11,8 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry import Face, ParameterCurve, Trim
+from bozzetto.geometry import BSplineSurface, Face, ParameterCurve, Trim
+from bozzetto.plugin import remembered
 from bozzetto_product.details.chart import Chart, parameters_at
 from bozzetto_product.details.course import CREASE, CREASED, SHORT, TURNED, Passage
 from bozzetto_product.details.face_cuts import Chord, cut_face, ring_of
@@ -124,21 +125,9 @@ def outline_edges(
         breaks = _merged(places)
         for start, end in itertools.pairwise(breaks):
             middle = 0.5 * (start + end)
-            tracks = [_track_over(shell, chart, ring, _at(course, middle), 1.0)]
-            if far and level is not None:
-                tracks.append(
-                    _track_over(shell, chart, level.rings[number], _at(far[number], middle), -1.0)
-                )
-            elif level is not None and level.floor is not None:
-                tracks.append(
-                    track_on_floor(
-                        level, number, len(ring.stretches), start, end, tracks[0].surface
-                    )
-                )
-            fitted = fitted_edges(tracks, start, end, shell.size)
-            made.append(
-                OutlineEdge(number, start, end, fitted[0], fitted[1] if len(fitted) > 1 else None)
-            )
+            over = shell.faces[_at(course, middle)].surface
+            under = shell.faces[_at(far[number], middle)].surface if far else None
+            made.append(_edge(chart, ring, number, start, end, over, level, under, shell.size))
     return tuple(made)
 
 
@@ -154,9 +143,32 @@ def _at(course: Sequence[Passage], t: float) -> int:
     return next((p.face for p in course if p.start <= t <= p.end), course[-1].face)
 
 
-def _track_over(shell: Shell, chart: Chart, ring: Ring, face: int, outward: float) -> Track:
-    surface = shell.faces[face].surface
+@remembered(limit=1024)
+def _edge(
+    chart: Chart,
+    ring: Ring,
+    number: int,
+    start: float,
+    end: float,
+    over: BSplineSurface,
+    level: Level | None,
+    under: BSplineSurface | None,
+    size: float,
+) -> OutlineEdge:
+    """Return a part of an outline on one surface, with what its wall ends in, if anywhere.
 
+    It does not depend on how the face is trimmed: other details leave it as it is.
+    """
+    tracks = [_track_over(over, chart, ring, 1.0)]
+    if under is not None and level is not None:
+        tracks.append(_track_over(under, chart, level.rings[number], -1.0))
+    elif level is not None and level.floor is not None:
+        tracks.append(track_on_floor(level, number, len(ring.stretches), start, end, over))
+    fitted = fitted_edges(tracks, start, end, size)
+    return OutlineEdge(number, start, end, fitted[0], fitted[1] if len(fitted) > 1 else None)
+
+
+def _track_over(surface: BSplineSurface, chart: Chart, ring: Ring, outward: float) -> Track:
     def parameters(t: Array) -> Array:
         found = parameters_at(surface, chart, ring.value(t), outward)
         if not np.isfinite(found).all():

@@ -11,7 +11,11 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Brep, Curve, Face, ParameterCurve, Trim
+from bozzetto.geometry import Brep, Curve, Face, Mesh, ParameterCurve, Trim, shaded_faces
+from bozzetto.plugin import remembered
+
+COARSE: Final = 2e-4
+"""Distance of shown triangles from the surface, as share of the size of the whole."""
 
 SAMPLES: Final = 8
 """Places on each span of a curved edge for its polyline."""
@@ -59,8 +63,9 @@ class Shell:
 
     @cached_property
     def size(self) -> float:
-        """Diagonal of the box round the control points of the surfaces, mm."""
-        nets = {id(f.surface): f.surface.control_points.reshape(-1, 3) for f in self.faces}
+        """Diagonal of the box round the control points of patches, mm: no detail changes it."""
+        own = [f.surface for f, o in zip(self.faces, self.owners, strict=True) if not o.made]
+        nets = {id(surface): surface.control_points.reshape(-1, 3) for surface in own}
         return float(np.linalg.norm(np.ptp(np.concatenate(list(nets.values())), axis=0)))
 
     @cached_property
@@ -113,6 +118,13 @@ class Shell:
             edges += parts
         faces = tuple(_with_pieces(face, pieces) for face in self.faces)
         return Shell(tuple(edges), faces, self.owners), pieces
+
+
+@remembered(limit=8, key=lambda shell: shell)
+def face_meshes(shell: Shell) -> tuple[Mesh, ...]:
+    """Return the triangles of each face with its normals, as they are shown."""
+    count = len(shell.faces)
+    return shaded_faces(shell.brep([""] * count, [None] * count), COARSE * shell.size)
 
 
 EdgePieces = dict[int, tuple[tuple[float, ...], tuple[int, ...]]]

@@ -3,33 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any, Final, get_args
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.plugin import Job
-from bozzetto_product.details.outline_places import (
-    laid_flat,
-    places_of_points,
-    polygon_corners,
-)
-from bozzetto_product.hand_over.checked_values import (
+from bozzetto.ink import (
+    PLANE,
+    SPACE,
     a_list,
     a_number,
     a_point,
     an_object,
     point_rows,
 )
+from bozzetto.plugin import Job
+from bozzetto_product.details.emblem_places import anchored
+from bozzetto_product.details.ground import Ground
+from bozzetto_product.details.outline_places import (
+    NO_SURFACE,
+    laid_flat,
+    places_of_points,
+    polygon_corners,
+)
 from bozzetto_product.model.details import Detail, DetailKind
+from bozzetto_product.model.emblems import LONGEST_TEXT, Emblem
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.solver import grounds_of, solve_product
 
 KEYS: Final = (
     "name", "kind", "depth", "draft", "gap", "mirrored", "color", "open",
-    "outlines", "flat", "at", "up", "width",
+    "outlines", "flat", "text", "at", "up", "width", "height", "turn",
 )  # fmt: skip
 """The keys of a detail."""
 
@@ -70,6 +76,9 @@ def with_details(state: ProductState, given: object, scale: float) -> ProductSta
         if unknown:
             raise UserError(f"{where} has a key “{unknown[0][:40]}”. Known are {', '.join(KEYS)}.")
         detail = _form(values, where, scale)
+        if "text" in values:
+            state = state.with_node(_emblem(values, where, scale, detail, state, grounds))
+            continue
         name = detail.name or state.unused_name("Detail")
         outlines = _outlines(values, where, scale, grounds)
         corners = [polygon_corners(outline) for outline in outlines]
@@ -115,6 +124,38 @@ def _form(values: Mapping[str, Any], where: str, scale: float) -> Detail:
     )
 
 
+def _emblem(
+    values: Mapping[str, Any],
+    where: str,
+    scale: float,
+    form: Detail,
+    state: ProductState,
+    grounds: Sequence[Ground],
+) -> Emblem:
+    """Return a text on a surface."""
+    text = values["text"]
+    if not isinstance(text, str) or not 1 <= len(text.strip()) <= LONGEST_TEXT:
+        raise UserError(f"“{where}.text” is a text of 1 to {LONGEST_TEXT} characters.")
+    if not grounds:
+        raise UserError(NO_SURFACE)
+    at, up = _place(values, where, scale)
+    height = a_number(values.get("height"), f"{where}.height", 1e-2 / scale, 1e4 / scale) * scale
+    turn = a_number(values.get("turn", 0.0), f"{where}.turn", -180.0, 180.0)
+    shared = {field.name: getattr(form, field.name) for field in fields(Detail)}
+    shared |= {"id": state.unused_id(), "name": form.name or state.unused_name("Text")}
+    shared["places"] = anchored(grounds, at, up)
+    return Emblem(**shared, text=text, height=height, turn=turn)
+
+
+def _place(values: Mapping[str, Any], where: str, scale: float) -> tuple[Array, Array]:
+    """Return where something flat is laid, mm, and which way is up."""
+    at = a_point(values.get("at"), f"{where}.at") * scale
+    up = a_point(values.get("up", [0, 0, 1]), f"{where}.up")
+    if not np.linalg.norm(up) > 0.0:
+        raise UserError(f"“{where}.up” has no length.")
+    return at, up
+
+
 def _outlines(
     values: Mapping[str, Any], where: str, scale: float, grounds: Sequence[Any]
 ) -> list[Array]:
@@ -124,19 +165,18 @@ def _outlines(
     if "outlines" in values:
         rows = a_list(values["outlines"], f"{where}.outlines", MOST_OUTLINES)
         return [
-            _open_ended(point_rows(row, f"{where}.outlines[{k}]", 3) * scale)
+            _open_ended(point_rows(row, f"{where}.outlines[{k}]", SPACE) * scale)
             for k, row in enumerate(rows or [None])
         ]
     rows = a_list(values["flat"], f"{where}.flat", MOST_OUTLINES)
     flat = [
-        _open_ended(point_rows(row, f"{where}.flat[{k}]", 2))
+        _open_ended(point_rows(row, f"{where}.flat[{k}]", PLANE))
         for k, row in enumerate(rows or [None])
     ]
-    at = a_point(values.get("at"), f"{where}.at") * scale
-    up = a_point(values.get("up", [0, 0, 1]), f"{where}.up")
+    at, up = _place(values, where, scale)
     width = a_number(values.get("width"), f"{where}.width", 1e-6, 1e6) * scale
-    if not np.linalg.norm(up) > 0.0 or not np.ptp(np.concatenate(flat)[:, 0]) > 0.0:
-        raise UserError(f"“{where}” has a direction “up” of no length, or outlines of no width.")
+    if not np.ptp(np.concatenate(flat)[:, 0]) > 0.0:
+        raise UserError(f"“{where}” has outlines of no width.")
     return laid_flat(flat, at, up, width, grounds)
 
 

@@ -11,8 +11,9 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
-from bozzetto_product.hand_over.checked_values import (
+from bozzetto.ink import (
     FARTHEST,
+    SPACE,
     a_list,
     a_number,
     an_object,
@@ -131,7 +132,7 @@ def _rows(value: object, scale: float) -> dict[str, Array]:
 
 
 def _points(value: object, where: str, scale: float) -> Array:
-    points = point_rows(value, where, 3) * scale
+    points = point_rows(value, where, SPACE) * scale
     if not (np.abs(points) <= FARTHEST).all():
         raise UserError(f"“{where}” reaches further than {FARTHEST:g} mm.")
     return points

@@ -9,13 +9,13 @@ from dataclasses import replace
 from bozzetto.geometry import Brep, FaceGroup, Mesh, Shapes, Solid, Surface, counted_mesh, sewn
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import remembered
-from bozzetto_product.details.shell import Shell, group_of
+from bozzetto_product.details.shell import Owner, Shell, group_of
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.shaping.wall import NOBODY, Wall
-from bozzetto_product.solve.bodies import JoinedPatches, is_closed_mesh, joined_patches
-from bozzetto_product.solve.result import ProductResult, SolvedPatch
+from bozzetto_product.solve.bodies import is_closed_mesh, joined_patches
+from bozzetto_product.solve.result import ProductResult, SolvedPatch, WalledBody
 
 
 def shapes_of(state: ProductState, result: ProductResult) -> Shapes:
@@ -47,12 +47,12 @@ def curves_of(state: ProductState, result: ProductResult) -> tuple[ShapeCurve, .
 
 @remembered(limit=4, key=lambda result: result)
 def _bodies(result: ProductResult) -> tuple[Solid | Surface, ...]:
-    walls = {body.patches: body.wall for body in result.walls}
+    walls = {body.patches: body for body in result.walls}
     made: list[Solid | Surface] = []
     for part in joined_patches(result.filled):
-        wall = walls.get(part.patches)
-        if wall is not None:
-            made.append(Solid(wall.mesh, groups=_groups_of(part, wall)))
+        body = walls.get(part.patches)
+        if body is not None and body.wall is not None:
+            made.append(Solid(body.wall.mesh, groups=_groups_of(result, body, body.wall)))
             continue
         closed, detailed = part.closed, _detailed(result, part.patches)
         if detailed is None:
@@ -87,39 +87,41 @@ def _detailed(
         tuple(found.faces[k] for k in order),
         tuple(found.owners[k] for k in order),
     )
-    names, colors, finishes = [], [], []
-    for owner in shell.owners:
-        one = result.filled[owner.patch]
-        if owner.detail < 0:
-            names.append(one.name)
-            colors.append(one.patch.color)
-            finishes.append(one.patch.finish)
-        else:
-            solved = result.detailed.details[owner.detail]
-            names.append(solved.name)
-            colors.append(solved.detail.color or one.patch.color)
-            finishes.append(solved.detail.finish)
+    looks = [_look_of(result, owner) for owner in shell.owners]
+    names, colors = [look.name for look in looks], [look.color for look in looks]
     exact = shell.brep(names, colors)
     mesh, counts = counted_mesh(exact)
     groups: list[FaceGroup] = []
-    rows = zip(shell.owners, names, colors, finishes, counts, strict=True)
+    rows = zip(shell.owners, looks, counts, strict=True)
     for _, row in itertools.groupby(rows, key=lambda entry: group_of(entry[0])):
         faces = list(row)
-        _, name, color, finish, _ = faces[0]
-        groups.append(FaceGroup(name, sum(count for *_, count in faces), color, finish))
+        groups.append(replace(faces[0][1], count=sum(count for *_, count in faces)))
     return mesh, tuple(groups), exact
 
 
-def _groups_of(part: JoinedPatches, wall: Wall) -> tuple[FaceGroup, ...]:
-    """Return the triangles of walls by the patches that they belong to."""
-    made = []
+def _look_of(result: ProductResult, owner: Owner) -> FaceGroup:
+    """Return name, colour and finish of a face, as a group without triangles."""
+    one = result.filled[owner.patch]
+    if owner.detail < 0:
+        return FaceGroup(one.name, 0, one.patch.color, one.patch.finish)
+    solved = result.detailed.details[owner.detail]
+    color = solved.detail.color or one.patch.color
+    return FaceGroup(solved.name, 0, color, solved.detail.finish)
+
+
+def _groups_of(result: ProductResult, body: WalledBody, wall: Wall) -> tuple[FaceGroup, ...]:
+    """Return the triangles of walls by the patches and details that they belong to."""
+    rows = []
     for number, own, count in wall.groups:
         if number == NOBODY:
-            made.append(FaceGroup("Walls", count))
+            rows.append(FaceGroup("Walls", count))
         else:
-            one = part.patches[number]
-            name = one.name if own else f"{one.name} wall"
-            made.append(FaceGroup(name, count, one.patch.color, one.patch.finish))
+            look = _look_of(result, body.owners[number])
+            name = look.name if own else f"{look.name} wall"
+            rows.append(replace(look, name=name, count=count))
+    made = []
+    for look, row in itertools.groupby(rows, key=lambda group: replace(group, count=0)):
+        made.append(replace(look, count=sum(group.count for group in row)))
     return tuple(made)
 
 

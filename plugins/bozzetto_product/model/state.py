@@ -14,6 +14,7 @@ from typing import Annotated, Literal
 from bozzetto.plugin import Parameter, PartsState
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import Detail
+from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.joints import Boundary, Joint
 from bozzetto_product.model.patches import CurveGroup, Patch
 from bozzetto_product.model.planes import Plane, Point
@@ -38,7 +39,9 @@ class ProductState(PartsState):
         Places that were touched to set the plane of new curves, three at most, mm.
     """
 
-    nodes: tuple[Curve | Patch | Detail | RoughShape | FollowedShape | CurveGroup, ...] = ()
+    nodes: tuple[
+        Curve | Patch | Detail | Emblem | RoughShape | FollowedShape | CurveGroup, ...
+    ] = ()
     joints: tuple[Joint, ...] = ()
     rejected: tuple[Boundary, ...] = ()
     symmetry: Plane = Plane((0.0, 0.0, 0.0), (0.0, 1.0, 0.0))

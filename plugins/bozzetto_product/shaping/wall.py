@@ -91,10 +91,24 @@ class Wall:
         return Mesh(self.mesh.vertices, self.mesh.faces[~own])
 
 
+MOST_MENDED: Final = 400
+"""Places of a far side that is too near to its surface, up to which balls mend it."""
+
+BALL_SEGMENTS: Final = 48
+"""Sides round a ball about a place of the surface: it is within a fifth of a percent of round."""
+
+MENDS: Final = 3
+"""Rounds in which that is tried."""
+
+
 def _key(
-    meshes: Sequence[Mesh], thickness: float, outward: bool, checkpoint: Callable[[], None]
+    meshes: Sequence[Mesh],
+    thickness: float,
+    outward: bool,
+    checkpoint: Callable[[], None],
+    whole: Sequence[Mesh] = (),
 ) -> tuple[object, ...]:
-    return tuple(meshes), thickness, outward
+    return tuple(meshes), thickness, outward, tuple(whole)
 
 
 @remembered(limit=16, key=_key)
@@ -103,6 +117,7 @@ def walled(
     thickness: float,
     outward: bool = False,
     checkpoint: Callable[[], None] = lambda: None,
+    whole: Sequence[Mesh] = (),
 ) -> Wall | None:
     """Give surfaces that hang together a wall.
 
@@ -117,6 +132,9 @@ def walled(
         To the side of the normals.
     checkpoint : callable
         Called between the steps.
+    whole : sequence of Mesh
+        The same closed body without its openings, where it has some: the walls are those of this
+        one, and the openings go through them. Their numbers in `Wall.groups` follow the others.
 
     Returns
     -------
@@ -124,6 +142,9 @@ def walled(
         None where the wall is too thick: nothing is left hollow, or an open sheet bends too much
         for it.
     """
+    if whole:
+        hollow = walled.__wrapped__(whole, thickness, outward, checkpoint)
+        return None if hollow is None else _opened(meshes, hollow)
     sheets = Sheets.of(meshes, TURN)
     body, numbers = _body(sheets)
     closed = body.status().name == "NoError" and body.num_tri() > 0
@@ -271,11 +292,20 @@ def _between(
 
     size = _size(body)
     vertices, faces, groups = _taken(body, tags)
-    other, inner, more = _taken(limit.simplify(SLIVER * size), tags)
     mesh = Mesh(vertices.astype(np.float32), faces.astype(np.int32))
-    tree = cKDTree(places_on(mesh, thickness / SAMPLES_PER_WALL))
-    away = np.asarray(tree.query(other)[0])
-    if not rounded and away.min() < THIN * thickness:
+    places = places_on(mesh, thickness / SAMPLES_PER_WALL)
+    tree = cKDTree(places)
+    for _ in range(MENDS):
+        other, inner, more = _taken(limit.simplify(SLIVER * size), tags)
+        found = tree.query(other)
+        away, feet = np.asarray(found[0]), np.asarray(found[1])
+        near = away < THIN * thickness
+        if rounded or not near.any():
+            break
+        if int(near.sum()) > MOST_MENDED:
+            return None
+        limit = _with_balls(limit, places[np.unique(feet[near])], thickness, outward)
+    if not len(other) or (not rounded and away.min() < THIN * thickness):
         return None
     if outward:
         faces = faces[:, ::-1]
@@ -286,6 +316,51 @@ def _between(
     )
     more = [(number, False, count) for number, _, count in more]
     return Wall(whole, (*groups, *more), rounded, float(away.min()), float(away.max()))
+
+
+def _with_balls(limit: Manifold, places: Array, thickness: float, outward: bool) -> Manifold:
+    """Return a far side that keeps its distance from places of the surface, too.
+
+    Where a crease ends in a smooth surface a wedge may be missing beside it.
+    """
+    from manifold3d import Manifold, OpType
+
+    ball = Manifold.sphere(thickness, BALL_SEGMENTS)
+    balls = [ball.translate(place) for place in places.tolist()]
+    added = Manifold.batch_boolean(balls, OpType.Add)
+    parts = (limit + added if outward else limit - added).decompose()
+    return Manifold.compose([part for part in parts if part.volume() > _least(thickness)])
+
+
+def _opened(meshes: Sequence[Mesh], walls: Wall) -> Wall | None:
+    """Return walls through which the openings of a body go.
+
+    Parameters
+    ----------
+    meshes : sequence of Mesh
+        The body with its openings.
+    walls : Wall
+        Those of the body without them; they grow inward.
+    """
+    sheets = Sheets.of(meshes, TURN)
+    body, tags = _body(sheets)
+    far = walls.offset
+    groups = [
+        (number if number == NOBODY else number + len(meshes), False, count)
+        for number, own, count in walls.groups
+        if not own
+    ]
+    hollow, other = _manifold(
+        far.vertices.astype(float) @ TURN.T, far.faces[:, ::-1].astype(np.intp), groups
+    )
+    tags |= other
+    made = body - hollow
+    size = _size(made)
+    vertices, faces, found = _taken(made.simplify(SLIVER * size), tags)
+    if not len(faces):
+        return None
+    whole = _mesh(vertices, faces, size)
+    return Wall(whole, tuple(found), walls.rounded, walls.thinnest, walls.thickest)
 
 
 def _size(part: Manifold) -> float:

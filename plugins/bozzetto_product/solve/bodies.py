@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import FaceGroup, Mesh
 from bozzetto.plugin import Job, remembered
+from bozzetto_product.details.bodies import DetailedBodies, detailed_bodies
+from bozzetto_product.details.shell import Owner, Shell, face_meshes, group_of
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.shaping.wall import Wall, walled
 from bozzetto_product.solve.result import SolvedPatch, WalledBody
@@ -55,21 +57,88 @@ def joined_patches(patches: Sequence[SolvedPatch]) -> tuple[JoinedPatches, ...]:
 
 
 def walled_bodies(
-    state: ProductState, patches: Sequence[SolvedPatch], job: Job
+    state: ProductState,
+    patches: Sequence[SolvedPatch],
+    detailed: DetailedBodies,
+    job: Job,
 ) -> tuple[WalledBody, ...]:
-    """Return a body of walls for each part; none without a thickness, and in a preview."""
+    """Return a body of walls for each part; none without a thickness, and in a preview.
+
+    Parameters
+    ----------
+    state : ProductState
+        Thickness, and to which side walls grow.
+    patches : sequence of SolvedPatch
+        Those that have a surface.
+    detailed : DetailedBodies
+        The same with details. What is pressed in or raised is so on both sides of a wall; what is
+        cut goes through it.
+    job : Job
+        Called between the parts.
+    """
     if state.wall <= 0.0 or job.quality != "final":
         return ()
     outward = state.wall_side == "outside"
     made = []
     for part in joined_patches(tuple(patches)):
-        meshes = tuple(one.mesh for one in part.patches if one.mesh is not None)
-        turned = tuple(_turned_over(mesh) for mesh in meshes) if part.turned_over else meshes
-        wall: Wall | None = walled(
-            turned, state.wall, outward, lambda: job.checkpoint(0.95, "Walls")
+        numbers = {k for k, one in enumerate(patches) if any(one is own for own in part.patches)}
+        changed = next((s for s in detailed.changed if s.owners[0].patch in numbers), None)
+        whole = _without_cuts(detailed, changed, part, numbers, state, job)
+        rows = [_meshes(part, sorted(numbers), shell) for shell in (changed, whole)]
+        left_out = outward and whole is not changed
+        (meshes, owners), (plain, others) = (rows[1], rows[1]) if left_out else rows
+        if whole is changed or left_out:
+            plain, others = (), ()
+        turned, plain = (
+            tuple(map(_turned_over, row)) if part.turned_over else row for row in (meshes, plain)
         )
-        made.append(WalledBody(part.patches, wall))
+        wall: Wall | None = walled(
+            turned, state.wall, outward, lambda: job.checkpoint(0.95, "Walls"), plain
+        )
+        made.append(WalledBody(part.patches, wall, (*owners, *others), left_out))
     return tuple(made)
+
+
+def _without_cuts(
+    detailed: DetailedBodies,
+    changed: Shell | None,
+    part: JoinedPatches,
+    numbers: Collection[int],
+    state: ProductState,
+    job: Job,
+) -> Shell | None:
+    """Return the shell of a closed part without what is cut through it; the same if nothing is."""
+    cut = {
+        number
+        for number, one in enumerate(detailed.details)
+        if one.detail.kind == "cut" and not one.problem
+    }
+    if changed is None or not part.closed or cut.isdisjoint(o.detail for o in changed.owners):
+        return changed
+    kept = [one for number, one in enumerate(detailed.details) if number not in cut]
+    details = tuple(dict.fromkeys(one.detail for one in kept))
+    less = detailed_bodies(
+        detailed.grounds, details, state.symmetry, lambda: job.checkpoint(0.95, "Walls")
+    )
+    own = next(s for s in less.shells if s.owners[0].patch in numbers)
+    order = [detailed.number_of(one.detail, one.mirrored) for one in less.details]
+    owners = tuple(
+        owner if owner.detail < 0 else replace(owner, detail=order[owner.detail])
+        for owner in own.owners
+    )
+    return Shell(own.edges, own.faces, owners)
+
+
+def _meshes(
+    part: JoinedPatches, numbers: Sequence[int], shell: Shell | None
+) -> tuple[tuple[Mesh, ...], tuple[Owner, ...]]:
+    """Return meshes with normals of a part, and what each belongs to."""
+    if shell is None:
+        meshes = tuple(one.mesh for one in part.patches if one.mesh is not None)
+        return meshes, tuple(map(Owner, numbers))
+    meshes = face_meshes(shell)
+    order = sorted(range(len(meshes)), key=lambda k: group_of(shell.owners[k]))
+    return tuple(meshes[k] for k in order), tuple(shell.owners[k] for k in order)
 
 
 @remembered(limit=1024, key=lambda mesh: mesh)

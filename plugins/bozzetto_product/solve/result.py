@@ -9,6 +9,7 @@ import numpy as np
 
 from bozzetto.geometry import Mesh
 from bozzetto_product.details.bodies import DetailedBodies
+from bozzetto_product.details.shell import Owner
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
@@ -82,10 +83,25 @@ class WalledBody:
     patches : tuple of SolvedPatch
     wall : Wall, optional
         None where the wall is too thick.
+    owners : tuple of Owner
+        What the surfaces belong to that `Wall.groups` counts; patches are numbers of
+        `ProductResult.filled`, details those of `ProductResult.detailed`.
+    left_out : bool
+        Cuts do not go through walls that grow outward: they are left out.
     """
 
     patches: tuple[SolvedPatch, ...]
     wall: Wall | None
+    owners: tuple[Owner, ...] = ()
+    left_out: bool = False
+
+    @property
+    def opened(self) -> frozenset[int]:
+        """Numbers of the details that go through the walls."""
+        if self.wall is None:
+            return frozenset()
+        own = {number for number, own, _ in self.wall.groups if own}
+        return frozenset(self.owners[k].detail for k in own if self.owners[k].made)
 
 
 @dataclass(frozen=True, eq=False)

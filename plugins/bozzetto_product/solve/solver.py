@@ -77,7 +77,8 @@ def solve_product(state: ProductState, job: Job) -> ProductResult:
         job.checkpoint(0.95, "Details")
         detailed = _detailed(patches, state, job)
     net, curves = groups.net, groups.shown(curves)
-    walls = walled_bodies(state, [one for one in patches if one.surface is not None], job)
+    filled = [one for one in patches if one.surface is not None]
+    walls = walled_bodies(state, filled, detailed, job)
     job.checkpoint(1.0, "Surfaces")
     return ProductResult(
         curves,

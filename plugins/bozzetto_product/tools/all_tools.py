@@ -8,6 +8,7 @@ from bozzetto.plugin import Tool
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.tools.detail import DrawDetail
 from bozzetto_product.tools.draw_curve import DrawCurve
+from bozzetto_product.tools.emblem import LayText
 from bozzetto_product.tools.erase import Erase
 from bozzetto_product.tools.join import Join
 from bozzetto_product.tools.loop import SwitchLoop
@@ -28,6 +29,7 @@ def all_tools() -> Sequence[Tool[ProductState]]:
         Move(),
         Erase(),
         DrawDetail(),
+        LayText(),
         Pull(),
         Redraw(),
         Split(),

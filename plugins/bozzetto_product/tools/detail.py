@@ -64,25 +64,29 @@ def with_detail_drawn(state: ProductState, strokes: Sequence[Stroke]) -> Product
     """Return the state with one more detail, the outline of which is ink on a surface."""
     if state.surfaces == "paper":
         raise UserError(UNCARVED)
-    result = solve_product(replace(state, nodes=_without_details(state)), Job())
+    result = solve_product(replace(state, nodes=without_details(state)), Job())
     places, closed = places_of_ink(strokes, grounds_of(result.patches))
     model = state.chosen_of(Detail) or next(reversed(state.of_kind(Detail)), None)
     if model is None:
         depth, gap = (float(f"{share * result.size:.2g}") for share in (DEPTH, GAP))
         model = Detail(depth=depth, gap=gap, mirrored=False)
-    detail = replace(
-        model,
-        id=state.unused_id(),
-        name=state.unused_name("Detail"),
-        visible=True,
-        within="",
+    detail = Detail(
+        state.unused_id(),
+        state.unused_name("Detail"),
         strokes=Strokes(strokes),
         places=places,
         closed=closed,
+        mirrored=model.mirrored,
         kind=model.kind if closed else "split",
+        depth=model.depth,
+        draft=model.draft,
+        gap=model.gap,
+        color=model.color,
+        finish=model.finish,
     )
     return replace(state.with_node(detail), selected=detail.id)
 
 
-def _without_details(state: ProductState) -> tuple[Any, ...]:
+def without_details(state: ProductState) -> tuple[Any, ...]:
+    """Return the parts of a product but its details."""
     return tuple(node for node in state.nodes if not isinstance(node, Detail))

@@ -1,29 +1,32 @@
-"""Erase: a stroke along a curve takes it away, with any pen."""
+"""Erase: a stroke along a curve, or over a detail, takes it away, with any pen."""
 
 from __future__ import annotations
 
 from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Layer, Scene
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.tools.product_tool import ProductTool, curves_along, erased
+from bozzetto_product.tools.product_tool import ProductTool, curves_along, details_under, erased
 from bozzetto_product.view.scene import lines, polyline
 
 
 class Erase(ProductTool):
-    """Takes away the curves that a stroke runs along, for pens without an eraser."""
+    """Takes away the curves that a stroke runs along, or details, for pens without an eraser."""
 
     id = "erase"
     title = "Erase"
     icon = "icons/erase.svg"
-    hint = "Rub along a curve to take it away; its surfaces go with it."
+    hint = "Rub along a curve, or over a detail, to take it away; surfaces go with their curves."
 
     @override
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
-        """Return the curves that would go, lit."""
+        """Return the curves or outlines of details that would go, lit."""
         if not isinstance(gesture, Ink):
             return Scene()
         meant = [state.node(name) for name in curves_along(state, gesture.strokes[-1])]
-        items = tuple(lines([polyline(curve.spline)], "warning", 5.0) for curve in meant)
+        rows = [[polyline(curve.spline)] for curve in meant]
+        if not rows:
+            rows = [[*one.outlines] for one in details_under(state, gesture.strokes[-1])]
+        items = tuple(lines(row, "warning", 5.0) for row in rows)
         return Scene((Layer("lit", items),))
 
     @override
@@ -33,7 +36,7 @@ class Erase(ProductTool):
         Raises
         ------
         UserError
-            If there is no curve under one of them.
+            If there is neither a curve nor a detail under one of them.
         """
         for stroke in ink.strokes:
             state = erased(state, stroke)

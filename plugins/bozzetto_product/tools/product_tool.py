@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline, resample
-from bozzetto.plugin import Context, Ink, Tool, override
-from bozzetto.scene import Scene
+from bozzetto.plugin import Context, Ink, Job, Tool, override
+from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera
+from bozzetto_product.details.bodies import SolvedDetail
 from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.details import Detail
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.pieces import delete_curves
 from bozzetto_product.solve.found_patches import with_patches_found
+from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.view.scene import SURFACES, polyline
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
 
 REACH: Final = 9.0
 """Half the width of the eraser, px."""
@@ -32,6 +39,9 @@ MOST_ALONG: Final = 0.6
 ALONG: Final = 0.5
 """Share of the path over a curve, against the curve it covers most, from which it is meant too."""
 
+SAME_PLACE: Final = 0.01
+"""Distance, as share of the size, within which what is seen is what lies there."""
+
 LOOKS: Final = 64
 """Places of a path that are looked at."""
 
@@ -41,7 +51,7 @@ class ProductTool(Tool[ProductState]):
 
     @override
     def erase(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
-        """Take away the curves that the eraser's path runs along."""
+        """Take away the curves that the eraser's path runs along, or the details under it."""
         return erased(state, ink.strokes[-1])
 
 
@@ -56,17 +66,67 @@ def has_curves(state: ProductState) -> bool:
 
 
 def erased(state: ProductState, path: Stroke) -> ProductState:
-    """Return the state without the curves that a path runs along.
+    """Return the state without the curves that a path runs along, or the details that it is over.
 
     Raises
     ------
     UserError
-        If there is no curve under it.
+        If there is neither under it.
     """
     meant = curves_along(state, path)
-    if not meant:
-        raise UserError("There is no curve here. Rub along the curve that is to go.")
-    return changed(state, lambda before: delete_curves(before, *meant))
+    if meant:
+        return changed(state, lambda before: delete_curves(before, *meant))
+    details = {one.detail.id for one in details_under(state, path)}
+    if details:
+        nodes = tuple(node for node in state.nodes if node.id not in details)
+        selected = "" if state.selected in details else state.selected
+        return replace(state, nodes=nodes, selected=selected)
+    raise UserError(
+        "There is no curve and no detail here. Rub along the curve, or over the detail, that is "
+        "to go."
+    )
+
+
+def details_under(state: ProductState, path: Stroke) -> list[SolvedDetail]:
+    """Return the details, or mirror images, of which the outline is rubbed over or all round.
+
+    A detail on the far side of the product is not meant.
+    """
+    import shapely
+
+    if not state.shown(Detail):
+        return []
+    result = solve_product(state, Job("preview"))
+    meshes = [one.fill.mesh for one in result.filled if one.fill is not None]
+    scene = Scene((Layer("surfaces", tuple(Shaded(mesh) for mesh in meshes)),))
+    rubbed = shapely.MultiPoint(np.asarray(path.points, float)).convex_hull.buffer(REACH)
+    found = []
+    for one in result.detailed.details:
+        for outline in one.outlines:
+            pixels = path.camera.project(outline)[0]
+            if not np.isfinite(pixels).all() or not _is_seen(scene, path.camera, outline, pixels):
+                continue
+            ring = shapely.Polygon(pixels) if one.detail.closed else shapely.LineString(pixels)
+            line = shapely.LineString(pixels)
+            over = line.intersection(rubbed).length >= MOST * line.length
+            if over or (one.detail.closed and ring.buffer(0.0).intersects(_line(path))):
+                found.append(one)
+                break
+    return found
+
+
+def _line(path: Stroke) -> BaseGeometry:
+    import shapely
+
+    return shapely.MultiPoint(np.asarray(path.points, float))
+
+
+def _is_seen(scene: Scene, camera: Camera, outline: Array, pixels: Array) -> bool:
+    """Whether most of an outline on surfaces is in front of them."""
+    hits = cast_rays(scene, camera.rays(pixels))
+    size = float(np.linalg.norm(np.ptp(scene.points(), axis=0)))
+    gaps = np.linalg.norm(np.asarray(hits.points, float) - outline, axis=1)
+    return bool((~hits.hit | (gaps <= SAME_PLACE * size)).mean() > 0.5)
 
 
 def changed(state: ProductState, operation: Callable[[ProductState], ProductState]) -> ProductState:

@@ -7,19 +7,30 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.geometry import Mesh, shaded_faces
+from bozzetto.arrays import Array
+from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
-from bozzetto.scene import Lines, Shaded
-from bozzetto_product.details.shell import Owner, Shell, group_of
+from bozzetto.scene import Handle, Lines, Shaded
+from bozzetto.view import triple
+from bozzetto_product.details.ground import Ground, followed_outline
+from bozzetto_product.details.outline_places import tangent_axes
+from bozzetto_product.details.shell import Owner, Shell, face_meshes, group_of
 from bozzetto_product.model.appearance import Color
-from bozzetto_product.solve.result import ProductResult
+from bozzetto_product.model.emblems import Emblem
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.shaping.wall import NOBODY
+from bozzetto_product.solve.result import ProductResult, WalledBody
 from bozzetto_product.view.colors import SHOWN_FINISHES
-
-COARSE: Final = 2e-4
-"""Distance of triangles from the surface, as share of the size of the whole."""
 
 APART: Final = 0.82
 """Lightness of a piece that a split tells apart, where no colour is given, against its patch's."""
+
+EMBLEM_TOOL: Final = "text"
+"""Id of the tool that shows the handles of a text."""
+
+MIDDLE: Final = "text middle"
+SIZED: Final = "text corner"
+"""Handles of the chosen text."""
 
 WIDTH: Final = 1.6
 """Width of an outline that is shown by itself, px."""
@@ -28,12 +39,10 @@ WIDTH: Final = 1.6
 @remembered(limit=8, key=lambda shell: shell)
 def detail_meshes(shell: Shell) -> tuple[tuple[Owner, Mesh], ...]:
     """Return the triangles of every patch that has details, and of every detail, by its owner."""
-    count = len(shell.faces)
-    brep = shell.brep([""] * count, [None] * count)
     groups: dict[tuple[int, int], list[int]] = {}
     for number, owner in enumerate(shell.owners):
         groups.setdefault(group_of(owner), []).append(number)
-    meshes = shaded_faces(brep, COARSE * shell.size)
+    meshes = face_meshes(shell)
     return tuple(
         (shell.owners[rows[0]], _joined([meshes[k] for k in rows])) for rows in groups.values()
     )
@@ -68,11 +77,32 @@ def surface_items(result: ProductResult, colors: Sequence[Color]) -> Iterator[Sh
         mesh = changed.get(number, EMPTY if number in gone else one.mesh)
         finish, opacity = SHOWN_FINISHES[one.patch.finish]
         yield Shaded(mesh, color=color, opacity=opacity, finish=finish)
+    opened = frozenset().union(*(body.opened for body in result.walls))
     for owner, mesh in sorted(details, key=lambda row: row[0].detail):
+        if result.detailed.details[owner.detail].detail.kind == "cut" and owner.detail in opened:
+            continue  # it ends in the walls, which show it
         detail = result.detailed.details[owner.detail].detail
         color = detail.color or _apart(colors[owner.patch])
         finish, opacity = SHOWN_FINISHES[detail.finish]
         yield Shaded(mesh, color=color, opacity=opacity, finish=finish)
+
+
+def wall_meshes(body: WalledBody, result: ProductResult) -> Iterator[Mesh]:
+    """Yield the far side of walls with their rims, and the sides of what is cut through them."""
+    if body.wall is None:
+        return
+    yield body.wall.offset
+    details = result.detailed.details
+    shown = [
+        number != NOBODY
+        and own
+        and body.owners[number].made
+        and details[body.owners[number].detail].detail.kind == "cut"
+        for number, own, _ in body.wall.groups
+    ]
+    if any(shown):
+        counts = [count for *_, count in body.wall.groups]
+        yield Mesh(body.wall.mesh.vertices, body.wall.mesh.faces[np.repeat(shown, counts)])
 
 
 EMPTY: Final = Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
@@ -99,3 +129,33 @@ def outline_lines(result: ProductResult, selected: str) -> Iterator[Lines]:
         starts = np.cumsum([0, *(len(row) for row in one.outlines[:-1])]).astype(np.int32)
         color = "warning" if one.problem else "accent"
         yield Lines(points, starts, color=color, width=WIDTH + chosen)
+
+
+def emblem_handles(state: ProductState, result: ProductResult) -> Iterator[Handle]:
+    """Yield the handles of the chosen text: its middle, and a corner that turns and sizes it."""
+    emblem = state.chosen_of(Emblem)
+    grounds = result.detailed.grounds
+    if emblem is None or emblem.places is None or not grounds:
+        return
+    followed = followed_outline(grounds, emblem.places)
+    corner = emblem_corner(emblem, grounds)
+    if followed is None or corner is None:
+        return
+    yield Handle(MIDDLE, triple(followed.points[0]), tip="Move the text")
+    yield Handle(SIZED, triple(corner), "second", tip="Turn and size")
+
+
+def emblem_corner(emblem: Emblem, grounds: Sequence[Ground]) -> Array | None:
+    """Return the lower right corner of a text in its tangent plane, (3,) mm; None without one."""
+    flat = emblem.flat
+    followed = None if emblem.places is None else followed_outline(grounds, emblem.places)
+    if followed is None or flat is None or not len(flat.starts):
+        return None
+    at, above = followed.points[:2]
+    middle, (x, y, _) = tangent_axes(at, above - at, grounds)
+    extent = np.ptp(flat.points, axis=0)
+    half = 0.5 * emblem.height * extent / (1.0 if flat.text else extent[1])
+    turn = np.radians(emblem.turn)
+    across = np.cos(turn) * x + np.sin(turn) * y
+    upright = np.cos(turn) * y - np.sin(turn) * x
+    return np.asarray(middle + half[0] * across - half[1] * upright)

@@ -24,7 +24,13 @@ from bozzetto_product.projection.planes import plane_through
 from bozzetto_product.solve.canvas import Canvas, canvases_of
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.view.colors import colors_of
-from bozzetto_product.view.detail_view import outline_lines, surface_items
+from bozzetto_product.view.detail_view import (
+    EMBLEM_TOOL,
+    emblem_handles,
+    outline_lines,
+    surface_items,
+    wall_meshes,
+)
 
 ROUGH_OPACITY: Final = 0.34
 """Of a rough shape: the back of it is seen, and that it is no part of the product."""
@@ -107,6 +113,7 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
             Layer("outlines", tuple(outline_lines(result, state.selected))),
             Layer("joints", tuple(_joints(result))),
             Layer("handles", tuple(_handles(state, result)), tool=MOVE_TOOL),
+            Layer("text handles", tuple(emblem_handles(state, result)), tool=EMBLEM_TOOL),
         ]
     return Scene(tuple(layer for layer in layers if layer.items))
 
@@ -152,8 +159,8 @@ def _surfaces(result: ProductResult) -> Layer:
 
 @remembered(limit=4, key=lambda result: result)
 def _walls(result: ProductResult) -> Layer:
-    """Return the far sides of walls, and their rims."""
-    items = [Shaded(body.wall.offset) for body in result.walls if body.wall is not None]
+    """Return the far sides of walls, their rims, and what is cut through them."""
+    items = [Shaded(mesh) for body in result.walls for mesh in wall_meshes(body, result)]
     return Layer("walls", tuple(items))
 
 

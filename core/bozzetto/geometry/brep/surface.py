@@ -21,6 +21,10 @@ FLAT: Final = 1e-15
 """Departure of four corners from a parallelogram, as share of the largest coordinate, that is
 rounding."""
 
+MOST_AT_ONCE: Final = 512
+"""Places up to which all their control points are gathered at once: for more of them that takes
+longer than to go through the control points one by one."""
+
 VANISHED: Final = 1e-9
 """Length of a tangent, as share of the size of the control net, that counts as none: a pole."""
 
@@ -152,11 +156,13 @@ class BSplineSurface:
         first_v, weights_v = basis(q, knots_v, v, dv)
         width = rows.shape[1]
         flat, corner = rows.reshape(-1, rows.shape[2]), first_u * width + first_v
+        shares = (weights_u[:, :, None] * weights_v[:, None, :]).reshape(-1, (p + 1) * (q + 1))
+        steps = (np.arange(p + 1)[:, None] * width + np.arange(q + 1)).ravel()
+        if len(corner) <= MOST_AT_ONCE:
+            return np.asarray(np.einsum("nk,nkd->nd", shares, flat[corner[:, None] + steps]))
         total = np.zeros((len(corner), rows.shape[2]))
-        for i in range(p + 1):
-            for j in range(q + 1):
-                share = weights_u[:, i] * weights_v[:, j]
-                total += share[:, None] * flat[corner + (i * width + j)]
+        for k, step in enumerate(steps.tolist()):
+            total += shares[:, k, None] * flat[corner + step]
         return total
 
     def normals(self, u: ArrayLike, v: ArrayLike) -> Array:

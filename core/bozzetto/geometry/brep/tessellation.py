@@ -8,6 +8,7 @@ loops a constrained Delaunay triangulation that adds no corner.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -15,8 +16,10 @@ import numpy as np
 from bozzetto.arrays import Array, Index, frozen
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import span_parameters
-from bozzetto.geometry.brep.brep import Brep, Face
+from bozzetto.geometry.brep.brep import Brep, Face, Trim
+from bozzetto.geometry.brep.kept_answers import kept
 from bozzetto.geometry.brep.shared_sides import FaceTriangles, with_single_sides
+from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.brep.triangulation import triangulated
 from bozzetto.geometry.curve import Curve
 from bozzetto.geometry.mesh import Mesh
@@ -105,7 +108,7 @@ def shaded_faces(brep: Brep, tolerance: float | None = None) -> tuple[Mesh, ...]
         Mesh(
             vertices[made.vertices].astype(np.float32),
             made.triangles.astype(np.int32),
-            face.surface.normals(*made.parameters.T).astype(np.float32),
+            _normals(face, made).astype(np.float32),
         )
         for face, made in zip(brep.faces, faces, strict=True)
     )
@@ -149,20 +152,29 @@ def _triangles(brep: Brep, tolerance: float) -> tuple[Array, list[FaceTriangles]
     return vertices, faces
 
 
+def _normals(face: Face, made: FaceTriangles) -> Array:
+    """Return the exact normals at the corners of a face's triangles, (n, 3)."""
+    surface, at = face.surface, made.parameters
+    return kept(surface, ("normals", at.tobytes()), lambda: surface.normals(*at.T))
+
+
 def _deviation(face: Face, made: FaceTriangles, vertices: Array) -> float:
     """Return the largest distance of triangles from the surface: of their middles and sides."""
-    if face.surface.is_plane or not len(made.triangles):
+    surface = face.surface
+    if surface.is_plane or not len(made.triangles):
         return 0.0
-    at, flat, normals = (
-        np.einsum("pk,tkd->ptd", PLACES, values[made.triangles]).reshape(-1, values.shape[1])
-        for values in (
-            made.parameters,
-            vertices[made.vertices],
-            face.surface.normals(*made.parameters.T),
+    corners = vertices[made.vertices]
+
+    def largest() -> float:
+        at, flat, normals = (
+            np.einsum("pk,tkd->ptd", PLACES, values[made.triangles]).reshape(-1, values.shape[1])
+            for values in (made.parameters, corners, _normals(face, made))
         )
-    )
-    off = np.einsum("nk,nk->n", face.surface.value(*at.T) - flat, normals)
-    return float(np.abs(off).max())
+        off = np.einsum("nk,nk->n", surface.value(*at.T) - flat, normals)
+        return float(np.abs(off).max())
+
+    parts = (made.parameters, corners, made.triangles)
+    return kept(surface, ("deviation", *(part.tobytes() for part in parts)), largest)
 
 
 def _divided(brep: Brep, tolerance: float, finer: Array) -> tuple[Array, list[FaceTriangles]]:
@@ -176,7 +188,7 @@ def _divided(brep: Brep, tolerance: float, finer: Array) -> tuple[Array, list[Fa
     for edge, t, (start, end) in zip(brep.edges, at, ends.tolist(), strict=True):
         inner = count + np.arange(len(t) - 2)
         on_edge.append(np.concatenate(([start], inner, [end])))
-        places.append(edge.value(t[1:-1]))
+        places.append(_places(edge, t))
         count += len(inner)
     faces = []
     for f, (face, grid) in enumerate(zip(brep.faces, grids, strict=True)):
@@ -191,20 +203,41 @@ def _divided(brep: Brep, tolerance: float, finer: Array) -> tuple[Array, list[Fa
                 else:
                     t, names = at[trim.edge], on_edge[trim.edge]
                 step = 1 if trim.forward else -1
-                ring.append(trim.curve.value(np.clip(t, *trim.curve.range))[::step][:-1])
+                ring.append(_run(trim, t)[::step][:-1])
                 own.append(names[::step][:-1])
             rings.append(np.concatenate(ring))
             numbers.append(np.concatenate(own))
-        inner_at, triangles = triangulated([grid.indexed(ring) for ring in rings], grid.counts)
-        inside = grid.parameters(inner_at)
+        inside, found, triangles = _filled(face.surface, rings, grid)
         names = np.concatenate((*numbers, count + np.arange(len(inside))))
         count += len(inside)
-        places.append(face.surface.value(*inside.T))
+        places.append(found)
         known = names[triangles]
         apart = (known != np.roll(known, 1, axis=1)).all(axis=1)  # at poles some are nothing
         faces.append(FaceTriangles(np.concatenate((*rings, inside)), names, triangles[apart]))
     vertices = np.concatenate(places)
     return with_single_sides(vertices, faces, [face.surface for face in brep.faces])
+
+
+def _places(edge: Curve, t: Array) -> Array:
+    """Return places of an edge without its ends, (n − 2, 3)."""
+    return kept(edge, ("places", t.tobytes()), lambda: edge.value(t[1:-1]))
+
+
+def _run(trim: Trim, t: Array) -> Array:
+    """Return u and v of a side at parameters of its edge, (n, 2)."""
+    curve = trim.curve
+    return kept(curve, ("run", t.tobytes()), lambda: curve.value(np.clip(t, *curve.range)))
+
+
+def _filled(surface: BSplineSurface, rings: list[Array], grid: _Grid) -> tuple[Array, Array, Index]:
+    """Return u, v and places of corners inside of rings, and triangles with these behind them."""
+
+    def filled() -> tuple[Array, Array, Index]:
+        inner_at, triangles = triangulated([grid.indexed(ring) for ring in rings], grid.counts)
+        inside = grid.parameters(inner_at)
+        return inside, surface.value(*inside.T), triangles
+
+    return kept(surface, ("filled", grid, *(ring.tobytes() for ring in rings)), filled)
 
 
 # -- how finely --------------------------------------------------------------------------------
@@ -231,6 +264,11 @@ class _Grid:
         at most a² + b². Here they are looked at in some places of each span.
         """
         surface = face.surface
+        question = ("grid", tolerance, finer)
+        return kept(surface, question, lambda: cls._over(surface, tolerance, finer))
+
+    @classmethod
+    def _over(cls, surface: BSplineSurface, tolerance: float, finer: float) -> _Grid:
         breaks = [np.unique(knots) for knots in surface.knots]
         if surface.is_plane:
             net = surface.control_points
@@ -306,22 +344,34 @@ def _edge_parameters(brep: Brep, grids: list[_Grid], tolerance: float) -> list[A
 
     Fine enough for the chord and for the cells of both faces.
     """
-    probes = [span_parameters(edge.degree, edge.knots, 4 * PROBES) for edge in brep.edges]
-    steps = [_chord_steps(edge, t, tolerance) for edge, t in zip(brep.edges, probes, strict=True)]
+    probes = [_probes(edge) for edge in brep.edges]
+    steps = [
+        kept(edge, ("steps", tolerance), partial(_chord_steps, edge, t, tolerance)).copy()
+        for edge, t in zip(brep.edges, probes, strict=True)
+    ]
     for face, grid in zip(brep.faces, grids, strict=True):
         for trim in face.trims:
             if trim.edge is None or grid.scales is not None:
                 continue
-            t = probes[trim.edge]
-            run = grid.indexed(trim.curve.value(np.clip(t, *trim.curve.range)))
-            moved = np.abs(np.diff(run, axis=0)).reshape(-1, 4 * PROBES, 2).sum(axis=1).max(axis=1)
-            np.maximum(
-                steps[trim.edge], np.ceil(moved - 1e-6).astype(np.intp), out=steps[trim.edge]
-            )
+            own = kept(trim.curve, ("cells", grid), partial(_cell_steps, trim, grid, probes))
+            np.maximum(steps[trim.edge], own, out=steps[trim.edge])
     return [
         _lines(np.unique(edge.knots), np.clip(count, 1, MOST_DIVISIONS))
         for edge, count in zip(brep.edges, steps, strict=True)
     ]
+
+
+def _probes(edge: Curve) -> Array:
+    """Return the parameters at which an edge is looked at."""
+    return kept(edge, "probes", lambda: span_parameters(edge.degree, edge.knots, 4 * PROBES))
+
+
+def _cell_steps(trim: Trim, grid: _Grid, probes: list[Array]) -> Index:
+    """Return how many cells of a grid every span of an edge goes through."""
+    assert trim.edge is not None
+    run = grid.indexed(trim.curve.value(np.clip(probes[trim.edge], *trim.curve.range)))
+    moved = np.abs(np.diff(run, axis=0)).reshape(-1, 4 * PROBES, 2).sum(axis=1).max(axis=1)
+    return np.asarray(np.ceil(moved - 1e-6), np.intp)
 
 
 def _chord_steps(edge: Curve, at: Array, tolerance: float) -> Index:

@@ -1,4 +1,4 @@
-"""Plain values of files, read carefully: objects, lists, numbers and points."""
+"""Plain values of drawings' files, read carefully: objects, lists, numbers and points."""
 
 from __future__ import annotations
 
@@ -13,8 +13,17 @@ from bozzetto.errors import UserError
 MOST_POINTS: Final = 20_000
 """Points of one curve."""
 
-FARTHEST: Final = 1e6
-"""Largest coordinate, mm."""
+SPACE: Final = ("xyz", 1e6)
+"""Names of coordinates in space, and the largest one, mm."""
+
+PLANE: Final = ("xy", 1e6)
+"""The same in a plane."""
+
+PIXELS: Final = ("uv", 1e8)
+"""The same in a picture, px."""
+
+Coordinates = tuple[str, float]
+"""Names of coordinates, and the largest one."""
 
 
 def an_object(value: object, where: str) -> Mapping[str, Any]:
@@ -58,8 +67,8 @@ def a_number(value: object, where: str, least: float, most: float) -> float:
     raise UserError(f"“{where}” is a number from {least:g} to {most:g}.")
 
 
-def point_rows(value: object, where: str, count: int) -> Array:
-    """Return the points of a curve, (n, count).
+def point_rows(value: object, where: str, coordinates: Coordinates) -> Array:
+    """Return the points of a curve, (n, 2) or (n, 3).
 
     Parameters
     ----------
@@ -67,8 +76,8 @@ def point_rows(value: object, where: str, count: int) -> Array:
         A list of lists of numbers.
     where : str
         The place in the file.
-    count : int
-        Coordinates of each point: 2 or 3.
+    coordinates : (str, float)
+        `SPACE`, `PLANE` or `PIXELS`.
 
     Raises
     ------
@@ -79,26 +88,27 @@ def point_rows(value: object, where: str, count: int) -> Array:
     if len(rows) < 2:
         raise UserError(f"“{where}” needs two points at least.")
     try:
-        points = [_point(row, f"{where}[{k}]", count) for k, row in enumerate(rows)]
+        points = [_point(row, f"{where}[{k}]", coordinates) for k, row in enumerate(rows)]
         made = np.array(points, float)
     except OverflowError:
         raise UserError(f"“{where}” holds a number that is too large.") from None
     return made
 
 
-def a_point(value: object, where: str) -> Array:
-    """Return a point in space, (3,).
+def a_point(value: object, where: str, coordinates: Coordinates = SPACE) -> Array:
+    """Return a point, (3,) in space.
 
     Raises
     ------
     UserError
         If it is none; the message names the place in the file.
     """
-    return np.array(_point(value, where, 3))
+    return np.array(_point(value, where, coordinates))
 
 
-def _point(value: object, where: str, count: int) -> list[float]:
-    row = a_list(value, where, count)
-    if len(row) != count:
-        raise UserError(f"“{where}” is a point [{', '.join('xyz'[:count])}].")
-    return [a_number(part, where, -FARTHEST, FARTHEST) for part in row]
+def _point(value: object, where: str, coordinates: Coordinates) -> list[float]:
+    names, farthest = coordinates
+    row = a_list(value, where, len(names))
+    if len(row) != len(names):
+        raise UserError(f"“{where}” is a point [{', '.join(names)}].")
+    return [a_number(part, where, -farthest, farthest) for part in row]

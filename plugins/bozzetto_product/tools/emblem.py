@@ -1,0 +1,175 @@
+"""Text: a touch lays a text on a surface; handles move, turn and size it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context, Drag, Gesture, Job, NextStep, Tap, override
+from bozzetto.scene import Layer, Lines, Scene, Shaded, cast_rays
+from bozzetto.view import Camera
+from bozzetto_product.details.emblem_places import anchored, emblem_outlines
+from bozzetto_product.details.ground import Ground, followed_outline
+from bozzetto_product.details.outline_places import NO_SURFACE, tangent_axes
+from bozzetto_product.model.emblems import Emblem
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.solve.paper_surfacing import UNCARVED
+from bozzetto_product.solve.solver import grounds_of, solve_product
+from bozzetto_product.tools.detail import DEPTH, GAP, without_details
+from bozzetto_product.tools.product_tool import ProductTool
+from bozzetto_product.view.detail_view import EMBLEM_TOOL, MIDDLE, SIZED, emblem_corner
+
+FIRST: Final = "Text"
+"""What a new text says."""
+
+HEIGHT: Final = 0.06
+"""Height of the first text, as share of the size of the product."""
+
+ABOVE: Final = 12.0
+"""Distance on the sheet of the place that tells what is up for a new text, px."""
+
+SMALLEST: Final = 1e-2
+LARGEST: Final = 1e4
+"""Bounds of heights, mm."""
+
+BESIDE: Final = "There is no surface here. Touch a surface to lay a text on it."
+GONE: Final = "This handle is not there any more. Choose the text in the list, or touch anew."
+
+
+class LayText(ProductTool):
+    """Lays a text on a surface; what becomes of it is chosen in the panel, as of any detail."""
+
+    id = EMBLEM_TOOL
+    title = "Text"
+    icon = "icons/emblem.svg"
+    hint = "Touch a surface to lay a text on it."
+    gesture = "drag"
+
+    @override
+    def next_step(self, state: ProductState) -> NextStep:
+        """Return the gesture, or where to type and what to drag."""
+        if not state.of_kind(Patch):
+            return NextStep(NO_SURFACE, tool="draw")
+        if state.surfaces == "paper":
+            return NextStep(UNCARVED)
+        if state.chosen_of(Emblem) is not None:
+            return NextStep(
+                "Type the text in the panel; drag its middle, or its corner to turn it."
+            )
+        return NextStep(self.hint)
+
+    @override
+    def tap(self, state: ProductState, tap: Tap, context: Context) -> ProductState:
+        """Lay a text under the pen, upright on the sheet.
+
+        Raises
+        ------
+        UserError
+            If there is no surface that is carved.
+        """
+        if state.surfaces == "paper":
+            raise UserError(UNCARVED)
+        result = solve_product(replace(state, nodes=without_details(state)), Job())
+        grounds = grounds_of(result.patches)
+        at, up = _touched(tap.camera, np.array((tap.x, tap.y)), grounds)
+        model = state.chosen_of(Emblem) or next(reversed(state.of_kind(Emblem)), None)
+        if model is None:
+            height, depth, gap = (
+                float(f"{share * result.size:.2g}") for share in (HEIGHT, 0.3 * DEPTH, GAP)
+            )
+            model = Emblem(text=FIRST, height=height, depth=depth, gap=gap)
+        emblem = replace(
+            model,
+            id=state.unused_id(),
+            name=state.unused_name("Text"),
+            visible=True,
+            within="",
+            turn=0.0,
+            places=anchored(grounds, at, up),
+        )
+        return replace(state.with_node(emblem), selected=emblem.id)
+
+    @override
+    def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
+        """Return the outlines after the drag."""
+        if not isinstance(gesture, Drag):
+            return Scene()
+        emblem = state.chosen_of(Emblem)
+        after = self.drag(state, gesture, context).chosen_of(Emblem)
+        if emblem is None or after is None:
+            return Scene()
+        rows = emblem_outlines(after, _grounds(state))
+        rows = [np.vstack((row, row[:1])) for row in rows]
+        starts = np.cumsum([0, *(len(row) for row in rows[:-1])]).astype(np.int32)
+        points = np.concatenate(rows).astype(np.float32)
+        return Scene((Layer("moved", (Lines(points, starts, color="accent", width=2.0),)),))
+
+    @override
+    def drag(self, state: ProductState, drag: Drag, context: Context) -> ProductState:
+        """Move the chosen text over the surfaces, or turn and size it.
+
+        Raises
+        ------
+        UserError
+            If it leaves the surfaces.
+        """
+        emblem, grounds = state.chosen_of(Emblem), _grounds(state)
+        followed = (
+            None
+            if emblem is None or emblem.places is None or not grounds
+            else followed_outline(grounds, emblem.places)
+        )
+        if emblem is None or followed is None:
+            raise UserError(GONE)
+        at, above = followed.points[:2]
+        begin, end = drag.path.points[0], drag.path.points[-1]
+        if drag.handle == MIDDLE:
+            # The pen may hold the handle a little beside.
+            seen = drag.camera.project(at[None])[0][0]
+            place, _ = _touched(drag.camera, seen + end - begin, grounds)
+            return state.with_node(replace(emblem, places=anchored(grounds, place, above - at)))
+        if drag.handle != SIZED:
+            raise UserError(GONE)
+        middle, axes = tangent_axes(at, above - at, grounds)
+        corner = emblem_corner(emblem, grounds)
+        if corner is None:
+            raise UserError(GONE)
+        seen = drag.camera.project(corner[None])[0][0]
+        goal = drag.camera.on_plane((seen + end - begin)[None], middle, axes[2])[0]
+        if not np.isfinite(goal).all():
+            raise UserError("It is seen end on here. Turn the view, and drag again.")
+        way, was = ((point - middle) @ axes[:2].T for point in (goal, corner))
+        share = float(np.linalg.norm(way) / max(float(np.linalg.norm(was)), 1e-12))
+        turn = emblem.turn + float(np.degrees(np.arctan2(*way[::-1]) - np.arctan2(*was[::-1])))
+        height = float(np.clip(emblem.height * share, SMALLEST, LARGEST))
+        turn = float((turn + 180.0) % 360.0 - 180.0)
+        return state.with_node(replace(emblem, height=height, turn=turn))
+
+
+def _grounds(state: ProductState) -> tuple[Ground, ...]:
+    result = solve_product(replace(state, nodes=without_details(state)), Job())
+    return grounds_of(result.patches)
+
+
+def _touched(camera: Camera, pixel: Array, grounds: tuple[Ground, ...]) -> tuple[Array, Array]:
+    """Return the place of surfaces under a pixel, and the direction there that is up on the sheet.
+
+    Raises
+    ------
+    UserError
+        If there is no surface.
+    """
+    scene = Scene((Layer("surfaces", tuple(Shaded(one.fill.mesh) for one in grounds)),))
+    hits = cast_rays(scene, camera.rays(pixel[None]))
+    if not hits.hit[0]:
+        raise UserError(BESIDE if grounds else NO_SURFACE)
+    at = np.asarray(hits.points[0], float)
+    _, (*_, normal) = tangent_axes(at, camera.axes[1], grounds)
+    # Over an edge the surface above may be elsewhere: the tangent plane tells what is up.
+    onto = camera.on_plane((pixel - (0.0, ABOVE))[None], at, normal)[0]
+    return at, onto - at if np.isfinite(onto).all() else camera.axes[1]
