@@ -72,7 +72,7 @@ class TraceDialog(Page):
         )
         self._place: Place = "view"
         if self._underlay is not None:
-            self._place = session.tracing.best_place(self._underlay)
+            self._place = session.pictures.tracing.best_place(self._underlay)
             self.place.set_silently(self._place)
             self.place.chosen.connect(self._set_place)
             self._add_row(tr("Trace", "Where the ink goes"), self.place)
@@ -81,9 +81,9 @@ class TraceDialog(Page):
         self.go = self.add_button(tr("Trace", "Trace into ink"), default=True)
         self.go.setEnabled(False)
         self.go.clicked.connect(self._take)
-        session.tracing.found.connect(self._show)
-        session.tracing.failed.connect(self._tell)
-        self.finished.connect(session.tracing.cancel)
+        session.pictures.tracing.found.connect(self._show)
+        session.pictures.tracing.failed.connect(self._tell)
+        self.finished.connect(session.pictures.tracing.cancel)
         session.drawing.closing.connect(self.reject)
         self._ask(anew=True)
 
@@ -105,7 +105,7 @@ class TraceDialog(Page):
         """Have the picture traced as the controls say."""
         self.state.setText(tr("Trace", "Looking for lines…"))
         known = None if anew or self._traced is None else self._traced.sheet
-        self._session.tracing.trace(
+        self._session.pictures.tracing.trace(
             self._source,
             self.sensitivity.number,
             page=self.straighten.isChecked(),
@@ -131,7 +131,7 @@ class TraceDialog(Page):
 
     def _take(self) -> None:
         if self._traced is not None:
-            self._session.tracing.take(self._traced, self._underlay, self._place)
+            self._session.pictures.tracing.take(self._traced, self._underlay, self._place)
         self.accept()
 
 

@@ -61,7 +61,7 @@ class Dialogs:
         from bozzetto_app.dialogs.trace_picture import TraceDialog
 
         window = self._window
-        source = window.session.tracing.underlay or window.files.ask_picture(
+        source = window.session.pictures.tracing.underlay or window.files.ask_picture(
             tr("Trace", "Trace a picture into ink")
         )
         if source is not None:

@@ -22,6 +22,7 @@ from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.object_edits import ObjectEdits
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.toolbox import Toolbox
+from bozzetto_app.session.tracing import Tracing
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
@@ -47,6 +48,8 @@ class PictureInput(QObject):
     ----------
     channel : Channel
         The reading under way.
+    tracing : Tracing
+        Makes waiting ink of the lines in a picture.
 
     Signals
     -------
@@ -65,6 +68,7 @@ class PictureInput(QObject):
         objects: ObjectEdits,
         context: GestureContext,
         edits: Channel,
+        tracing: Tracing,
         notices: Notices,
         parent: QObject | None = None,
     ) -> None:
@@ -73,6 +77,7 @@ class PictureInput(QObject):
             "picture", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
         )
         self.channel.slow.connect(notices.tell_slow)
+        self.tracing = tracing
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox, self._objects, self._context = toolbox, objects, context
         self._edits, self._notices = edits, notices

@@ -5,7 +5,7 @@ them holds the session:
 
 * the state: `document_model`, `selection`, `view_state`, `toolbox`, `scene_model`;
 * the services that work on it: `gestures`, `motion`, `object_edits`, `part_edits`,
-  `modeler_commands`, `from_shapes`, `ink_readings`, `pictures`, `tracing`, `files`, `solver`,
+  `modeler_commands`, `from_shapes`, `ink_readings`, `pictures`, `files`, `solver`,
   `view_advice`, `hints`;
 * `notices`, which tells the person about it.
 
@@ -105,10 +105,10 @@ class Session(QObject):
         self.hints = Hints(bench, drawing, selection, toolbox, notices, self)
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
         self.readings = InkReadings(bench, drawing, selection, context, notices, self)
+        tracing = Tracing(drawing, view, toolbox, notices, self)
         self.pictures = PictureInput(
-            bench, drawing, selection, toolbox, objects, context, edits, notices, self
+            bench, drawing, selection, toolbox, objects, context, edits, tracing, notices, self
         )
-        self.tracing = Tracing(drawing, view, toolbox, notices, self)
         self.files = Files(
             bench, drawing, view, toolbox, scene, context, self.pictures, notices, self
         )
@@ -119,7 +119,7 @@ class Session(QObject):
             self.files,
             self.shapes.channel,
             self.pictures.channel,
-            self.tracing.channel,
+            tracing.channel,
         )
         for work in self._shown_work:
             work.progressed.connect(self.progressed)
@@ -182,7 +182,7 @@ class Session(QObject):
             self.files,
             self.shapes.channel,
             self.pictures.channel,
-            self.tracing,
+            self.pictures.tracing,
         ):
             part.cancel()
 

@@ -31,7 +31,7 @@ def picture(lines=LINES, conditions=PHONE):
 def underlay(session, conditions=PHONE):
     laid = laid_on_sheet(picture(conditions=conditions), "sketch")
     session.objects.edit(edit.add_underlay, laid)
-    return session.tracing.underlay
+    return session.pictures.tracing.underlay
 
 
 def opened(qtbot, session, source):
@@ -127,7 +127,7 @@ def test_a_slider_traces_again_without_preparing_the_picture_anew(
 
     monkeypatch.setattr(tracing, "sheet_of", lambda *_, **__: pytest.fail("prepared again"))
     heard = []
-    session.tracing.found.connect(heard.append)
+    session.pictures.tracing.found.connect(heard.append)
     dialog.sensitivity.slid.emit(0.6, True)
     settle(session)
     assert len(heard) == 1
@@ -143,12 +143,12 @@ def test_paper_without_a_line_is_told_and_cannot_be_taken(qtbot, session, settle
 
 def test_closing_the_dialog_or_the_document_stops_the_work(qtbot, session, settle):
     heard = []
-    session.tracing.found.connect(heard.append)
+    session.pictures.tracing.found.connect(heard.append)
     dialog = opened(qtbot, session, underlay(session))
     dialog.reject()
     settle(session)
     assert heard == []
-    second = opened(qtbot, session, session.tracing.underlay)
+    second = opened(qtbot, session, session.pictures.tracing.underlay)
     session.files.new()
     settle(session)
     assert heard == []

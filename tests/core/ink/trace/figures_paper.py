@@ -23,7 +23,7 @@ from bozzetto.ink.curves.resample import resample
 from bozzetto.ink.trace.page import homography
 from bozzetto.ink.trace.trace import Sheet, TracedLine, sheet_of, trace
 from bozzetto.view import Camera
-from bozzetto_polyhedron.graph.build import graph_of
+from tests.core.ink.trace.distances import hausdorff
 from tests.core.ink.trace.pencil_paper import (
     FAINT,
     PHONE,
@@ -33,7 +33,7 @@ from tests.core.ink.trace.pencil_paper import (
     paper_picture,
 )
 from tests.fidelity import FOLDERS, rings_of
-from tests.plugins.polyhedron.graph_truth import is_right
+from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import CLEAN, SIZE, owned_strokes_of
 from tests.plugins.polyhedron.objects import made, view
 
@@ -130,12 +130,6 @@ def traced(
         seconds,
         pixels.shape[0] * pixels.shape[1] / 1e6,
     )
-
-
-def hausdorff(one: Points, other: Points) -> float:
-    """Largest distance of either polyline from the other, by dense samples."""
-    a, b = (resample(line, spacing=1.0) for line in (one, other))
-    return float(max(cKDTree(a).query(b)[0].max(), cKDTree(b).query(a)[0].max()))
 
 
 def outline_found(
