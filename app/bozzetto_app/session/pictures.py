@@ -23,7 +23,6 @@ from bozzetto_app.session.object_edits import ObjectEdits
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.session.tracing import Tracing
-from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ class PictureInput(QObject):
     channel : Channel
         The reading under way.
     tracing : Tracing
-        Makes ink of pictures of drawings on paper.
+        Makes waiting ink of the lines in a picture.
 
     Signals
     -------
@@ -65,20 +64,20 @@ class PictureInput(QObject):
         workbench: Workbench,
         drawing: DocumentModel,
         selection: Selection,
-        view: ViewState,
         toolbox: Toolbox,
         objects: ObjectEdits,
         context: GestureContext,
         edits: Channel,
+        tracing: Tracing,
         notices: Notices,
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
-        self.tracing = Tracing(drawing, view, toolbox, notices, self)
         self.channel = Channel(
             "picture", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
         )
         self.channel.slow.connect(notices.tell_slow)
+        self.tracing = tracing
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox, self._objects, self._context = toolbox, objects, context
         self._edits, self._notices = edits, notices

@@ -41,6 +41,7 @@ from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.solver import Solver
 from bozzetto_app.session.toolbox import Toolbox
+from bozzetto_app.session.tracing import Tracing
 from bozzetto_app.session.view_advice import ViewAdviser
 from bozzetto_app.session.view_state import ViewState
 
@@ -104,8 +105,9 @@ class Session(QObject):
         self.hints = Hints(bench, drawing, selection, toolbox, notices, self)
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
         self.readings = InkReadings(bench, drawing, selection, context, notices, self)
+        tracing = Tracing(drawing, view, toolbox, notices, self)
         self.pictures = PictureInput(
-            bench, drawing, selection, view, toolbox, objects, context, edits, notices, self
+            bench, drawing, selection, toolbox, objects, context, edits, tracing, notices, self
         )
         self.files = Files(
             bench, drawing, view, toolbox, scene, context, self.pictures, notices, self
@@ -117,7 +119,7 @@ class Session(QObject):
             self.files,
             self.shapes.channel,
             self.pictures.channel,
-            self.pictures.tracing.channel,
+            tracing.channel,
         )
         for work in self._shown_work:
             work.progressed.connect(self.progressed)

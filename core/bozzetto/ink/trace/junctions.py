@@ -86,8 +86,8 @@ def joined_lines(skeleton: Skeleton) -> list[Array]:
                     points[key[0]], key[1], middle[node], skeleton, passes=False
                 )
             out = chains[tip[0]].points if tip[1] == 0 else chains[tip[0]].points[::-1]
-            rest = points[one[0]]
-            points[one[0]] = np.vstack((out[::-1], rest) if one[1] == 0 else (rest, out))
+            first = points[one[0]]
+            points[one[0]] = np.vstack((out[::-1], first) if one[1] == 0 else (first, out))
             continue
         _pair(keys, chains, skeleton, middle[node], partner)
         if len(keys) > 2:

@@ -23,6 +23,7 @@ from bozzetto.ink.curves.resample import resample
 from bozzetto.ink.trace.page import homography
 from bozzetto.ink.trace.trace import Sheet, TracedLine, sheet_of, trace
 from bozzetto.view import Camera
+from tests.core.ink.trace.distances import hausdorff
 from tests.core.ink.trace.pencil_paper import (
     FAINT,
     PHONE,
@@ -129,12 +130,6 @@ def traced(
         seconds,
         pixels.shape[0] * pixels.shape[1] / 1e6,
     )
-
-
-def hausdorff(one: Points, other: Points) -> float:
-    """Largest distance of either polyline from the other, by dense samples."""
-    a, b = (resample(line, spacing=1.0) for line in (one, other))
-    return float(max(cKDTree(a).query(b)[0].max(), cKDTree(b).query(a)[0].max()))
 
 
 def outline_found(

@@ -16,7 +16,7 @@ from bozzetto.ink.trace.placed_ink import (
 from bozzetto.ink.trace.threshold import gray_of
 from bozzetto.ink.trace.trace import TracedLine, sheet_of, trace
 from bozzetto.view import Camera
-from tests.core.ink.trace.figures_paper import hausdorff
+from tests.core.ink.trace.distances import hausdorff
 from tests.core.ink.trace.pencil_paper import FAINT, PHONE, TABLE, paper_picture
 
 SIZE = (800, 600)
