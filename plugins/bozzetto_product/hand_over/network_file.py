@@ -12,7 +12,6 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import (
-    FARTHEST,
     SPACE,
     a_list,
     a_number,
@@ -133,8 +132,9 @@ def _rows(value: object, scale: float) -> dict[str, Array]:
 
 def _points(value: object, where: str, scale: float) -> Array:
     points = point_rows(value, where, SPACE) * scale
-    if not (np.abs(points) <= FARTHEST).all():
-        raise UserError(f"“{where}” reaches further than {FARTHEST:g} mm.")
+    _, farthest = SPACE
+    if not (np.abs(points) <= farthest).all():
+        raise UserError(f"“{where}” reaches further than {farthest:g} mm.")
     return points
 
 
