@@ -24,7 +24,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("paper-to-ink.md", "polyhedron.md", "product.md", "product-paper.md", "silhouette.md")
+PAGES = (
+    "car.md",
+    "paper-to-ink.md",
+    "polyhedron.md",
+    "product.md",
+    "product-paper.md",
+    "silhouette.md",
+)
 BLOCK = re.compile(
     r"(<!-- figures: python (?P<command>[^\n]*?) -->\n).*?(<!-- /figures -->)", re.DOTALL
 )
