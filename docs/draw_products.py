@@ -14,7 +14,7 @@ from picture_kit import GALLERY, HERE
 
 PRODUCTS = GALLERY / "product"
 SAMPLES_FOLDER = HERE.parent / "plugins" / "bozzetto_product" / "samples"
-SAMPLES = {"mouse": "computer-mouse", "remote": "remote-control"}
+SAMPLES = {"mouse": "computer-mouse", "remote": "remote-control", "lamp": "table-lamp"}
 """Products that come with the plugin, and their names there; a picture lies beside each."""
 
 
