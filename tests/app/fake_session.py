@@ -275,6 +275,7 @@ class Motion(Part):
     """Nothing moves by itself."""
 
     changed = Signal()
+    pace_changed = Signal(object)
     recorded = "play stop"
 
 
