@@ -57,7 +57,7 @@ def test_a_car_among_the_samples_shows_its_sketch_and_opens_with_it(window, sett
     shown = thumbnail_of(sample)
     assert shown is not None
     assert not shown.isNull()
-    window.welcome.sample_chosen.emit(info.id, sample)
+    window.welcome.sample_chosen.emit(info.id, sample, "Sample")
     settle(session)
     (model,) = session.drawing.document.models
     (sketch,) = model.state.sketches

@@ -127,7 +127,7 @@ def test_steps_make_what_they_make_without_a_window(make_session, settle, qtbot,
     from bozzetto.exchange.import_file import read_drawing
     from tests.plugins.product.test_product_ink import RECTANGLE, built
 
-    steps = [{"set": {"mirror": False}}, *RECTANGLE, {"rename": "Last"}, {"command": "hide-rough"}]
+    steps = [{"set": {"controls": 9}}, *RECTANGLE, {"rename": "Last"}, {"command": "hide-rough"}]
     _, expected = built(tmp_path, steps)
     drawing = read_drawing(tmp_path / "ink.json")
     session = make_session("bozzetto.product")
@@ -149,6 +149,6 @@ def test_steps_make_what_they_make_without_a_window(make_session, settle, qtbot,
     drawn = ("Draw curve",) * len(RECTANGLE)
     hidden = "Hide or show the rough shape"
     assert history.entries[-len(steps) :] == (
-        "Draw symmetric", *drawn, "Rename to “Last”", hidden,
+        "Control points", *drawn, "Rename to “Last”", hidden,
     )  # fmt: skip
     replays.stop()
