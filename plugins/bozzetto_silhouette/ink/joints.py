@@ -170,11 +170,15 @@ def _from(line: Array, arc: Array, cut: float) -> Array:
 
 
 def _alike(tail: Array, head: Array, length: float) -> bool:
-    """Whether the end of one line and the start of another run in one direction."""
+    """Whether the end of one line runs side by side with the start of another all the way."""
+    import shapely
+
     arc_a, arc_b = arc_length(tail), arc_length(head)
-    one = tail[-1] - points_along(tail, arc_a, max(arc_a[-1] - length, 0.0))
-    two = points_along(head, arc_b, min(length, arc_b[-1])) - head[0]
-    return float(one @ two) > float(ALIKE * np.hypot(*one) * np.hypot(*two))
+    over = points_along(tail, arc_a, np.linspace(max(arc_a[-1] - length, 0.0), arc_a[-1], 9))
+    one, two = over[-1] - over[0], points_along(head, arc_b, min(length, arc_b[-1])) - head[0]
+    if float(one @ two) <= float(ALIKE * np.hypot(*one) * np.hypot(*two)):
+        return False
+    return float(shapely.LineString(head).distance(shapely.points(over)).max()) < BESIDE
 
 
 def _smooth(a: Array, b: Array) -> Joint | None:
