@@ -159,8 +159,15 @@ def solve(
             feasible = Feasible.of(soundness, None, first, prior.form(first))
             shape = _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
             size = believable_size(template, template.whole(shape.variables))
-            first, views = size * shape.variables, [_enlarged(view, size) for view in shape.views]
-            prior = Prior(template, cost, float(measure @ first))
+            grown = size * shape.variables, [_enlarged(view, size) for view in shape.views]
+            for first, views in (grown, (shape.variables, shape.views)):
+                prior = Prior(template, cost, float(measure @ first))
+                try:
+                    feasible = Feasible.of(soundness, None, first, prior.form(first))
+                except UserError:  # no car beside it is sound: it stays as large as it is
+                    continue
+                if _Problem(template, views, cost, prior, feasible, hold_cameras).can_start:
+                    break
         else:
             prior = Prior(template, cost, known, held=False)
     if locked is None or not locked.given():
@@ -244,6 +251,11 @@ class _Problem:
         self.size = int(ends[-1])
         # How the coordinates of each node follow the free directions, (n, 3, f).
         self.nodes = (template.basis @ feasible.span).reshape(-1, 3, self.free)
+
+    @property
+    def can_start(self) -> bool:
+        """Whether all cameras have the car before them at the start."""
+        return self.at(self.feasible.start, self.starts) is not None
 
     def solved(self) -> JointSolution:
         here = self.at(self.feasible.start, self.starts)
