@@ -14,7 +14,7 @@ from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.magnets import NearMiss, near_misses
 from bozzetto_product.operations.trim import accept
 from bozzetto_product.projection.views import seen_at
-from bozzetto_product.tools.modify import NO_CURVE
+from bozzetto_product.tools.over_curve import NO_CURVE
 from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves
 from bozzetto_product.view.scene import JOIN_TOOL, dots, lines
 

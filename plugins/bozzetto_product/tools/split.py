@@ -10,7 +10,7 @@ from bozzetto.scene import Layer, Scene
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import CurvePlace, place_under
 from bozzetto_product.operations.pieces import split_curve
-from bozzetto_product.tools.modify import NO_CURVE
+from bozzetto_product.tools.over_curve import NO_CURVE
 from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves, own_surfaces
 from bozzetto_product.view.scene import dots
 

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Array, Flags
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.resample import arc_length, distinct, resample
 from bozzetto.ink.curves.smooth import smooth
@@ -262,8 +262,3 @@ def _running_median(values: Array) -> Array:
     from scipy import ndimage
 
     return np.asarray(ndimage.median_filter(values, size=min(9, len(values)), mode="nearest"))
-
-
-def mask_of(sheet: Sheet, sensitivity: float) -> Flags:
-    """Return where ink is, (h', w'), for a preview."""
-    return ink_of(sheet, sensitivity).mask
