@@ -63,7 +63,7 @@ def _pressure() -> Iterator[Row]:
     for start in (disc(), middle_of_a_sheet(), flat):
         origin = start.solution.loop.origin
         for pressure in (0.05, 0.2):
-            wanted = volume_of_pressure(start, pressure)
+            wanted = volume_of_pressure(start.area, pressure)
             found = inflated(start, wanted)
             held = volume_of(found.fill.patches, origin) - volume_of(start.patches, origin)
             off = max(off, abs(held - found.volume) / start.solution.loop.size**3)
@@ -71,7 +71,7 @@ def _pressure() -> Iterator[Row]:
                 more = np.nanmax([0.0, *found.fill.g1_degrees])
                 turned = max(turned, float(more - np.nanmax([0.0, *start.g1_degrees])))
     for start in (disc(), flat):
-        volume = volume_of_pressure(start, 0.2)
+        volume = volume_of_pressure(start.area, 0.2)
         out, back = (places(inflated(start, s * volume).fill) for s in (1, -1))
         away = np.abs(out * (1, 1, -1) - back).max() / start.solution.loop.size
         mirror = max(mirror, float(away))
