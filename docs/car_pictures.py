@@ -206,7 +206,7 @@ def window() -> None:
     shown = opened()
     session = shown.session
     session.toolbox.take_modeler("bozzetto.car")
-    session.files.import_file(CARS / "sedan.png")
+    session.files.exchange.import_file(CARS / "sedan.png")
     rest(shown)
     told = json.loads((CARS / "sedan.json").read_text(encoding="utf-8"))["views"][0]["marks"]
     for number in range(MARKED_LAST):
@@ -215,7 +215,7 @@ def window() -> None:
     grab(shown, "car-marked.png")
 
     session.files.new()
-    session.files.import_file(CARS / "sedan.json")
+    session.files.exchange.import_file(CARS / "sedan.json")
     rest(shown)
     session.objects.set_parameter("shading", "zebra")
     shown.set_theme(Theme.DARK)

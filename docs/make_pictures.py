@@ -234,7 +234,7 @@ def creature(shown: Window) -> None:
         rest()
 
     session.files.new()
-    session.files.import_file(GALLERY / "creature.json")
+    session.files.exchange.import_file(GALLERY / "creature.json")
     rest()
     shown.canvas.look("three-quarter")
     wait(1.0)

@@ -7,12 +7,13 @@ from collections.abc import Callable
 import numpy as np
 from product_hand import Body, Hand
 from product_lamp import lamp as lamp
+from product_sandal import sandal as sandal
 from product_shaver import shaver as shaver
 
 from bozzetto.arrays import Array
 from bozzetto_product.model.rough_shapes import RoughShape
 
-NAMES = ("mouse", "remote", "helmet", "shaver", "lamp")
+NAMES = ("mouse", "remote", "helmet", "shaver", "lamp", "sandal")
 
 WHITE, SAND = (236, 234, 229), (222, 212, 196)
 GRAPHITE, INK = (58, 61, 66), (28, 30, 34)
@@ -70,7 +71,7 @@ def mouse() -> Hand:
     )
     hand.draw("Spine", spine, side)
     hand.command("in-plane")
-    hand.draw("Base", path(body, (low, front), (low, back)), below)
+    hand.draw("Base", path(body, (low, front), (low, back)), below, edge="crease")
     hand.draw("Sole", over(body, bent((57.5, 0.0), (-57.5, 0.0)), up=-1.0), below)
     hand.draw("Rail", path(body, (rail, front), (rail + 1.5, -0.25), (rail, back)), above)
     hand.draw("Line", path(body, (line, front), (line + 2.0, -0.25), (line, back)), above)
@@ -208,7 +209,7 @@ def helmet() -> Hand:
     ridge = ridge[(ridge[:, 0] <= 48.0) & (ridge[:, 0] >= -58.0)]
     hand.draw("Ridge", ridge, hand.view(-90.0, 62.0))
     hand.command("hide-rough")
-    shell, channel = {"color": CORAL, "finish": "gloss"}, {"color": GRAPHITE, "finish": "rubber"}
+    shell, channel = {"color": WHITE, "finish": "gloss"}, {"color": CORAL, "finish": "gloss"}
     for x in (66.0, 20.0, -30.0, -78.0):
         for y, facts in (
             (-10.0, shell),
@@ -218,7 +219,25 @@ def helmet() -> Hand:
             place = over(head, np.array([[x, y if y > -60.0 or abs(x) < 60 else -51.0]]))[0]
             hand.paint(place, hand.view(-90.0, 60.0), **facts)
     hand.paint(np.array((0.0, -20.0, 150.0)), hand.view(-90.0, -60.0), color=INK)
+    for x, y, long in VENTS:
+        vent(hand, head, x, y, long)
     return hand
+
+
+VENTS = ((22.0, -40.0, 19.0), (-32.0, -41.0, 18.0), (20.0, -13.0, 20.0), (-30.0, -13.0, 20.0))
+"""Middles of vents on the right side, seen from above, and half their lengths, mm."""
+
+
+def vent(hand: Hand, head: Body, x: float, y: float, long: float) -> None:
+    """Press a long round into the helmet, and its mirror image into the other side."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 160)
+    wide = 0.24 * long
+    # Fuller than an ellipse at its ends.
+    along = np.sign(np.cos(turn)) * np.abs(np.cos(turn)) ** 0.8
+    across = np.sign(np.sin(turn)) * np.abs(np.sin(turn)) ** 0.8
+    round_ = over(head, np.column_stack((x + long * along, y + wide * across)))
+    view = hand.closer(hand.view(-90.0, 62.0), round_.mean(axis=0), 3.0)
+    hand.round(round_, view, kind="in", depth=6.0, draft=12.0, mirrored=True, color=INK)
 
 
 def crosswise(body: Body, x: float, brim: Array) -> Array:

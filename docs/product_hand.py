@@ -186,6 +186,11 @@ class Hand:
         self._gesture("modify", course, camera, strokes)
         self.meant[name] = course
 
+    def round(self, course: Array, camera: Camera, **facts: Any) -> None:
+        """Draw a closed round on a surface, and say what becomes of the area."""
+        self._gesture("detail", course, camera, 1)
+        self.steps.append({"set": facts})
+
     def only(self, *bodies: Body | Board) -> None:
         """Show these rough shapes, and hide the others; the view shows what is there."""
         for number, body in enumerate(self.bodies, 1):

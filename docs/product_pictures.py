@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from bozzetto.document import Model
-    from bozzetto.scene import Scene
+    from bozzetto.scene import Layer, Scene
     from bozzetto.scene.renderer.shading import Shading
     from bozzetto.workbench.workbench import Workbench
     from bozzetto_product.model.state import ProductState
@@ -30,6 +30,7 @@ PRESSURE = 0.12
 """Of all surfaces in the picture of those as in the paper."""
 
 VIEWS = {
+    "sandal": ((-46.0, 26.0), (-125.0, 38.0)),
     "lamp": ((-60.0, 14.0), (-40.0, -24.0)),
     "shaver": ((-142.0, 26.0), (-52.0, 24.0)),
     "helmet": ((-38.0, 24.0), (-135.0, 18.0)),
@@ -39,16 +40,35 @@ VIEWS = {
 """Where each product is seen best, and a second view: degrees round and above."""
 
 
+WORN = {"sandal": (226, 190, 166)}
+"""Products that are shown on the rough shape that they were drawn on, and its colour."""
+
+
 def gallery() -> None:
     """Each product large; beside it its curves, its surfaces in calm colours, and another side."""
     from bozzetto.exchange.import_file import read_drawing
     from bozzetto.plugin.host.registry import Registry
+    from bozzetto.scene import Scene
     from bozzetto.workbench.workbench import Workbench
 
     for path in sorted(INKS.glob("*.json")):
         bench = Workbench(Registry())
         model = bench.sources.from_drawing("bozzetto.product", read_drawing(path), {})
-        pictures_of(path.stem, *scenes_of(bench, model))
+        painted, plain, lines = scenes_of(bench, model)
+        if path.stem in WORN:
+            painted = Scene((*painted.layers, worn_layer(model.state, WORN[path.stem])))
+        pictures_of(path.stem, painted, plain, lines)
+    network_card()
+
+
+def worn_layer(state: ProductState, color: tuple[int, int, int]) -> Layer:
+    """The first rough shape of a product, as a body of a colour."""
+    from bozzetto.scene import Layer, Shaded
+    from bozzetto_product.model.rough_shapes import RoughShape
+    from bozzetto_product.rough_shapes.shapes import rough_mesh
+
+    shape = next(node for node in state.nodes if isinstance(node, RoughShape))
+    return Layer("worn", (Shaded(rough_mesh(shape), color=color),))
 
 
 def pictures_of(name: str, painted: Scene, plain: Scene, lines: Scene) -> None:
@@ -68,6 +88,21 @@ def pictures_of(name: str, painted: Scene, plain: Scene, lines: Scene) -> None:
     if name in SAMPLES:
         card = drawn(painted, first, CARD, LIGHT)
         save(card, f"{SAMPLES[name]}.png", draw_products.SAMPLES_FOLDER)
+
+
+def network_card() -> None:
+    """The picture beside the sample that is a network of curves: its surfaces in calm colours."""
+    from bozzetto.exchange.import_file import read_drawing
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.scene import LIGHT
+    from bozzetto.workbench.workbench import Workbench
+
+    sample = draw_products.SAMPLES_FOLDER / "mouse.json"
+    bench = Workbench(Registry())
+    model = bench.sources.from_drawing("bozzetto.product", read_drawing(sample), {})
+    _, plain, _ = scenes_of(bench, model)
+    card = drawn(plain, VIEWS["mouse"][0], CARD, LIGHT)
+    save(card, "mouse.png", draw_products.SAMPLES_FOLDER)
 
 
 def paper() -> None:

@@ -25,8 +25,10 @@ MECHANISMS = {
     "four-bar": (2.0, 0.0),
     "straight-line": (2.0, 0.0),
     "walking-leg": (2.0, 0.0),
+    "walker": (4.0, 0.0),
     "scissor-lift": (1.0, 0.0),
     "folding-screen": (1.2, 0.0),
+    "folding-box": (2.0, 0.0),
 }
 """For how long each moves, s, and how far it is turned aside, degrees."""
 

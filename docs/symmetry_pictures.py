@@ -147,7 +147,7 @@ def window() -> None:
 
     session.files.new()
     window.set_theme(Theme.DARK)
-    session.files.import_file(INKS / "car-lines.json")
+    session.files.exchange.import_file(INKS / "car-lines.json")
     rest(window)
     look(window, 38.0, 16.0)
     session.parts.select(session.selection.id, "")

@@ -31,6 +31,7 @@ PAGES = (
     "product.md",
     "product-paper.md",
     "silhouette.md",
+    "symmetry.md",
 )
 BLOCK = re.compile(
     r"(<!-- figures: python (?P<command>[^\n]*?) -->\n).*?(<!-- /figures -->)", re.DOTALL

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import settings
 
 from bozzetto_app.__main__ import ONE_THREAD
+from tests.long_cases import long_ones
 
 # As the program itself has it, and before numpy is imported: on a busy machine the threads of
 # the linear algebra wait for each other by spinning, and a second becomes half a minute.
@@ -53,6 +54,14 @@ os.environ.update(move_home(Path(_first_home.name)))
 # Wall-clock limits say more about the machine than about the program.
 settings.register_profile("bozzetto", deadline=None, print_blob=True)
 settings.load_profile("bozzetto")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what the default run leaves out, before pytest chooses by marks."""
+    for item, is_long in zip(items, long_ones(item.nodeid for item in items), strict=True):
+        if is_long:
+            item.add_marker("long")
 
 
 @pytest.fixture(autouse=True)

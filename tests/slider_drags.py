@@ -99,7 +99,7 @@ def open_sample(modeler: str, stem: str, folder: Path) -> Window:
     settle(session)
     session.toolbox.take_modeler(modeler)
     settle(session)
-    session.files.import_file(
+    session.files.exchange.import_file(
         next(p for p in session.registry.info(modeler).samples if p.stem == stem)
     )
     settle(session)

@@ -51,6 +51,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.environ["BOZZETTO_VIEWPORT"] = options.viewport
     gc.disable()  # nothing of what is imported now is garbage; `Tidier` collects later
     try:
+        from bozzetto_app.source_search import leave_module_sources_unread
+
+        leave_module_sources_unread()
         from bozzetto_app.startup import start
     except ImportError as problem:
         print(f"error: Qt cannot be loaded ({problem}). {_mend()}", file=sys.stderr)

@@ -184,7 +184,7 @@ class Window(QMainWindow):
             session.toolbox.modeler_changed,
         ):
             signal.connect(self.actions_.refresh)
-        session.files.imported.connect(self._imported)
+        session.files.exchange.imported.connect(self._imported)
         session.drawing.opened.connect(self.replays.stop)
         session.files.busy_changed.connect(self._saving_ended)
         session.toolbox.modeler_changed.connect(self._say_what_first)
@@ -343,7 +343,7 @@ class Window(QMainWindow):
 
     def _open_sample(self, modeler_id: str, path: Path, title: str) -> None:
         self.session.toolbox.take_modeler(modeler_id)
-        self.session.files.import_file(path, title)
+        self.session.files.exchange.import_file(path, title)
         self.canvas.setFocus()
 
     def _imported(self, drawn_in: Camera | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import faulthandler
 import logging
 import logging.handlers
@@ -84,22 +85,32 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     code = app.exec()
     interrupts.close()
     window.keeper.wait()
-    _let_workers_end()
+    if not _workers_end():
+        atexit.register(_leave, code)
     faulthandler.disable()
     crash_log.close()
     return code
 
 
-def _let_workers_end() -> None:
-    """Wait a moment for threads that were asked to stop.
-
-    An interpreter that is taken down under one of them crashes now and then; after the moment it
-    is taken down all the same, for a hung plugin must not keep a closed program alive.
-    """
+def _workers_end() -> bool:
+    """Wait a moment for threads that were asked to stop; return whether all of them have."""
     end = monotonic() + LAST_MOMENT
-    for thread in threading.enumerate():
-        if thread.name.startswith("bozzetto-"):
-            thread.join(max(0.0, end - monotonic()))
+    workers = [each for each in threading.enumerate() if each.name.startswith("bozzetto-")]
+    for thread in workers:
+        thread.join(max(0.0, end - monotonic()))
+    return not any(thread.is_alive() for thread in workers)
+
+
+def _leave(code: int) -> None:
+    """End the process with its threads, everything being written.
+
+    A hung plugin must not keep a closed program alive, and an interpreter that is taken down
+    under a thread in native code crashes now and then.
+    """
+    logging.shutdown()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
 
 
 class _FirstPaint(QObject):

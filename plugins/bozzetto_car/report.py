@@ -15,6 +15,7 @@ from bozzetto_car.body.build import Body
 from bozzetto_car.camera.rational_projection import camera_matrix
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.solver.initial_cameras import Placed, counted_marks
+from bozzetto_car.solver.template_ranking import likelier_template
 from bozzetto_car.solver.uncertainty import certainty, further_views
 
 FIGURES: Final[Mapping[str, Figure]] = {
@@ -85,6 +86,10 @@ def report_of(body: Body) -> dict[str, Any]:
 
 UNSOUND: Final = 1e-9
 """Negative slack of a constraint, mm, that counts as a violation and not as rounding."""
+
+BENT: Final = (
+    "The drawing seems bent by the hand. Raise “Follow the marks” to trace it all the same."
+)
 
 NO_CAMERA: Final = "No sketch has a camera yet, so the car is the bare template."
 
@@ -196,6 +201,11 @@ def _edits_left_out(body: Body) -> Iterator[Caution]:
 
 def _input_not_used(body: Body) -> Iterator[Caution]:
     solved = body.solved
+    likelier = likelier_template(solved)
+    if likelier is not None:
+        own = body.template.title.lower()
+        words = f"This looks like a {likelier.title.lower()}, not like a {own}."
+        yield Caution(f"{words} Choose that template.")
     if not solved.placed:
         yield Caution("There is no sketch. The car is the template as it stands.")
     elif not solved.solid:
@@ -213,6 +223,12 @@ def _input_not_used(body: Body) -> Iterator[Caution]:
             off = (placed.left_out or {}).get(node, 0.0)
             words = f"the mark {node} disagrees by {off:.0f} px and was set aside."
             yield Caution(f"{name}: {words}")
+        if placed.is_known and solved.cost.bend > 0.0:
+            missed = (placed.missed or {}).items()
+            squares = [px**2 for node, px in missed if node not in placed.disagreeing]
+            far = f"{np.mean(squares) ** 0.5:.0f} px"
+            words = f"no car has the marks as they are; they are missed by {far}."
+            yield Caution(f"{name}: {words} {BENT}")
         unknown = [m.node for m in placed.sketch.marks if m.node not in body.template.node]
         if unknown:
             yield Caution(f"{name}: the template has no node {', '.join(unknown)}.")

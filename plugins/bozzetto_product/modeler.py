@@ -44,6 +44,7 @@ from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.all_tools import all_tools
 from bozzetto_product.tools.draw_curve import with_drawn
+from bozzetto_product.tools.emblem import with_drawing_laid
 from bozzetto_product.view.scene import scene_of
 
 ALONG_AXIS: Final = 0.99
@@ -58,6 +59,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
 
     id = "bozzetto.product"
     state_type = ProductState
+    state_version = 2
     part_types = (Curve, Patch, Detail, Emblem, RoughShape, FollowedShape, CurveGroup)
     first_parameters = ("mirror",)
     figures = FIGURES
@@ -70,6 +72,19 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         if state.nodes or context.facts.get("network") is not None:
             return state
         return replace(with_rough_shape(state, "box"), selected="")
+
+    @override
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """Bring an older state up to date: version 1 kept places of curves that nobody read."""
+        if version >= 2:
+            return state
+        nodes = [
+            {key: value for key, value in node.items() if key != "places"}
+            if node["$type"] == "Curve"
+            else node
+            for node in state.get("nodes", ())
+        ]
+        return {**state, "nodes": nodes}
 
     @override
     def tools(self) -> Sequence[Tool[ProductState]]:
@@ -112,7 +127,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
             If the file is empty, or makes no sense.
         """
         if context.facts.get("network") is not None:
-            return product_of_network(context.facts)
+            return product_of_network(context.facts, context.drawings)
         if not len(drawing.strokes):
             raise UserError("The drawing has no strokes and no network. Draw a curve first.")
         state = self.create(context)
@@ -125,6 +140,17 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
     def read_shapes(self, shapes: Shapes) -> ProductState:
         """Return a product whose curves are those of other shapes, joined where they meet."""
         return product_of_shapes(shapes)
+
+    @override
+    def add_drawing(self, state: ProductState, drawing: Drawing, context: Context) -> ProductState:
+        """Return the product with the closed lines of a drawing as a detail on a surface.
+
+        Raises
+        ------
+        UserError
+            If there is no surface to lay them on, or the drawing has no closed lines.
+        """
+        return with_drawing_laid(state, drawing, context.camera)
 
     @override
     def follow(self, sources: Mapping[str, Shapes]) -> ProductState:

@@ -11,21 +11,28 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
 from bozzetto.ink import Drawing, Strokes
-from bozzetto.plugin import Caution, Context, Job, NextStep, PartsModeler, Tool, override
+from bozzetto.plugin import Caution, Command, Context, Job, NextStep, PartsModeler, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.analysis.figures import FIGURES
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
+from bozzetto_silhouette.appearance.part_groups import with_groups
 from bozzetto_silhouette.appearance.surface_look import Painted, painted, texture_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.model.sketch_plane import sheet_under
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
+from bozzetto_silhouette.rigging.armature import armature_of
+from bozzetto_silhouette.rigging.hand_over import handed_over
+from bozzetto_silhouette.rigging.key_poses import clip_of
 from bozzetto_silhouette.rigging.posing import Posed, joints_layer, rig_facts, rig_of, skinned
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.evaluate import evaluated
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, placement_of, shown_parts
 from bozzetto_silhouette.tools import all_tools
+from bozzetto_silhouette.tools.animate import motion_commands
+from bozzetto_silhouette.tools.attachment import ATTACH
 from bozzetto_silhouette.tools.draw_outline import DrawOutline
+from bozzetto_silhouette.tools.hole_filling import FILL
 from bozzetto_silhouette.view.handles import handles_layer
 from bozzetto_silhouette.view.ink_layers import deviation_layer, ink_layer
 
@@ -73,6 +80,11 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     def tools(self) -> Sequence[Tool[SilhouetteState]]:
         """Return the tools, most used first."""
         return all_tools()
+
+    @override
+    def commands(self) -> Sequence[Command]:
+        """Return what is done to the chosen part, and to the motion, most used first."""
+        return (ATTACH, FILL, *motion_commands())
 
     @override
     def next_step(self, state: SilhouetteState, tool: Tool[SilhouetteState]) -> NextStep:
@@ -131,14 +143,15 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
         """Return the shape in clay and, faintly, the ink that made it.
 
-        Ink belongs to the shape at rest: while that is posed its joints are shown instead.
+        Ink belongs to the shape at rest: while that is posed its joints are shown instead, and
+        where it has a motion nothing but the shape.
         """
         layers: list[Layer | None] = []
         if result is not None and result.shown is not None:
             layers.append(Layer("shape", (Shaded(result.shown),)))
         if state.posing and result is not None:
             layers.append(joints_layer(state))
-        else:
+        elif not (state.keys and state.turns):
             layers.append(ink_layer(state) if state.nodes else None)
             if result is not None and result.final:
                 layers.append(_deviation(state, result))
@@ -147,13 +160,19 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
 
     @override
     def shapes(self, state: SilhouetteState, result: SilhouetteResult) -> Shapes:
-        """Return one solid and the skeleton of each part."""
+        """Return one solid, triangles grouped by part, and the skeleton of each part."""
         if result.mesh is None or result.shown is None or result.body is None:
             return Shapes()
         skin = result.skin
         if skin is None:
             skin = skinned(state, result.body, Painted(result.mesh, result.shown)).skin
+        armature = armature_of(state)
+        if skin is not None and armature is not None:
+            clip = clip_of(armature, state)
+            clips = () if clip is None else (clip,)
+            skin = handed_over(armature, replace(skin, clips=clips))
         texture = texture_of(state, result.body)
+        solid = Solid(result.mesh, texture=texture, skin=skin)
         skeletons = []
         for part in state.parts:
             if part.id in result.solids:
@@ -164,7 +183,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
                 radii = nodes[:, 2] * stands.scale
                 skeletons.append(Skeleton(stands.points(flat), radii, bones))
         return Shapes(
-            solids=(Solid(result.mesh, texture=texture, skin=skin),),
+            solids=(with_groups(state, result.body, solid),),
             skeletons=tuple(skeletons),
         )
 
@@ -177,8 +196,8 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
 
     @override
     def cautions(self, state: SilhouetteState, result: SilhouetteResult) -> tuple[Caution, ...]:
-        """Return cautions about strokes that are not in the shape."""
-        return cautions_of(state)
+        """Return cautions about strokes that are not in the shape, and about a coarser shape."""
+        return cautions_of(state, result.body)
 
     # -- parts --
 

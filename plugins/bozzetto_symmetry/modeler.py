@@ -31,13 +31,13 @@ from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view
 from bozzetto_symmetry.report import FIGURES, cautions_of, report_of
-from bozzetto_symmetry.solve.curve_solver import Trace, directions, trace_of
+from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 from bozzetto_symmetry.tools import all_tools
 from bozzetto_symmetry.tools.draw_curve import DrawCurve
 from bozzetto_symmetry.view.hints import next_step
 from bozzetto_symmetry.view.scene import scene_of
 from bozzetto_symmetry.view.vanishing_lines import seen_from
-from bozzetto_symmetry.view.view_advice import advice
+from bozzetto_symmetry.view.view_advice import advice, directions
 
 FIRST_NEEDED: Final = (
     "scipy.interpolate", "scipy.linalg", "scipy.ndimage", "scipy.sparse.linalg", "scipy.spatial",
@@ -52,7 +52,7 @@ FOR_CURVES: Final = ("join", "split", "modify")
 """Tools that have nothing to work on where the chosen curve is half a curve."""
 
 WAITS_ELSEWHERE: Final = (
-    "The chosen curve waits for its other side. Draw it in the view of the first one."
+    "The chosen curve waits for its other side. Draw it here, or in the view of the first one."
 )
 
 

@@ -268,7 +268,11 @@ class Gestures(Part):
 
 
 class Files(Part):
-    recorded = "open open_safely import_file"
+    recorded = "open open_safely"
+
+
+class Exchange(Part):
+    recorded = "import_file"
 
 
 class Motion(Part):
@@ -372,6 +376,7 @@ class EmptySession(QObject):
         self.solver = Solver(calls, report={}, figures={})
         self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
+        self.files.exchange = Exchange(calls)
         self.gestures.motion = Motion(calls, is_playing=False, can_play=False)
 
     def cancel_work(self) -> None:

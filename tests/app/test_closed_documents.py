@@ -16,7 +16,7 @@ def test_nothing_holds_a_model_of_a_closed_document(make_window, settle, qtbot, 
     session = window.session
     settle(session, window.keeper)
     info = session.registry.info(f"bozzetto.{modeler}")
-    session.files.import_file(sorted(info.samples)[0])
+    session.files.exchange.import_file(sorted(info.samples)[0])
     settle(session, window.keeper)
     (state,) = (weakref.ref(model.state) for model in session.drawing.document)
     window.canvas.fit()

@@ -43,10 +43,10 @@ def _impatient(monkeypatch):
         ("gestures", "PREVIEW_LIMIT"),
         ("toolbox", "TOOLS_LIMIT"),
         ("solver", "SOLVE_LIMIT"),
-        ("files", "SLOW_AFTER"),
     ):
         monkeypatch.setattr(f"bozzetto_app.session.{module}.{name}", LIMIT)
-    monkeypatch.setattr("bozzetto_app.workers.channel.GRACE", LIMIT)
+    for name in ("GRACE", "SLOW_AFTER"):
+        monkeypatch.setattr(f"bozzetto_app.workers.channel.{name}", LIMIT)
 
 
 let_go = threading.Event()
@@ -183,11 +183,11 @@ def reach(session, boxes, what, tmp_path, settle):
     elif what in ("solve", "scene", "report"):
         session.objects.set_parameter("size", 21.0)
     elif what == "shapes":
-        session.files.export(tmp_path / "out.stl")
+        session.files.exchange.export(tmp_path / "out.stl")
     elif what == "read_drawing":
         ink = Strokes((stroke_of(circle(), session.view.camera),))
         write_drawing(Drawing(ink, session.view.camera), tmp_path / "ink.json")
-        session.files.import_file(tmp_path / "ink.json")
+        session.files.exchange.import_file(tmp_path / "ink.json")
     settle(session)
 
 
@@ -315,11 +315,11 @@ def test_a_document_whose_upgrade_fails_does_not_take_the_window_along(
 def test_a_hung_import_does_not_come_between_a_person_and_their_file(
     session, boxes, settle, tmp_path, qtbot, monkeypatch
 ):
-    session.files._reads.time_limit = 60.0
+    session.files.exchange._work.time_limit = 60.0
     boxes.misdeeds["read_drawing"] = sleeps
     ink = Strokes((stroke_of(circle(), session.view.camera),))
     write_drawing(Drawing(ink, session.view.camera), tmp_path / "ink.json")
-    session.files.import_file(tmp_path / "ink.json")
+    session.files.exchange.import_file(tmp_path / "ink.json")
     qtbot.waitUntil(lambda: boxes.calls["read_drawing"] == 1)
     with qtbot.waitSignal(session.files.saved, timeout=10_000):
         session.files.save(tmp_path / "mine.bozz")
@@ -338,7 +338,7 @@ def test_a_mesh_that_its_reader_refuses_is_a_fault_of_that_plugin(
     monkeypatch.setattr(reader, "read_shapes", raises, raising=False)
     monkeypatch.setattr(type(reader), "read_shapes", raises)
     before = session.drawing.document
-    session.files.import_file(tmp_path / "box.stl")
+    session.files.exchange.import_file(tmp_path / "box.stl")
     settle(session)
     assert session.drawing.document is before
     assert [notice.plugin for notice in faults(session)] == ["bozzetto.mesh"]

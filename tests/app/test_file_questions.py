@@ -6,6 +6,7 @@ import pytest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from bozzetto.document.recovery.file_lock import FileLock, document_lock_path
+from bozzetto.exchange.formats import find, writers
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER
 
@@ -77,7 +78,7 @@ def test_a_name_that_the_dialog_did_not_ask_about_is_asked_about(
         QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "b"), "STL (*.stl)")
     )
     monkeypatch.setattr(QMessageBox, "question", lambda *_: QMessageBox.StandardButton.No)
-    window.files.ask_export()
+    window.files.ask_place_of_export([find("a.stl", writers())])
     settle(window.session, window.keeper)
     assert (tmp_path / "b.stl").read_bytes() == b"theirs"
 

@@ -17,6 +17,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QPushButto
 
 from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.document.waiting_ink import strokes_of
+from bozzetto.exchange.formats import find, writers
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
 from tests.app.seen import part
@@ -253,7 +254,7 @@ def test_what_does_not_print_is_asked_about_before_it_is_exported_for_a_printer(
     target = tmp_path / f"thing{ending}"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), ""))
     window.session.solver.report = {"print": {"ready": False, "problems": ["It is thin."]}}
-    window.files.ask_export()
+    window.files.ask_place_of_export([find(f"a{ending}", writers())])
     box = window.findChild(QMessageBox, "printable")
     assert (box is not None) == asks
     if box is not None:
@@ -443,6 +444,18 @@ def test_the_program_closed_in_the_middle_of_a_solve_ends_at_once(tmp_path):
         assert "code 0" in done.stdout
         assert "Fatal" not in done.stderr
         assert "Traceback" not in done.stderr
+
+
+def test_a_worker_that_never_ends_is_left_behind_and_not_taken_down_under(tmp_path):
+    seen = (
+        "threading.Thread(target=threading.Event().wait, name='bozzetto-hung', daemon=True).start()"
+        "\n        import atexit; atexit.register(print, 'taken down')"
+        "\n        self.finish()"
+    )
+    done = run("-c", PROBE.format(seen=seen), "--no-plugins", home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "code 0" in done.stdout
+    assert "taken down" not in done.stdout
 
 
 def test_without_plugins_the_window_opens_all_the_same(tmp_path):

@@ -127,7 +127,7 @@ def put(make_window, settle, asked):
         window = make_window(modeler)
         session = window.session
         (info,) = [one for one in session.toolbox.modelers if one.id == modeler]
-        session.files.import_file(info.samples[SAMPLES[modeler]])
+        session.files.exchange.import_file(info.samples[SAMPLES[modeler]])
         settle(session, window.keeper)
         drawn = session.drawing.document
 

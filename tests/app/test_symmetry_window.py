@@ -276,7 +276,7 @@ def test_a_drawing_is_saved_comes_back_and_is_handed_over(pair, settle, tmp_path
     assert report(pair) == told
     assert session.hints.step.sentence.startswith("Left and right belong together.")
     for name, mark in (("out.step", "B_SPLINE_CURVE"), ("out.svg", "<path")):
-        session.files.export(tmp_path / name)
+        session.files.exchange.export(tmp_path / name)
         settle(session)
         assert (tmp_path / name).read_text().count(mark) >= 2
 

@@ -394,7 +394,7 @@ def test_a_document_that_is_opened_says_that_ink_waits_and_an_export_that_it_is_
     settle(session)
     assert statuses(session) == ["unfinished"]
     assert "Ink is waiting" in session.heard[-1].text
-    session.files.export(tmp_path / "a.stl")
+    session.files.exchange.export(tmp_path / "a.stl")
     settle(session)
     assert "waits" in session.heard[-1].text
 
@@ -412,7 +412,7 @@ def test_a_stroke_lifted_while_an_export_runs_is_taken_and_the_export_is_of_befo
         return shapes(state, result)
 
     monkeypatch.setattr(pair[0], "shapes", slow)
-    session.files.export(tmp_path / "a.stl")
+    session.files.exchange.export(tmp_path / "a.stl")
     qtbot.waitUntil(begun.is_set)
     session.gestures.stroke_lifted(stroke_of(circle(radius=50), session.view.camera))
     qtbot.waitUntil(lambda: strokes(session) == [2])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QLabel
 
 from bozzetto.scene.display_list import Image
 from bozzetto_app.dialogs.thumbnails import thumbnail_of
@@ -42,7 +43,7 @@ def test_a_picture_to_trace_stands_on_the_ground(window, tmp_path, settle):
     picture = QImage(60, 40, QImage.Format.Format_RGB32)
     picture.fill(0x446688)
     picture.save(str(tmp_path / "side.png"))
-    window.session.files.import_file(tmp_path / "side.png")
+    window.session.files.exchange.import_file(tmp_path / "side.png")
     settle(window.session)
     (image,) = (item for _, item in window.session.scene.visible.items() if isinstance(item, Image))
     low, high = window.session.scene.visible.bounds()
@@ -74,11 +75,12 @@ def test_the_strip_goes_with_the_first_ink_and_leaves_room_for_the_hint(window):
     assert window.canvas.empty_hint.left == 0
 
 
-def test_a_mesh_that_was_brought_in_says_that_it_has_no_parameters(window, tmp_path, settle):
+def test_the_parameters_of_a_mesh_that_was_brought_in_say_how_it_is_read(window, tmp_path, settle):
     assert "Draw or choose" in window.parameters._empty.text()
     (tmp_path / "one.obj").write_text("v 0 0 0\nv 50 0 0\nv 0 0 50\nf 1 2 3\n")
-    window.session.files.import_file(tmp_path / "one.obj")
+    window.session.files.exchange.import_file(tmp_path / "one.obj")
     settle(window.session)
     assert window.session.selection.id is not None
-    assert window.parameters._empty.isVisible()
-    assert window.parameters._empty.text() == "This object has no parameters."
+    assert not window.parameters._empty.isVisible()
+    words = [label.text() for label in window.parameters.findChildren(QLabel) if label.isVisible()]
+    assert {"Up in the file", "Unit of the file"} <= set(words)

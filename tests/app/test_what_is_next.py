@@ -91,7 +91,7 @@ def tap(session, dice):
 def sample(session, dice):
     info = dice.choice([info for info in session.toolbox.modelers if info.samples])
     session.toolbox.take_modeler(info.id)
-    session.files.import_file(info.samples[-1])
+    session.files.exchange.import_file(info.samples[-1])
 
 
 def picture(session, dice):
@@ -221,7 +221,7 @@ def test_the_panel_does_not_come_over_the_one_that_has_the_keyboard(window, sett
 def test_the_place_is_marked_while_the_pen_is_up(window, settle):
     session, overlay = window.session, window.canvas.overlay
     session.toolbox.take_modeler("bozzetto.car")
-    session.files.import_file(session.registry.info("bozzetto.car").samples[0])
+    session.files.exchange.import_file(session.registry.info("bozzetto.car").samples[0])
     settle(session, window.keeper)
     check(window)
     assert session.hints.step.place is not None

@@ -559,7 +559,7 @@ def import_sample(monkey: Monkey) -> None:
     infos = [info for info in monkey.window.session.registry.modelers() if info.samples]
     info = monkey.chance.choice(infos)
     monkey.window.session.toolbox.take_modeler(info.id)
-    monkey.window.session.files.import_file(monkey.chance.choice(info.samples))
+    monkey.window.session.files.exchange.import_file(monkey.chance.choice(info.samples))
 
 
 def new_document(monkey: Monkey) -> None:

@@ -65,7 +65,7 @@ class Person:
         yield self._do("modeler", lambda: session.toolbox.take_modeler(info.id))
         if info.samples and chance.random() < 0.5:
             sample = chance.choice(info.samples)
-            yield self._do("import", lambda: session.files.import_file(sample))
+            yield self._do("import", lambda: session.files.exchange.import_file(sample))
         for _ in range(chance.randrange(2, 6)):
             yield self._do("draw", self._draw)
         yield self._do("finish", session.gestures.commit)
@@ -81,7 +81,7 @@ class Person:
         saved = self.stage.folder / f"day {number % 6}.bozz"
         yield self._do("save", lambda: session.files.save(saved))
         shapes = self.stage.folder / f"shapes{chance.choice(EXPORTS)}"
-        yield self._do("export", lambda: session.files.export(shapes))
+        yield self._do("export", lambda: session.files.exchange.export(shapes))
         yield self._do("close", session.files.new)
         yield self._do("open", lambda: session.files.open(saved))
         if number % 5 == 0:

@@ -297,6 +297,10 @@ def _hostile_rows(size: int) -> Iterator[Row]:
         found: list[dict[str, Any]] = []
         for family in families(ending):
             told = _told_of(family, size)
+            if told.get("pause", 0.0) >= PAUSE:
+                # A pause that reading makes comes every time; one of the machine does not.
+                again = _told_of(family, size)
+                told |= {"pause": min(told["pause"], again.get("pause", told["pause"]))}
             found.append(told)
             print(json.dumps(told, ensure_ascii=False), file=sys.stderr, flush=True)
         slowest = max(found, key=lambda one: one.get("seconds", 0.0))

@@ -115,3 +115,13 @@ def test_opening_the_window_imports_no_slow_library(tmp_path: Path) -> None:
     packages = loaded(tmp_path, OPEN_WINDOW + CALL_MAIN)
     assert "PySide6" in packages
     assert not packages & SLOW
+
+
+def test_pyside_reads_no_source_of_what_is_imported(tmp_path):
+    count = "\nimport linecache, json, pathlib, sys" + (
+        "\nread = [name for name in linecache.cache if 'bozzetto_app/session' in name]"
+        "\npathlib.Path(sys.argv[-1]).with_name('read.json').write_text(json.dumps(read))"
+    )
+    found = loaded(tmp_path, OPEN_WINDOW + CALL_MAIN + count)
+    assert "bozzetto_app" in found
+    assert json.loads((tmp_path / "read.json").read_text()) == []

@@ -124,6 +124,18 @@ def _file(window: Window) -> Iterator[Action]:
         why_not=lambda: tr("File", "Nothing moves here. Take a tool that moves an object."),
         tip=tr("File", "The next seconds as an animated GLB or GIF, as Play would show them"),
     )
+    yield Action(
+        "file.turntable",
+        tr("File", "&Turntable…"),
+        files.ask_turntable,
+        "play",
+        (),
+        menu,
+        "save",
+        enabled=lambda: len(session.drawing.document) > 0,
+        why_not=lambda: tr("File", "There is nothing to turn yet. Draw something first."),
+        tip=tr("File", "What is drawn from all around, as a GIF or a row of pictures"),
+    )
     yield Action("file.quit", tr("File", "&Quit"), window.close, "quit", ("Ctrl+Q",), menu, "quit")
 
 
@@ -232,6 +244,11 @@ def _object(window: Window) -> Iterator[Action]:
             return not_free()
         return tr("Object", "This object follows no other.")
 
+    def no_use_of_drawings() -> str:
+        if not free():
+            return not_free()
+        return tr("Object", "This object has no use for a drawing. A product lays it on a surface.")
+
     def no_ink() -> str:
         if session.selection.model is None:
             return no_selection()
@@ -300,6 +317,17 @@ def _object(window: Window) -> Iterator[Action]:
                 else tr("Object", "A new object starts from a copy of the chosen shape")
             ),
         )
+    yield Action(
+        "object.add-drawing",
+        tr("Object", "Add a dra&wing…"),
+        window.files.ask_drawing,
+        "import",
+        (),
+        menu,
+        enabled=lambda: session.files.exchange.drawings.is_wanted,
+        why_not=no_use_of_drawings,
+        tip=tr("Object", "The outlines of an SVG file, for example, on a surface of a product"),
+    )
     yield Action(
         "object.unlink",
         tr("Object", "Unlin&k, or link again"),
@@ -417,6 +445,7 @@ def _view(window: Window) -> Iterator[Action]:
         "normals": tr("View", "Normals"),
         "xray": tr("View", "X-ray"),
         "draft": tr("View", "Draft angle"),
+        "thickness": tr("View", "Wall thickness"),
     }
     for shading in get_args(Shading):
         yield Action(
@@ -461,7 +490,7 @@ def _view(window: Window) -> Iterator[Action]:
     )
     yield Action(
         "view.theme",
-        tr("View", "&Dark"),
+        tr("View", "&Dark theme"),
         window.toggle_theme,
         "theme",
         ("Ctrl+Shift+D",),

@@ -47,6 +47,7 @@ from bozzetto_app.canvas.overlay.advice_light import ViewLight
 from bozzetto_app.canvas.overlay.empty_hint import SheetHint
 from bozzetto_app.canvas.overlay.loupe import Loupe
 from bozzetto_app.canvas.overlay.pace_badge import PaceBadge
+from bozzetto_app.canvas.overlay.thickness_scale import ThicknessScale
 from bozzetto_app.canvas.overlay.view_cube import ViewCube
 from bozzetto_app.canvas.overlay.waiting_ink import MarkedLine
 from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
@@ -131,6 +132,7 @@ class Canvas(QWidget):
         self.cube = ViewCube(self)
         self.light = ViewLight(self)
         self.pace_badge = PaceBadge(self)
+        self.thickness_scale = ThicknessScale(self)
         self.loupe = Loupe(lambda: self.viewports.current.shown(), self)
         self.menu = RadialMenu(self)
         self.menu.refused.connect(self.menu_refused)
@@ -151,6 +153,8 @@ class Canvas(QWidget):
         session.drawing.waiting_changed.connect(self._show_pending)
         session.toolbox.tool_changed.connect(self._show_pending)
         session.view.style_changed.connect(self.viewports.show_style)
+        session.view.style_changed.connect(self._show_scale)
+        self.viewports.thickness.changed.connect(self._show_scale)
         session.notices.noticed.connect(self._notice)
         session.solver.settled.connect(self._settled)
         session.advice.changed.connect(self._show_advice)
@@ -190,7 +194,7 @@ class Canvas(QWidget):
         self.viewports.set_palette(palette)
         for part in (
             *(self.overlay, self.empty_hint, self.cube, self.light),
-            *(self.pace_badge, self.loupe, self.menu),
+            *(self.pace_badge, self.thickness_scale, self.loupe, self.menu),
         ):
             part.set_colors(palette)
 
@@ -219,6 +223,7 @@ class Canvas(QWidget):
         self.empty_hint.update()
         self.light.lie_on(self.rect())
         self.pace_badge.lie_on(self.rect())
+        self.thickness_scale.lie_on(self.rect(), left)
 
     def describe_viewport(self) -> str:
         """Who draws, for the About dialog."""
@@ -469,6 +474,11 @@ class Canvas(QWidget):
         if notice.places:
             self.overlay.light_up(notice.places, notice.text)
 
+    def _show_scale(self) -> None:
+        """Tell what the colours of thickness mean while they are shown."""
+        self.thickness_scale.setVisible(self._session.view.shading == "thickness")
+        self.thickness_scale.say(self.viewports.thickness.view)
+
     def _mode_changed(self) -> None:
         mode = self.hand.machine.mode
         if mode not in (Mode.IDLE, Mode.CHOOSING):
@@ -492,6 +502,7 @@ class Canvas(QWidget):
         self.cube.move(self.width() - self.cube.width() - CUBE_MARGIN, CUBE_MARGIN)
         self.light.lie_on(self.rect())
         self.pace_badge.lie_on(self.rect())
+        self.thickness_scale.lie_on(self.rect(), self.light.left)
         self.menu.close_menu()
         camera: Camera = self._session.view.camera
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QDateTime, QLocale
+from PySide6.QtCore import QDateTime, QLocale, Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from bozzetto.atomic_files import FileChanged, FileStamp, Over
 from bozzetto.document.recovery.file_lock import Locked
 from bozzetto.errors import UserError
+from bozzetto.exchange.formats import Format
+from bozzetto.exchange.handover import AS_USUAL, Handover
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
 from bozzetto_app.session.films import LONGEST_FILM
@@ -116,13 +118,23 @@ class FileQuestions:
         kinds = tr("Files", "Drawings, meshes, pictures ({endings})").format(endings=endings)
         path = self._chosen(tr("Files", "Import"), kinds)
         if path is not None:
-            self._session.files.import_file(path)
+            self._session.files.exchange.import_file(path)
 
     def ask_underlay(self) -> None:
         """Ask for a picture and put it under the sheet."""
         path = self.ask_picture(tr("Files", "Place a picture under the sheet"))
         if path is not None:
             self._session.pictures.take_file(path, under=True)
+
+    def ask_drawing(self) -> None:
+        """Ask for a drawing and add it to the selected object."""
+        from bozzetto.exchange.formats import readers
+
+        endings = " ".join(f"*{ending}" for one in readers("ink") for ending in one.endings)
+        kinds = tr("Files", "Drawings ({endings})").format(endings=endings)
+        path = self._chosen(tr("Files", "Add a drawing to the object"), kinds)
+        if path is not None:
+            self._session.files.exchange.drawings.take_file(path)
 
     def ask_picture(self, title: str) -> Path | None:
         """Ask for the file of a picture; None if the person would rather not.
@@ -231,16 +243,48 @@ class FileQuestions:
         box.open()
 
     def ask_export(self) -> None:
-        """Ask for a file name and a format, and export the shapes."""
-        from bozzetto_app.session.format_order import offered_formats
+        """Ask for formats and how to export."""
+        from bozzetto_app.dialogs.handover import HandoverDialog
 
+        dialog = HandoverDialog(self._session, self, self._window)
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.show()
+
+    def ask_place_of_export(
+        self,
+        formats: Sequence[Format],
+        handover: Handover = AS_USUAL,
+        names: Sequence[str] | None = None,
+    ) -> bool:
+        """Ask for a file name and export; whether there was an answer.
+
+        Parameters
+        ----------
+        formats : sequence of Format
+            For each a file of that name is written, with its ending.
+        handover, names
+            As in `Exchange.export`.
+        """
         kinds = ";;".join(
-            f"{one.title} ({' '.join(f'*{ending}' for ending in one.endings)})"
-            for one in offered_formats(self._session)
+            f"{one.title} ({' '.join(f'*{ending}' for ending in one.endings)})" for one in formats
         )
-        path, is_asked = self._place(tr("Files", "Export"), kinds, "")
-        if path is not None and (is_asked or self._may_replace(path)):
-            self.when_printable(path, lambda: self._session.files.export(path))
+        first, is_asked = self._place(tr("Files", "Export"), kinds, "")
+        if first is None:
+            return False
+        paths = [first]
+        if len(formats) > 1:
+            endings = {one: one.endings[0] for one in formats}
+            mine = next((one for one in formats if first.suffix.lower() in one.endings), None)
+            stem = first if mine is None else first.with_suffix("")
+            endings |= {} if mine is None else {mine: first.suffix}
+            paths = [stem.with_name(stem.name + ending) for ending in endings.values()]
+        if not all((is_asked and path == first) or self._may_replace(path) for path in paths):
+            return False
+        self.when_printable(
+            paths,
+            lambda: self._session.files.exchange.export(*paths, handover=handover, names=names),
+        )
+        return True
 
     def ask_film(self) -> None:
         """Ask for a file and for how long, and make a film of what moves."""
@@ -252,32 +296,48 @@ class FileQuestions:
             said = tr("Files", "A film is a .glb or a .gif. Choose one of these endings.")
             self._session.notices.complain(UserError(said))
             return
+        films = self._session.files.exchange.films
+        self._ask_seconds("film", tr("Files", "Film of what moves"), path, films.make)
+
+    def ask_turntable(self) -> None:
+        """Ask for a file and for how long, and make a turntable."""
+        kinds = f"{tr('Files', 'Moving picture')} (*.gif);;{tr('Files', 'Row of pictures')} (*.png)"
+        path, is_asked = self._place(tr("Files", "Turntable"), kinds, "")
+        if path is None:
+            return
+        if path.suffix.lower() == ".gif" and not (is_asked or self._may_replace(path)):
+            return
+        films = self._session.files.exchange.films
+        self._ask_seconds("turntable", tr("Files", "Turntable"), path, films.turn)
+
+    def _ask_seconds(
+        self, name: str, title: str, path: Path, then: Callable[[Path, float], None]
+    ) -> None:
         asked = QInputDialog(self._window)
-        asked.setObjectName("film")
-        asked.setWindowTitle(tr("Files", "Film of what moves"))
+        asked.setObjectName(name)
+        asked.setWindowTitle(title)
         asked.setLabelText(tr("Files", "Seconds"))
         asked.setInputMode(QInputDialog.InputMode.DoubleInput)
         asked.setDoubleRange(0.2, LONGEST_FILM)
         asked.setDoubleDecimals(1)
         asked.setDoubleValue(4.0)
-        asked.doubleValueSelected.connect(
-            lambda seconds: self._session.files.films.make(path, seconds)
-        )
+        asked.doubleValueSelected.connect(lambda seconds: then(path, seconds))
         asked.finished.connect(asked.deleteLater)
         asked.open()
 
-    def when_printable(self, path: Path, then: Callable[[], None]) -> None:
+    def when_printable(self, paths: Sequence[Path], then: Callable[[], None]) -> None:
         """Export, after asking where a printer's file would hold what does not print.
 
         Parameters
         ----------
-        path : Path
-            Its ending says whether it is for a printer.
+        paths : sequence of Path
+            Their endings say whether they are for a printer.
         then : callable
             Called at once where nothing is known to stand in the way, else after the answer.
         """
         problems = _print_problems(self._session.solver.report)
-        if path.suffix.lower() not in PRINTED or not problems or self._box is not None:
+        for_printer = any(path.suffix.lower() in PRINTED for path in paths)
+        if not for_printer or not problems or self._box is not None:
             then()
             return
         box = QMessageBox(self._window)
@@ -310,7 +370,12 @@ class FileQuestions:
             Called at once where nothing would be lost, else after the answer.
         refused : callable, optional
             Called if the person would rather stay.
+
+        Notes
+        -----
+        What plays stops first: the answer is about what is there, and nothing comes after it.
         """
+        self._session.gestures.motion.stop()
         if not self._session.drawing.is_modified:
             then()
             return

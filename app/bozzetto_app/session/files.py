@@ -1,4 +1,4 @@
-"""Opening, saving, importing and exporting, in workers.
+"""Opening and saving documents, in workers.
 
 No dialog is shown here: `bozzetto_app.dialogs.file_dialogs` asks the person.
 """
@@ -13,26 +13,20 @@ from typing import Any, Protocol
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.atomic_files import FileChanged, FileStamp, Over, Written
-from bozzetto.document.links import resolved
-from bozzetto.document.model import Document, Model
+from bozzetto.document.model import Document
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path
-from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.job import Job
 from bozzetto.temporary_files import remove_leftovers
-from bozzetto.view.camera import Camera
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim, Claims
 from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.films import Films
-from bozzetto_app.session.gesture_context import GestureContext
+from bozzetto_app.session.exchange import Exchange
 from bozzetto_app.session.notices import Notice, Notices
-from bozzetto_app.session.pictures import PictureInput
 from bozzetto_app.session.recent_files import free_name, keep_recent, recent_files, still_there
 from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.thumbnail import SmallPictures
-from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.settings import settings
 from bozzetto_app.workers.channel import Channel, Request
@@ -40,10 +34,7 @@ from bozzetto_app.workers.channel import Channel, Request
 __all__ = ["DOCUMENT_ENDING", "LAST_FOLDER", "Claim", "Files", "Hindrance"]
 
 DOCUMENT_ENDING = ".bozz"
-MESH_MODELER = "bozzetto.mesh"
 LAST_FOLDER = "files/last_folder"
-SLOW_AFTER = 60.0
-"""Seconds without progress after which reading or exporting is told as slow."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +89,8 @@ class Files(QObject):
 
     Attributes
     ----------
+    exchange : Exchange
+        What goes to other programs and comes from them.
     lock : FileLock, optional
         Held while the document is open.
     stamp : FileStamp, optional
@@ -117,14 +110,11 @@ class Files(QObject):
         The person said that the drawing, as it is now, may be lost.
     locked : Path
         The document that was opened is read-only, for somebody else has it open.
-    imported
-        Something was imported from a file, with the view that it was drawn in, or None.
     progressed : float, str; busy_changed : bool
         Long work advances, starts, ends.
     """
 
     recent_changed = Signal()
-    imported = Signal(object)
     saved = Signal(object)
     given_up = Signal()
     locked = Signal(object)
@@ -136,10 +126,8 @@ class Files(QObject):
         workbench: Workbench,
         drawing: DocumentModel,
         view: ViewState,
-        toolbox: Toolbox,
         scene: SceneModel,
-        context: GestureContext,
-        pictures: PictureInput,
+        exchange: Exchange,
         notices: Notices,
         parent: QObject | None = None,
     ) -> None:
@@ -149,26 +137,21 @@ class Files(QObject):
         self.when_safe: _WhenSafe = _at_once
         self.when_hindered: Callable[[Hindrance], None] = self._refuse
         self._workbench, self._drawing, self._view = workbench, drawing, view
-        self._toolbox, self._scene, self._context = toolbox, scene, context
-        self._pictures, self._notices = pictures, notices
+        self._scene, self._notices = scene, notices
+        self.exchange = exchange
         self._claims = Claims()
         self._thumbnails = SmallPictures(workbench)
-        # Saving has a channel of its own: a plugin that hangs over an import or an export
-        # must not come between a person and their file.
         self._saves = Channel("save", keep_all=True, parent=self)
-        self._reads = Channel(
-            "file", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
-        )
+        self._reads = Channel("file", keep_all=True, is_patient=True, parent=self)
         self._reads.slow.connect(notices.tell_slow)
-        self.films = Films(workbench, drawing, view, notices, self)
-        for channel in (self._saves, self._reads, self.films.channel):
+        for channel in (self._saves, self._reads):
             channel.progressed.connect(self.progressed)
             channel.busy_changed.connect(self.busy_changed)
 
     @property
     def busy(self) -> bool:
         """Whether a file is being read or written."""
-        channels = (self._saves, self._reads, self._claims, self.films.channel)
+        channels = (self._saves, self._reads, self._claims)
         return any(channel.busy for channel in channels)
 
     @property
@@ -177,9 +160,8 @@ class Files(QObject):
         return self._saves.busy
 
     def cancel(self) -> None:
-        """Stop reading and exporting; a document that is being saved is not disturbed."""
+        """Stop reading; a document that is being saved is not disturbed."""
         self._reads.cancel()
-        self.films.channel.cancel()
 
     def close(self) -> None:
         """Give up the document: the program ends, and others may open it."""
@@ -223,7 +205,7 @@ class Files(QObject):
         """Open a document; import any other file into a new one."""
         if path.suffix.lower() != DOCUMENT_ENDING:
             self.new()
-            self.import_file(path)
+            self.exchange.import_file(path)
             return
         drawing, registry = self._drawing, self._workbench.registry
         before = drawing.document, drawing.pending
@@ -435,87 +417,6 @@ class Files(QObject):
                 dropped=lambda answer: self._give_back(answer[1]),
             )
         )
-
-    def export(self, path: Path) -> None:
-        """Export all visible objects to a file of another program."""
-        models = [model for model in resolved(self._drawing.document).values() if model.visible]
-        bench, camera, waiting = (
-            self._workbench,
-            self._view.camera,
-            self._drawing.document.waiting,
-        )
-
-        def work(job: Job) -> tuple[str, ...]:
-            from bozzetto.atomic_files import write_bytes
-            from bozzetto.workbench.export_document import object_shapes, prepared_file
-
-            objects = object_shapes(bench, models, job)
-            job.checkpoint(1.0, path.name)
-            made = prepared_file(objects, path, camera, whole=False)
-            write_bytes(path, made.data)
-            return (*objects.warnings(baseless_only=True), *made.warnings())
-
-        def done(warnings: tuple[str, ...]) -> None:
-            said = [tr("Files", "Exported “{name}”.", name=path.name)]
-            if waiting:
-                said.append(tr("Files", "The ink that waits is no part of it."))
-            if warnings:
-                # An error stays until the next one: what is missing must not be overlooked.
-                self._notices.noticed.emit(Notice("error", " ".join((*said, *warnings))))
-            else:
-                self._notices.tell(" ".join(said))
-
-        self._reads.submit(Request(work, done, self._notices.complain))
-
-    def import_file(self, path: Path, title: str = "") -> None:
-        """Bring a drawing, a mesh or a picture onto the sheet.
-
-        A drawing with a title is called by it, any other one by its file.
-        """
-        from bozzetto.exchange.import_file import is_picture
-
-        if is_picture(path):
-            self._pictures.take_file(path)
-            return
-        bench, drawing, active = self._workbench, self._drawing, self._toolbox.modeler
-        context, history = self._context.now(), drawing.history
-
-        def work(job: Job) -> tuple[Model, bool, Camera | None, tuple[str, ...]]:
-            from bozzetto.exchange.formats import find, readers
-            from bozzetto.exchange.import_file import read_drawing, read_mesh
-
-            def reading() -> None:
-                job.checkpoint(0.0, tr("Files", "Reading {name}", name=path.name))
-
-            if "mesh" in find(path, readers()).holds:
-                shapes = read_mesh(path, checkpoint=reading)
-                return bench.sources.from_shapes(MESH_MODELER, shapes, path.stem), False, None, ()
-            ink = read_drawing(path, checkpoint=reading)
-            ink = replace(ink, name=title or ink.name)
-            facts_only = not len(ink.strokes)
-            modeler = (facts_only and bench.registry.told_by(ink.facts)) or active
-            if not modeler:
-                raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
-            here = context if facts_only else replace(context, camera=ink.camera)
-            model = bench.sources.from_drawing(modeler, ink, {}, here, job)
-            view = None if facts_only else ink.camera
-            return model, bool(ink.pictures), view, ink.left_out
-
-        def done(answer: tuple[Model, bool, Camera | None, tuple[str, ...]]) -> None:
-            if drawing.history is not history:
-                return
-            model, pictured, view, left_out = answer
-            if not pictured:
-                self.imported.emit(view)
-            drawing.apply_model(
-                tr("Files", "Import {name}", name=title or path.name), model, is_new=True
-            )
-            if pictured:
-                self._pictures.taken.emit(model.id)
-            if left_out:  # stays until the next one, as with exports
-                self._notices.noticed.emit(Notice("error", " ".join(left_out)))
-
-        self._reads.submit(Request(work, done, self._notices.complain))
 
     def _refuse(self, hindrance: Hindrance) -> None:
         """Write nothing over: there is nobody to ask."""

@@ -1,4 +1,4 @@
-"""Films of what moves in the document, made in a worker; the document stays as it is."""
+"""Films of what moves, and turntables, made in a worker; the document stays as it is."""
 
 from __future__ import annotations
 
@@ -22,6 +22,12 @@ RATE: Final = 25.0
 
 LONGEST_FILM: Final = 60.0
 """Seconds."""
+
+TURN_RATE: Final = 12.0
+"""Pictures a second of a turntable."""
+
+TURN_SIZE: Final = (640, 480)
+"""Of its pictures, px."""
 
 TALLEST: Final = 480
 """Height of a GIF, px: larger ones are slow to open everywhere."""
@@ -73,5 +79,30 @@ class Films(QObject):
 
         def done(_: None) -> None:
             self._notices.tell(tr("Films", "Made the film “{name}”.", name=path.name))
+
+        self.channel.submit(Request(work, done, self._notices.complain))
+
+    def turn(self, path: Path, seconds: float) -> None:
+        """Write a turntable of all that is visible.
+
+        Parameters
+        ----------
+        path : Path
+            Its ending says what is written: .gif, or a row of .png.
+        seconds : float
+            How long one turn takes.
+        """
+        bench, document = self._workbench, self._drawing.document
+
+        def work(job: Job) -> tuple[Path, ...]:
+            from bozzetto.workbench.turntables import write_turntable
+
+            count = max(2, round(seconds * TURN_RATE))
+            return write_turntable(
+                bench, document, path, count, seconds, job, replaces=False, size=TURN_SIZE
+            )
+
+        def done(paths: tuple[Path, ...]) -> None:
+            self._notices.tell(tr("Films", "Made the turntable “{name}”.", name=paths[0].name))
 
         self.channel.submit(Request(work, done, self._notices.complain))

@@ -33,9 +33,6 @@ __all__ = ["PictureInput"]
 UNDERLAY_WIDTH = 200.0
 """Width of a picture to trace on the sheet, mm."""
 
-SLOW_AFTER = 60.0
-"""Seconds without progress after which reading a picture is told as slow."""
-
 
 class PictureInput(QObject):
     """Takes pictures from files and from the clipboard.
@@ -73,9 +70,7 @@ class PictureInput(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
-        self.channel = Channel(
-            "picture", keep_all=True, time_limit=SLOW_AFTER, is_patient=True, parent=self
-        )
+        self.channel = Channel("picture", keep_all=True, is_patient=True, parent=self)
         self.channel.slow.connect(notices.tell_slow)
         self.tracing = tracing
         self._workbench, self._drawing, self._selection = workbench, drawing, selection

@@ -98,7 +98,7 @@ class Replays(QObject):
         if len(drawing.strokes):
             self.play(drawing)
         else:
-            session.files.import_file(path)
+            session.files.exchange.import_file(path)
 
     def play(self, drawing: Drawing) -> None:
         """Replay a drawing on the sheet, seen as it was drawn."""

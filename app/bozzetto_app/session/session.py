@@ -5,8 +5,8 @@ them holds the session:
 
 * the state: `document_model`, `selection`, `view_state`, `toolbox`, `scene_model`;
 * the services that work on it: `gestures`, `motion`, `object_edits`, `part_edits`,
-  `modeler_commands`, `from_shapes`, `ink_readings`, `pictures`, `files`, `solver`,
-  `view_advice`, `hints`;
+  `modeler_commands`, `from_shapes`, `ink_readings`, `pictures`, `drawing_input`, `files`,
+  `solver`, `view_advice`, `hints`;
 * `notices`, which tells the person about it.
 
 Widgets read the parts, call their methods and listen to their signals; they never change a
@@ -25,6 +25,8 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.drawing_input import DrawingInput
+from bozzetto_app.session.exchange import Exchange
 from bozzetto_app.session.files import Files
 from bozzetto_app.session.from_shapes import ShapeInput
 from bozzetto_app.session.gesture_context import GestureContext
@@ -109,16 +111,20 @@ class Session(QObject):
         self.pictures = PictureInput(
             bench, drawing, selection, toolbox, objects, context, edits, tracing, notices, self
         )
-        self.files = Files(
-            bench, drawing, view, toolbox, scene, context, self.pictures, notices, self
+        drawings = DrawingInput(bench, drawing, selection, context, edits, notices, self)
+        exchange = Exchange(
+            bench, drawing, view, toolbox, context, self.pictures, drawings, notices, self
         )
+        self.files = Files(bench, drawing, view, scene, exchange, notices, self)
         self._was_busy = False
         self._shown_work: tuple[_Work, ...] = (
             solver,
             edits,
             self.files,
+            exchange,
             self.shapes.channel,
             self.pictures.channel,
+            drawings.channel,
             tracing.channel,
         )
         for work in self._shown_work:
@@ -180,8 +186,10 @@ class Session(QObject):
         for part in (
             self.solver,
             self.files,
+            self.files.exchange,
             self.shapes.channel,
             self.pictures.channel,
+            self.files.exchange.drawings.channel,
             self.pictures.tracing,
         ):
             part.cancel()

@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Place", "Traced", "Tracing"]
 
-SLOW_AFTER: Final = 60.0
-"""Seconds without progress after which tracing is told as slow."""
-
 PREVIEW_SIDE: Final = 1024
 """Longest side of the picture behind the preview, pixels."""
 
@@ -81,7 +78,7 @@ class Tracing(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
-        self.channel = Channel("trace", time_limit=SLOW_AFTER, is_patient=True, parent=self)
+        self.channel = Channel("trace", is_patient=True, parent=self)
         self.channel.slow.connect(notices.tell_slow)
         self._drawing, self._view = drawing, view
         self._toolbox, self._notices = toolbox, notices

@@ -13,7 +13,7 @@ __all__ = ["Shading", "ViewState"]
 FIRST_VIEW = Camera(eye=(0.0, -500.0, 90.0), target=(0.0, 0.0, 90.0))
 """From the front, with the ground below the middle of the sheet."""
 
-Shading = Literal["clay", "zebra", "curvature", "normals", "xray", "draft"]
+Shading = Literal["clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"]
 
 
 class ViewState(QObject):
@@ -22,7 +22,7 @@ class ViewState(QObject):
     Attributes
     ----------
     camera : Camera
-    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft"}
+    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"}
     show_grid, show_ghost_ink : bool
         Whether the ground and the ink that models were made from are drawn.
 

@@ -32,7 +32,11 @@ from bozzetto.errors import Cancelled
 from bozzetto.plugin.guard.guard import Overrun
 from bozzetto.plugin.guard.watchdog import interrupt
 from bozzetto.plugin.job import Job
-from bozzetto_app.workers.main_thread import call_on_main_thread, install
+from bozzetto_app.workers.main_thread import (
+    call_on_main_thread,
+    install,
+    release_on_main_thread,
+)
 
 __all__ = ["Channel", "Hung", "Request"]
 
@@ -46,6 +50,9 @@ GRACE = 1.0
 
 PATIENCE = 60.0
 """Seconds until work that was left behind is interrupted, where it has no time limit."""
+
+SLOW_AFTER = 60.0
+"""Seconds without progress after which a patient channel tells that it is slow."""
 
 IDLE = 1.0
 """Seconds that a thread waits for more work before it ends."""
@@ -128,7 +135,7 @@ class _Worker:
     """
 
     def __init__(self, name: str) -> None:
-        self._waiting: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
+        self._waiting: SimpleQueue[list[Callable[[], None]] | None] = SimpleQueue()
         self._is_idle = False
         self._lock = threading.Lock()
         self._is_open = True
@@ -145,7 +152,7 @@ class _Worker:
         """Do this next; False where the thread has ended meanwhile."""
         with self._lock:
             if self._is_open:
-                self._waiting.put(work)
+                self._waiting.put([work])
             return self._is_open
 
     def retire(self) -> None:
@@ -158,18 +165,19 @@ class _Worker:
         while True:
             self._is_idle = True
             try:
-                work = self._waiting.get(timeout=IDLE)
+                task = self._waiting.get(timeout=IDLE)
             except Empty:
                 with self._lock:
                     if not self._waiting.empty():
                         continue
                     self._is_open = False
                 return
-            if work is None:
+            if task is None:
                 return
             self._is_idle = False
-            work()
-            del work  # what it holds must not live on in an idle thread
+            task[0]()
+            release_on_main_thread(task)
+            del task  # what it holds must not live on in an idle thread
 
 
 _workers: weakref.WeakSet[_Worker] = weakref.WeakSet()
@@ -198,7 +206,7 @@ class Channel(QObject):
         Seconds without progress after which a running request counts as hung: it fails
         with `Hung` and its thread is left behind.
     is_patient : bool
-        Tell that it is slow instead, and wait.
+        Tell that it is slow instead, and wait; after `SLOW_AFTER` where no limit is given.
 
     Signals
     -------
@@ -223,7 +231,7 @@ class Channel(QObject):
         super().__init__(parent)
         self.name = name
         self.keep_all = keep_all
-        self.time_limit = time_limit
+        self.time_limit = SLOW_AFTER if is_patient and time_limit is None else time_limit
         self.is_patient = is_patient
         self._waiting: deque[Request] = deque()
         self._running: Request | None = None

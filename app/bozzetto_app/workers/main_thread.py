@@ -15,7 +15,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, Signal
 from shiboken6 import isValid
 
-__all__ = ["call_on_main_thread", "install"]
+__all__ = ["call_on_main_thread", "install", "release_on_main_thread"]
 
 log = logging.getLogger(__name__)
 
@@ -80,3 +80,23 @@ def call_on_main_thread(
     except RuntimeError:
         log.debug("the program ended before %s could answer", type(owner).__name__)
         otherwise()
+
+
+_unreleased: list[list[Any]] = []
+
+
+def release_on_main_thread(held: list[Any]) -> None:
+    """Empty a list on the window's thread, from any thread.
+
+    Whoever lets go of a Qt object last destroys it, and a worker must not. So what a worker was
+    given stays in a list, and is released behind the last call that the worker has made.
+
+    Parameters
+    ----------
+    held : list
+        Everything that the thread still holds.
+    """
+    try:
+        _receivers[0].called.emit(held.clear)
+    except RuntimeError:
+        _unreleased.append(held)  # the program ends, and what is held with it

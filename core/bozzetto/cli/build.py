@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bozzetto.cli.handover import handover_of
 from bozzetto.cli.output import (
     EXIT_ERROR,
     EXIT_FAULT,
@@ -45,6 +46,7 @@ def build(options: argparse.Namespace) -> int:
         if target.suffix.lower() != ".bozz":
             find(target, writers("mesh", "surfaces", "curves"))
     refuse_overwriting(inputs, targets, options.report)
+    handover_of(options)  # a wrong switch is told before the first input is read
     reports: list[dict[str, Any]] = []
     code = 0
     for number, (source, target) in enumerate(zip(inputs, targets, strict=True), 1):
@@ -78,10 +80,11 @@ def _build_one(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Build one input; its report where one is wanted, and what was written of it."""
     from bozzetto.document.model import Document
-    from bozzetto.exchange.import_file import is_picture, read_drawing, read_picture
+    from bozzetto.exchange.formats import readers
+    from bozzetto.exchange.import_file import is_picture, read_drawing, read_mesh_file, read_picture
     from bozzetto.plugin.job import Job
 
-    picture = drawing = None
+    picture = drawing = mesh = None
     underlays: tuple[Any, ...] = ()
     if source.suffix.lower() == ".bozz":
         document = open_document(bench, source)
@@ -89,12 +92,17 @@ def _build_one(
         drawing = replace(bench.readings.drawing_of_document(document), name=source.stem)
     elif is_picture(source):
         picture = read_picture(source, trusted=options.trust_file)
+    elif any(source.suffix.lower() in one.endings for one in readers("mesh")):
+        mesh = read_mesh_file(source, trusted=options.trust_file)
+        warn(mesh.told(values))
     else:
         drawing = read_drawing(source, trusted=options.trust_file)
     warn(() if drawing is None else drawing.left_out)
     try:
         if picture is not None:
             model = bench.sources.from_picture(modeler_id, picture, values)
+        elif mesh is not None:
+            model = bench.sources.from_mesh_file(modeler_id, mesh, source.stem, values)
         else:
             model = bench.sources.from_drawing(modeler_id, drawing, values)
         report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
@@ -105,6 +113,7 @@ def _build_one(
             target,
             view=options.view,
             refuse_baseless=not options.allow_template,
+            handover=handover_of(options),
         )
         if written is None:
             warn(caution.message for caution in bench.cautions(model, Job()))

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from bozzetto.cli.handover import handover_of
 from bozzetto.cli.output import (
     open_document,
     refuse_overwriting,
     workbench,
-    write_output,
+    write_outputs,
     write_report,
 )
 
@@ -19,15 +20,19 @@ def export(options: argparse.Namespace) -> int:
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.export_document import chosen_models, links_of, unusable
 
-    refuse_overwriting([options.document], [options.output], options.report)
+    outputs = options.output
+    refuse_overwriting([options.document], outputs, options.report)
+    handover = handover_of(options)
     bench = workbench()
     document = open_document(bench, options.document)
-    made = write_output(bench, document, options.output, options.object, view=options.view)
+    made = write_outputs(
+        bench, document, outputs, options.object, view=options.view, handover=handover
+    )
     if options.report:
         models, _ = chosen_models(document, options.object)
         said: dict[str, Any] = {
             "input": str(options.document),
-            "output": str(options.output),
+            "output": str(outputs[0]),
             "objects": [
                 {
                     "name": model.name,
@@ -38,5 +43,12 @@ def export(options: argparse.Namespace) -> int:
                 for model in models
             ],
         }
-        write_report(options.report, said if made is None else said | {"written": made})
+        if made[0] is not None:
+            said["written"] = made[0]
+        if len(outputs) > 1:
+            said["outputs"] = [
+                {"output": str(path), "written": file}
+                for path, file in zip(outputs, made, strict=True)
+            ]
+        write_report(options.report, said)
     return 0

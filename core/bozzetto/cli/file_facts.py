@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.exchange.formats import find, readers
-from bozzetto.exchange.import_file import read_drawing, read_image, read_mesh
+from bozzetto.exchange.import_file import read_drawing, read_image, read_mesh_file
 
 
 def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
@@ -53,7 +53,8 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
             ],
             "left_out": list(drawing.left_out),
         }
-    parts = list(read_mesh(path, trusted=trusted).meshes())
+    mesh = read_mesh_file(path, trusted=trusted)
+    parts = list(mesh.upright.meshes())
     bounds = np.array([part.mesh.bounds for part in parts])
     return {
         "kind": "mesh",
@@ -61,4 +62,5 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
         "vertices": sum(len(part.mesh.vertices) for part in parts),
         "triangles": sum(len(part.mesh.faces) for part in parts),
         "size_mm": [round(float(v), 6) for v in bounds[:, 1].max(0) - bounds[:, 0].min(0)],
+        "told": list(mesh.told()),
     }

@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 from bozzetto import __version__
 from bozzetto.cli.build import build as run_build
 from bozzetto.cli.export import export as run_export
+from bozzetto.cli.handover import add_handover
 from bozzetto.cli.output import (
     EXIT_ERROR,
     EXIT_FAULT,
@@ -104,7 +105,7 @@ def _parser() -> argparse.ArgumentParser:
         "inputs",
         nargs="+",
         metavar="INPUT",
-        help="ink JSON, SVG, InkML, or a document whose ink is read; for some a picture",
+        help="ink JSON, SVG, InkML, or a document whose ink is read; for some a picture or a mesh",
     )
     build.add_argument("-o", "--output", required=True, help="a file, or a folder for several")
     build.add_argument("--format", help="file ending of the outputs, for a folder")
@@ -123,14 +124,18 @@ def _parser() -> argparse.ArgumentParser:
         action="store_true",
         help="write the bare template where nothing can be made from the input",
     )
+    add_handover(build)
     build.set_defaults(run=run_build)
 
     export = commands.add_parser("export", help="hand a document over to other programs")
     export.add_argument("document", type=Path)
-    export.add_argument("-o", "--output", type=Path, required=True)
+    export.add_argument(
+        "-o", "--output", type=Path, required=True, action="append", help="again for each format"
+    )
     export.add_argument("--object", action="append", metavar="NAME", help="only these objects")
     export.add_argument("--view", metavar="NAME", help=VIEW_HELP)
     export.add_argument("--report", type=Path, metavar="R.json", help="write what is in the file")
+    add_handover(export)
     export.set_defaults(run=run_export)
 
     render = commands.add_parser("render", help="make a picture of a document or a mesh")
@@ -141,9 +146,16 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("--theme", choices=("light", "dark"), default="light")
     render.add_argument(
         "--shading",
-        choices=("clay", "zebra", "curvature", "normals", "xray", "draft"),
+        choices=("clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"),
         default="clay",
     )
+    render.add_argument(
+        "--turntable",
+        type=int,
+        metavar="N",
+        help="turn it once around in N pictures: a .gif, or a row of .png files",
+    )
+    render.add_argument("--seconds", type=float, default=4.0, help="of one turn; default 4")
     _add_trust(render)
     render.set_defaults(run=_render)
 
@@ -193,8 +205,9 @@ def _render(options: argparse.Namespace) -> int:
     from bozzetto.images.png import write_png
     from bozzetto.scene import DARK, LIGHT
     from bozzetto.workbench.export_document import unusable
+    from bozzetto.workbench.turntables import write_turntable
 
-    if options.output.suffix.lower() != ".png":
+    if options.output.suffix.lower() != ".png" and options.turntable is None:
         raise UserError("A picture is written as PNG. Let its name end in .png.")
     width, height = picture_size(options.size)
     bench = workbench()
@@ -202,24 +215,47 @@ def _render(options: argparse.Namespace) -> int:
     unseen = (unusable(bench, model) for model in document if model.visible)
     warn(problem.sentence("picture") for problem in unseen if problem is not None)
     palette = DARK if options.theme == "dark" else LIGHT
-    image = _picture_of(
+    if options.turntable is not None:
+        make_folder(options.output)
+        write_turntable(
+            bench, document, options.output, options.turntable, options.seconds,
+            view=options.view or "three-quarter", size=(width, height), palette=palette,
+            shading=options.shading,
+        )  # fmt: skip
+        return 0
+    image, walls = _picture_of(
         bench, document, options.view, (width, height), palette=palette, shading=options.shading
     )
     make_folder(options.output)
     write_png(options.output, image)
+    if options.shading == "thickness":
+        print(_thinnest_wall(walls))
     return 0
+
+
+def _thinnest_wall(walls: Any) -> str:
+    """Return a line on the thinnest wall of a document, and on the colours of its picture."""
+    from bozzetto.scene.thickness_view import THICK, THIN, written_thickness
+
+    if walls is None:
+        return "Nothing here is closed, so no wall can be measured."
+    place = ", ".join(f"{value:.4g}" for value in walls.place)
+    return (
+        f"thinnest wall: {written_thickness(walls.thinnest)} at ({place}); colours from "
+        f"{written_thickness(THIN)} (red) to {written_thickness(THICK)} (blue)"
+    )
 
 
 def _picture_of(
     bench: Any, document: Any, view: str | None, size: tuple[int, int] = (1200, 900), **style: Any
 ) -> Any:
-    """Return a document as the window shows it; `style` as in `scene.picture`.
+    """Return a document as the window shows it, and its walls; `style` as in `scene.picture`.
 
     Without a name of a view it is the document's own if all lies in it, else the three-quarter
     view.
     """
     from bozzetto.plugin.job import Job
-    from bozzetto.scene.snapshot import framed, own_or_framed, picture
+    from bozzetto.scene.snapshot import framed, own_or_framed, picture_and_walls
 
     scene = bench.scene(document, Job())
     if view is None:
@@ -227,19 +263,19 @@ def _picture_of(
     else:
         camera = framed(scene, view, size)
     shown = scene.under(bench.advice_scene(document, camera))
-    return picture(shown, camera=camera, size=size, **style)
+    return picture_and_walls(shown, camera=camera, size=size, **style)
 
 
 def _document_of(bench: Any, path: Path, trusted: bool) -> Any:
     """Return a document, or one made from a mesh file."""
     from bozzetto.document.model import Document
-    from bozzetto.exchange.import_file import read_mesh
+    from bozzetto.exchange.import_file import read_mesh_file
 
     if path.suffix.lower() == ".bozz":
         return open_document(bench, path)
-    return Document(
-        (bench.sources.from_shapes("bozzetto.mesh", read_mesh(path, trusted=trusted), path.stem),)
-    )
+    mesh = read_mesh_file(path, trusted=trusted)
+    warn(mesh.told())
+    return Document((bench.sources.from_mesh_file("bozzetto.mesh", mesh, path.stem),))
 
 
 def _info(options: argparse.Namespace) -> int:
@@ -294,7 +330,7 @@ def _samples(options: argparse.Namespace) -> int:
                 write_output(bench, document, target)
                 print(f"wrote {target}")
             picture = stem.with_name(f"{stem.name}.png")
-            write_png(picture, _picture_of(bench, document, "three-quarter"))
+            write_png(picture, _picture_of(bench, document, "three-quarter")[0])
             print(f"wrote {picture}")
     print(f"Everything is in {options.output}. To draw, run “bozzetto” where there is a screen.")
     return 0

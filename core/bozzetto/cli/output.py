@@ -46,7 +46,19 @@ def workbench() -> Any:
 def open_document(bench: Any, path: Path) -> Any:
     """Read a document, and say what of it stays closed."""
     from bozzetto.document.storage.bozz_file import read_document
+    from bozzetto.exchange.formats import readers
 
+    ending = path.suffix.lower()
+    if any(ending in one.endings for one in readers("mesh")):
+        raise UserError(
+            f"{path.name} is a mesh and no document. “bozzetto build mesh {path.name} -o …” writes "
+            "it in other formats."
+        )
+    if any(ending in one.endings for one in readers("ink")):
+        raise UserError(
+            f"{path.name} is a drawing and no document. Turn it into shapes with “bozzetto build "
+            f"MODELER {path.name} -o …”."
+        )
     document, report = read_document(path, bench.registry)
     for warning in report.warnings:
         print(f"note: {warning}", file=sys.stderr)
@@ -75,8 +87,46 @@ def write_output(
     *,
     view: str | None = None,
     refuse_baseless: bool = False,
+    handover: Any = None,
 ) -> dict[str, Any] | None:
+    """Write one file; see `write_outputs`.
+
+    Parameters
+    ----------
+    bench, document, names, view, refuse_baseless, handover
+        As in `write_outputs`.
+    target : Path
+        The file to write; its ending names the format.
+
+    Returns
+    -------
+    dict or None
+        What was written and left out, as plain JSON values; None of a document.
+    """
+    return write_outputs(
+        bench,
+        document,
+        [target],
+        names,
+        view=view,
+        refuse_baseless=refuse_baseless,
+        handover=handover,
+    )[0]
+
+
+def write_outputs(
+    bench: Any,
+    document: Any,
+    targets: Sequence[Path],
+    names: Sequence[str] | None = None,
+    *,
+    view: str | None = None,
+    refuse_baseless: bool = False,
+    handover: Any = None,
+) -> list[dict[str, Any] | None]:
     """Write a document's shapes, or the document itself, and warn of what is not in it.
+
+    Everything is solved once, whatever the number of files.
 
     Parameters
     ----------
@@ -84,18 +134,20 @@ def write_output(
         Runs the modelers.
     document : Document
         What to write.
-    target : Path
-        The file to write; its ending names the format.
+    targets : sequence of Path
+        The files to write; their endings name the formats.
     names : sequence of str, optional
         Names of the objects wanted; by default all that are visible.
     view : str, optional
-        The standard view of a flat file; see `prepared_file`.
+        The standard view of a flat file; see `prepared_files`.
     refuse_baseless : bool
         Whether shapes that are not made from the input are an error; see `Caution`.
+    handover : Handover, optional
+        Unit, axes, size and number of triangles.
 
     Returns
     -------
-    dict or None
+    list of dict or None
         What was written and left out, as plain JSON values; None of a document.
 
     Raises
@@ -103,30 +155,35 @@ def write_output(
     UserError
         If there is no object of a name, nothing to write, or it cannot be written.
     """
-    from bozzetto.atomic_files import write_bytes
     from bozzetto.document.storage.bozz_file import write_document
+    from bozzetto.exchange.handover import AS_USUAL
     from bozzetto.plugin.job import Job
-    from bozzetto.workbench.export_document import chosen_models, object_shapes, prepared_file
+    from bozzetto.workbench.export_document import chosen_models, object_shapes, prepared_files
 
     models, hidden = chosen_models(document, names)
-    if target.suffix.lower() == ".bozz":
+    wanted = AS_USUAL if handover is None else handover
+    if any(target.suffix.lower() == ".bozz" for target in targets):
         if names is not None:
             raise UserError("A document keeps all its objects. Leave --object out.")
         if view is not None:
             raise UserError("A document keeps its own view. Leave --view out.")
-        make_folder(target)
-        write_document(document, target)
-        return None
+        if wanted != AS_USUAL or len(targets) > 1:
+            raise UserError("A document is written alone and as it is. Leave the switches out.")
+        make_folder(targets[0])
+        write_document(document, targets[0])
+        return [None]
     objects = object_shapes(bench, models, Job())
     objects = replace(objects, left_out=(*hidden, *objects.left_out))
     baseless = objects.warnings(baseless_only=True)
     if refuse_baseless and baseless:
         raise UserError(f"{' '.join(baseless)} {ASK_FOR_IT}")
-    made = prepared_file(objects, target, document.camera, view=view)
-    make_folder(target)
-    write_bytes(target, made.data)
-    warn((*_waiting_ink(document), *objects.warnings(), *made.warnings()))
-    return made.as_values() | {"warnings": list(objects.warnings())}
+    made = prepared_files(objects, targets, document.camera, view=view, handover=wanted)
+    for target, file in zip(targets, made, strict=True):
+        make_folder(target)
+        file.write(target)
+    lost = dict.fromkeys(warning for file in made for warning in file.warnings())
+    warn((*_waiting_ink(document), *objects.warnings(), *lost))
+    return [file.as_values() | {"warnings": list(objects.warnings())} for file in made]
 
 
 def _waiting_ink(document: Any) -> tuple[str, ...]:

@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
+from bozzetto.arrays import Array
 from bozzetto.atomic_files import write_bytes
 from bozzetto.errors import UserError
-from bozzetto.exchange.cad.cad_curves import readable
+from bozzetto.exchange.cad.cad_curves import points_on, readable
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
-from bozzetto.exchange.left_out import LeftOut, parts_left_out, with_place
+from bozzetto.exchange.handover import AS_USUAL, UNIT_NAMES, FileFrame, Handover
+from bozzetto.exchange.left_out import LeftOut, parts_left_out, pictures_left_out, with_place
 from bozzetto.exchange.mesh.manifold_check import check_solid
+from bozzetto.exchange.triangle_budget import triangle_count, within_budget
 from bozzetto.geometry.meshed_shapes import meshed
+from bozzetto.geometry.placement import Placement
+from bozzetto.geometry.resting_place import lying_flat
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
+
+WRITERS: Final = writers("mesh", "surfaces", "curves")
+"""Formats of shapes."""
 
 WORDS: Final[dict[Kind, str]] = {"mesh": "surfaces", "surfaces": "exact surfaces"}
 """Words for a kind of content, where it is not the kind's own name."""
@@ -33,17 +46,60 @@ class Exported:
     parts : Shapes
         What is in it; exact surfaces may have become triangles there.
     left_out : tuple of LeftOut
+    beside : tuple of (str, bytes)
+        Files that it names, in the same folder, each with its name.
+    notes : tuple of str
+        Wishes that could not be fulfilled, a sentence each.
     """
 
     format: Format
     data: bytes
     parts: Shapes
     left_out: tuple[LeftOut, ...]
+    beside: tuple[tuple[str, bytes], ...] = ()
+    notes: tuple[str, ...] = ()
 
     def warnings(self) -> tuple[str, ...]:
         """Warnings for the person, a sentence each."""
         file = f"{self.format.short} file"
-        return tuple(part.sentence(file) for part in self.left_out if part.is_content)
+        lost = tuple(part.sentence(file) for part in self.left_out if part.is_content)
+        return (*lost, *self.notes)
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the file, and those that it names into its folder.
+
+        Those replace others with the file itself only: nobody was asked about a file beside. Where
+        the file cannot be written, none is left of those that are new.
+
+        Raises
+        ------
+        UserError
+            If one cannot be written, or would replace another file than that of the path.
+        """
+        self._check_beside(Path(path))
+        begun: list[Path] = []
+        try:
+            for name, data in self.beside:
+                there = Path(path).with_name(name)
+                begun += [] if os.path.lexists(there) else [there]
+                write_bytes(there, data)
+            write_bytes(path, self.data)
+        except UserError:
+            for there in begun:
+                with contextlib.suppress(OSError):
+                    there.unlink(missing_ok=True)
+            raise
+
+    def _check_beside(self, path: Path) -> None:
+        if os.path.lexists(path):
+            return
+        for name, data in self.beside:
+            there = path.with_name(name)
+            if os.path.lexists(there) and not _holds(there, data):
+                raise UserError(
+                    f"There is a file “{name}” already, which is not that of a “{path.name}”. "
+                    "Move it away, or export under another name."
+                )
 
     def as_values(self) -> dict[str, Any]:
         """Return plain JSON values for a report."""
@@ -58,11 +114,25 @@ class Exported:
             "bytes": len(self.data),
             **{kind: [part.name for part in parts] for kind, parts in named.items()},
             "left_out": [part.as_values() for part in self.left_out],
+            "beside": [name for name, _ in self.beside],
+            "notes": list(self.notes),
         }
 
 
+def _holds(path: Path, data: bytes) -> bool:
+    """Whether a file holds these bytes."""
+    try:
+        return path.stat().st_size == len(data) and path.read_bytes() == data
+    except OSError:
+        return False
+
+
 def export(
-    shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None
+    shapes: Shapes,
+    path: str | os.PathLike[str],
+    *,
+    camera: Camera | None = None,
+    handover: Handover = AS_USUAL,
 ) -> Exported:
     """Write shapes to a file, in the format that its ending names.
 
@@ -75,6 +145,8 @@ def export(
         Replaced only once the new file is complete.
     camera : Camera, optional
         The view for flat formats; by default the front view of all there is.
+    handover : Handover
+        Unit, axes, size and number of triangles.
 
     Returns
     -------
@@ -87,8 +159,8 @@ def export(
         If the ending is unknown, there is nothing that the format holds, a solid is not
         closed (`check_solid`), or the file cannot be written.
     """
-    made = prepare_export(shapes, path, camera=camera)
-    write_bytes(path, made.data)
+    made = prepare_export(shapes, path, camera=camera, handover=handover)
+    made.write(path)
     return made
 
 
@@ -106,7 +178,11 @@ def encode_shapes(
 
 
 def prepare_export(
-    shapes: Shapes, path: str | os.PathLike[str], *, camera: Camera | None = None
+    shapes: Shapes,
+    path: str | os.PathLike[str],
+    *,
+    camera: Camera | None = None,
+    handover: Handover = AS_USUAL,
 ) -> Exported:
     """Return what `export` would write, without touching the disk.
 
@@ -115,17 +191,142 @@ def prepare_export(
     UserError
         As `export`.
     """
-    chosen = find(path, writers("mesh", "surfaces", "curves"))
+    return prepare_file(Ready(shapes, handover), path, camera)
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """Shapes as a person wants to hand them over, for files of any format.
+
+    What all files have in common is made once: the same triangles are in each.
+
+    Parameters
+    ----------
+    shapes : Shapes
+        As they are in the world, mm.
+    handover : Handover
+        What the person wants.
+    """
+
+    shapes: Shapes
+    handover: Handover = AS_USUAL
+
+    @cached_property
+    def placed(self) -> Shapes:
+        """The shapes in the size that is wanted, lying flat if they should."""
+        shapes, wanted = self.shapes, self.handover
+        if wanted.scale != 1.0:
+            shapes = shapes.placed(Placement(scale=wanted.scale))
+        if wanted.lay_flat:
+            shapes = shapes.placed(lying_flat(_points(shapes)))
+        return shapes
+
+    @cached_property
+    def points(self) -> Array:
+        """Points that tell how far it reaches, (n, 3), mm."""
+        return _points(self.placed)
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Width, depth and height of the box around it, mm; zeros if there is nothing."""
+        points = self.points
+        x, y, z = np.ptp(points, axis=0).tolist() if len(points) else (0.0, 0.0, 0.0)
+        return x, y, z
+
+    @cached_property
+    def triangles(self) -> Shapes:
+        """The same as triangles, no more than are wanted."""
+        shapes = meshed(self.placed)
+        most = self.handover.triangles
+        return shapes if most is None else within_budget(shapes, most)
+
+
+def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | None) -> Exported:
+    """Return the file of shapes that are ready.
+
+    Raises
+    ------
+    UserError
+        As `export`.
+    """
+    chosen, wanted, shapes = find(path, WRITERS), ready.handover, ready.placed
+    if wanted.lines is not None and chosen.draws:
+        return _drawing(ready, chosen, Path(path).stem, camera)
     _check(shapes, chosen)
     parts, left_out = _readably_named(with_place(shapes, chosen)), parts_left_out(shapes, chosen)
     if chosen.flat:
         data: bytes = function(chosen, "write_view")(parts, camera)
-    else:
-        written = meshed(parts) if "mesh" in chosen.holds else parts
+        return Exported(chosen, data, parts, left_out, notes=_notes(chosen, ready))
+    written = parts
+    if "mesh" in chosen.holds:
+        written = _readably_named(with_place(ready.triangles, chosen))
         for solid in written.solids:
             check_solid(solid)
+        left_out += pictures_left_out(parts.solids, written.solids)
+    if not chosen.choices:
         data = function(chosen, "write_shapes")(written)
-    return Exported(chosen, data, parts, left_out)
+        return Exported(chosen, data, parts, left_out, notes=_notes(chosen, ready))
+    frame = frame_of(chosen, wanted)
+    written = written.placed(frame.placement)
+    if not chosen.beside:
+        data, beside = function(chosen, "write_shapes")(written, frame), ()
+    else:
+        stem = Path(path).stem
+        data = function(chosen, "write_shapes")(written, frame, beside=stem)
+        beside = function(chosen, "files_beside")(written, stem)
+    return Exported(chosen, data, parts, left_out, beside, _notes(chosen, ready))
+
+
+def _drawing(ready: Ready, chosen: Format, title: str, camera: Camera | None) -> Exported:
+    """Return a drawing of shapes: outlines in a view, or a blueprint."""
+    from bozzetto.exchange.line_drawing.blueprint import blueprint_page
+    from bozzetto.exchange.line_drawing.page import outlines_page
+    from bozzetto.exchange.line_drawing.page_files import page_dxf, page_svg
+
+    wanted = ready.handover
+    shapes = ready.triangles
+    if wanted.lines == "blueprint":
+        page = blueprint_page(shapes, title, wanted.unit or "mm", hidden=wanted.hidden)
+    else:
+        page = outlines_page(shapes, camera, hidden=wanted.hidden)
+    data = page_svg(page) if chosen.id == "svg" else page_dxf(page)
+    return Exported(chosen, data, _readably_named(ready.placed), ())
+
+
+def frame_of(chosen: Format, wanted: Handover) -> FileFrame:
+    """Return the frame of a file: as wanted, as far as its format leaves the choice."""
+    unit = wanted.unit if "unit" in chosen.choices else None
+    up = wanted.up if "up" in chosen.choices else None
+    return FileFrame(unit or chosen.frame.unit, up or chosen.frame.up)
+
+
+def _points(shapes: Shapes) -> Array:
+    """Return points that tell how far shapes reach, (n, 3), mm."""
+    found = [part.mesh.vertices.astype(np.float64) for part in meshed(shapes).meshes()]
+    found += [points_on(curve) for curve in shapes.curves]
+    return np.concatenate(found) if found else np.zeros((0, 3))
+
+
+def _notes(chosen: Format, ready: Ready) -> tuple[str, ...]:
+    """Return a sentence about each wish that a format does not fulfil."""
+    wanted, found = ready.handover, []
+    frame = frame_of(chosen, wanted)
+    if not chosen.flat:
+        if wanted.unit not in (None, frame.unit):
+            found.append(
+                f"{chosen.short} files are always in {UNIT_NAMES[frame.unit]}; every program that "
+                "reads them knows that, and the size is right."
+            )
+        if wanted.up not in (None, frame.up):
+            found.append(f"{chosen.short} files always have {frame.up.upper()} up.")
+    if "mesh" in chosen.holds and wanted.triangles is not None:
+        count = triangle_count(ready.triangles)
+        if count > wanted.triangles:
+            found.append(
+                f"It has {count:,} triangles, not {wanted.triangles:,}: with fewer its parts would "
+                "not hold together."
+            )
+    return tuple(found)
 
 
 def _readably_named(shapes: Shapes) -> Shapes:
@@ -146,7 +347,7 @@ def has_room(path: str | os.PathLike[str], shapes: Shapes) -> bool:
     UserError
         If the ending is unknown.
     """
-    chosen = find(path, writers("mesh", "surfaces", "curves"))
+    chosen = find(path, WRITERS)
     return not _kinds_in(shapes).isdisjoint(chosen.holds)
 
 

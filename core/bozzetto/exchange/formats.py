@@ -14,6 +14,9 @@ curves    ``write_shapes(shapes) -> bytes``, or         –
 ink       ``write_drawing(drawing) -> bytes``           ``read_drawing(data, name) -> Drawing``
 image     –                                             ``read_pixels(data) -> array``
 ========  ============================================  ====================================
+
+Where a person may choose the unit or the axis that points up, ``write_shapes`` takes the
+``frame`` of the file too, and gets shapes that are in it already.
 """
 
 from __future__ import annotations
@@ -26,9 +29,11 @@ from pathlib import PurePath
 from typing import Any, Final, Literal
 
 from bozzetto.errors import UserError
+from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
 Feature = Literal["colors", "bones", "trims"]
+Choice = Literal["unit", "up"]
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,17 @@ class Format:
         follows; and whether faces of exact surfaces may be trimmed.
     flat : bool
         Shapes are written as seen through a camera.
+    frame : FileFrame
+        The unit and the axis that points up, where nobody chooses others.
+    choices : tuple of {"unit", "up"}
+        Which of these a person may choose; others are laid down by the format.
+    beside : bool
+        Whether the file names others beside it, which ``files_beside(shapes, name)`` gives.
+    draws : bool
+        Whether it may be a drawing of edges and outlines, or a blueprint.
+    links : bool
+        Whether what is read may name other files, or hold more than is read: ``read_shapes`` takes
+        a `Reading` too.
     """
 
     id: str
@@ -65,6 +81,11 @@ class Format:
     module: str
     keeps: tuple[Feature, ...] = ()
     flat: bool = False
+    frame: FileFrame = MILLIMETRES
+    choices: tuple[Choice, ...] = ()
+    beside: bool = False
+    draws: bool = False
+    links: bool = False
 
     @property
     def short(self) -> str:
@@ -79,19 +100,104 @@ PAINTED: Final[tuple[Feature, ...]] = ("colors",)
 
 TRIMMED: Final[tuple[Feature, ...]] = ("trims",)
 
+UNIT: Final[tuple[Choice, ...]] = ("unit",)
+
+ANY: Final[tuple[Choice, ...]] = ("unit", "up")
+
+METRES: Final = FileFrame("m", "y")
+
+UPRIGHT: Final = FileFrame("mm", "y")
+"""Programs that read OBJ take its second axis for the one that points up."""
+
 PICTURES: Final = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp")
 
 FORMATS: Final = (
-    Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, "mesh.stl"),
-    Format("3mf", "3MF for printing", (".3mf",), ("mesh",), True, False, "mesh.threemf", PAINTED),
-    Format("glb", "glTF binary", (".glb",), ("mesh",), True, True, "mesh.glb", ("colors", "bones")),
-    Format("obj", "Wavefront OBJ", (".obj",), ("mesh",), True, True, "mesh.obj", PAINTED),
-    Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, "mesh.ply", PAINTED),
-    Format("svg", "SVG drawing", (".svg",), ("curves", "ink"), True, True, "svg.reader", flat=True),
+    Format("stl", "STL mesh", (".stl",), ("mesh",), True, True, "mesh.stl", choices=ANY),
+    Format(
+        "3mf",
+        "3MF for printing",
+        (".3mf",),
+        ("mesh",),
+        True,
+        False,
+        "mesh.threemf",
+        PAINTED,
+        choices=UNIT,
+    ),
+    Format(
+        "glb",
+        "glTF binary",
+        (".glb",),
+        ("mesh",),
+        True,
+        True,
+        "mesh.glb",
+        ("colors", "bones"),
+        frame=METRES,
+        links=True,
+    ),
+    Format(
+        "gltf",
+        "glTF with its buffers beside",
+        (".gltf",),
+        ("mesh",),
+        False,
+        True,
+        "mesh.gltf_reader",
+        frame=METRES,
+        links=True,
+    ),
+    Format(
+        "obj",
+        "Wavefront OBJ",
+        (".obj",),
+        ("mesh",),
+        True,
+        True,
+        "mesh.obj",
+        PAINTED,
+        frame=UPRIGHT,
+        choices=ANY,
+        beside=True,
+        links=True,
+    ),
+    Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, "mesh.ply", PAINTED, choices=ANY),
+    Format(
+        "svg",
+        "SVG drawing",
+        (".svg",),
+        ("curves", "ink"),
+        True,
+        True,
+        "svg.reader",
+        flat=True,
+        draws=True,
+    ),
     Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, "cad.step", TRIMMED),
     Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, "cad.iges", TRIMMED),
-    Format("dxf", "DXF curves", (".dxf",), ("curves",), True, False, "cad.dxf"),
-    Format("rhino", "Rhino", (".3dm",), EXACT, True, False, "cad.rhino"),
+    Format(
+        "cad",
+        "STEP and IGES bodies",
+        (".step", ".stp", ".iges", ".igs"),
+        ("mesh",),
+        False,
+        True,
+        "cad.cad_reader",
+        links=True,
+    ),
+    Format(
+        "dxf",
+        "DXF curves",
+        (".dxf",),
+        ("curves",),
+        True,
+        False,
+        "cad.dxf",
+        choices=UNIT,
+        draws=True,
+    ),
+    Format("dxf-drawing", "DXF drawing", (".dxf",), ("ink",), False, True, "cad.dxf_reader"),
+    Format("rhino", "Rhino", (".3dm",), EXACT, True, False, "cad.rhino", choices=UNIT),
     Format("ink", "Bozzetto ink", (".json",), ("ink",), True, True, "ink.ink_json"),
     Format("inkml", "InkML", (".inkml",), ("ink",), True, True, "ink.inkml"),
     Format("image", "Picture", PICTURES, ("image",), False, True, "image"),

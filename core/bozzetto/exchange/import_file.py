@@ -18,12 +18,15 @@ from numpy.typing import NDArray
 from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.formats import Format, Kind, find, function, readers
+from bozzetto.exchange.frame_guess import guessed_frame
+from bozzetto.exchange.handover import frame_said
 from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES, budget_for, unlimited
-from bozzetto.exchange.linked_pictures import pictures_named_in
+from bozzetto.exchange.linked_pictures import drawings_named_in, pictures_named_in
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.exchange.mesh.polygons import weld
 from bozzetto.exchange.read_files import file_size, read_bytes
 from bozzetto.exchange.read_process.parent import Checkpoint, read_in_child
+from bozzetto.exchange.reading import MeshFile, Reading
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Shapes, Solid
 from bozzetto.images.stored_picture import Picture
@@ -42,7 +45,7 @@ def read_mesh(
     trusted: bool = False,
     checkpoint: Checkpoint | None = None,
 ) -> Shapes:
-    """Read a mesh file: OBJ, STL, PLY or GLB.
+    """Read a mesh file: OBJ, STL, PLY, GLB or glTF.
 
     Parameters
     ----------
@@ -68,17 +71,16 @@ def read_mesh(
         If the file is damaged, too large, takes more than its budget to be read, or uses
         something we do not read.
     """
-    shapes: Shapes = _read("mesh", path, trusted, checkpoint)
-    return shapes
+    return read_mesh_file(path, trusted=trusted, checkpoint=checkpoint).shapes
 
 
-def read_drawing(
+def read_mesh_file(
     path: str | os.PathLike[str],
     *,
     trusted: bool = False,
     checkpoint: Checkpoint | None = None,
-) -> Drawing:
-    """Read ink JSON, InkML or SVG, with the pictures that the file names.
+) -> MeshFile:
+    """Read a mesh file, with what is told of it.
 
     Parameters
     ----------
@@ -88,18 +90,46 @@ def read_drawing(
     Raises
     ------
     UserError, FormatError
-        As in `read_mesh`, and if a picture is missing.
+        As in `read_mesh`, and if a file that it needs is not beside it.
+    """
+    read: MeshFile = _read("mesh", path, trusted, checkpoint)
+    return read
+
+
+def read_drawing(
+    path: str | os.PathLike[str],
+    *,
+    trusted: bool = False,
+    checkpoint: Checkpoint | None = None,
+) -> Drawing:
+    """Read ink JSON, InkML or SVG, with the pictures and drawings that the file names.
+
+    Parameters
+    ----------
+    path, trusted, checkpoint
+        As in `read_mesh`.
+
+    Raises
+    ------
+    UserError, FormatError
+        As in `read_mesh`, and if a picture or drawing is missing.
     """
     drawing: Drawing = _read("drawing", path, trusted, checkpoint)
 
     def picture(place: Path) -> Picture:
         return read_picture(place, trusted=trusted, checkpoint=checkpoint)
 
+    def other(place: Path) -> Drawing:
+        found: Drawing = _read("drawing", place, trusted, checkpoint)
+        return found
+
+    folder = Path(path).parent
     try:
-        pictures = pictures_named_in(drawing.facts, Path(path).parent, picture)
+        pictures = pictures_named_in(drawing.facts, folder, picture)
+        drawings = drawings_named_in(drawing, folder, other)
     except UserError as error:
         raise FormatError(f"{PurePath(path).name}: {error.message}") from error
-    return replace(drawing, pictures=pictures) if pictures else drawing
+    return replace(drawing, pictures=pictures, drawings=drawings)
 
 
 def read_image(
@@ -191,7 +221,7 @@ def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
         with as_format_errors():
             match kind:
                 case "mesh":
-                    return _with_solids(function(chosen, "read_shapes")(data), stem)
+                    return _mesh_file(chosen, data, Path(path))
                 case "drawing":
                     return function(chosen, "read_drawing")(data, stem)
                 case "image":
@@ -203,6 +233,20 @@ def read_here(kind: str, path: str | os.PathLike[str]) -> Any:
         raise FormatError(f"{PurePath(path).name}: {error.message}") from error
 
 
+def _mesh_file(chosen: Format, data: bytes, path: Path) -> MeshFile:
+    """Read a mesh file whose bytes are known, in our frame where it says its own."""
+    reading = Reading(path.parent)
+    read = function(chosen, "read_shapes")
+    shapes: Shapes = read(data, reading) if chosen.links else read(data)
+    frame = frame_said(data)
+    guess = None
+    if frame is not None:
+        shapes = shapes.placed(frame.placement.inverse())
+    elif chosen.choices:
+        guess = guessed_frame(data, chosen.id, shapes)
+    return MeshFile(_with_solids(shapes, path.stem), guess, reading.left_out)
+
+
 def _with_solids(shapes: Shapes, stem: str) -> Shapes:
     """Turn closed surfaces into solids; parts without a name are called like the file."""
     solids, surfaces = list(shapes.solids), []
@@ -212,7 +256,7 @@ def _with_solids(shapes: Shapes, stem: str) -> Shapes:
         if closed is None:
             surfaces.append(replace(part, name=name))
         else:
-            solids.append(Solid(closed, name, part.color))
+            solids.append(Solid(closed, name, part.color, groups=part.groups))
     return Shapes(tuple(solids), tuple(surfaces))
 
 

@@ -137,6 +137,20 @@ def _properties_left_out(solids: Sequence[Solid], chosen: Format) -> list[LeftOu
     return found
 
 
+def pictures_left_out(before: Sequence[Solid], written: Sequence[Solid]) -> tuple[LeftOut, ...]:
+    """Return the pictures that solids lost with some of their triangles."""
+    lost = [
+        one
+        for one, other in zip(before, written, strict=False)
+        if one.texture is not None and other.texture is None
+    ]
+    if not lost:
+        return ()
+    what = f"the {_count(len(lost), 'picture')} on {_count(len(lost), 'solid')}"
+    reason, advice = "pictures belong to the triangles, which are fewer now", "allow all triangles"
+    return (LeftOut(what, _names(lost), reason, advice),)
+
+
 def _is_posed(solid: Solid) -> bool:
     """Whether somebody bent a solid: bones alone come with every drawing."""
     rest = None if solid.skin is None else solid.skin.rest

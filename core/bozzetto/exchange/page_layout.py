@@ -61,6 +61,10 @@ class Sheet:
         x, z = camera.eye[0] - width / 2, camera.eye[2] + camera.height / 2
         return cls(x, -z, width, camera.height)
 
+    def scaled(self, scale: float) -> Sheet:
+        """Return the sheet made larger, from the origin."""
+        return Sheet(scale * self.x, scale * self.y, scale * self.width, scale * self.height)
+
     def camera(self) -> Camera:
         """Return the front view on which one pixel is one unit."""
         x, z = self.x + self.width / 2, -(self.y + self.height / 2)

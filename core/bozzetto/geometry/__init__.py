@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from bozzetto.geometry.meshed_shapes import meshed as meshed
     from bozzetto.geometry.patches.patchwork import Patchwork as Patchwork
     from bozzetto.geometry.placement import Placement as Placement
+    from bozzetto.geometry.rig import Clip as Clip
     from bozzetto.geometry.rig import Rig as Rig
     from bozzetto.geometry.rig import Skin as Skin
     from bozzetto.geometry.shapes import FaceGroup as FaceGroup
@@ -73,7 +74,7 @@ else:
             "bozzetto.geometry.patches.patchwork": "Patchwork",
             "bozzetto.geometry.meshed_shapes": "meshed",
             "bozzetto.geometry.placement": "Placement",
-            "bozzetto.geometry.rig": "Rig Skin",
+            "bozzetto.geometry.rig": "Clip Rig Skin",
             "bozzetto.geometry.shapes": "FaceGroup Shapes Skeleton Solid Surface",
             "bozzetto.geometry.spline": "DEGREE Spline derived_points uniform_knots",
             "bozzetto.geometry.texture": "Texture",

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import groupby
+from operator import itemgetter
 
 from bozzetto.geometry.brep.brep import Brep
 from bozzetto.geometry.brep.tessellation import counted_mesh
-from bozzetto.geometry.patches.tessellation import tessellated
+from bozzetto.geometry.patches.patchwork import Patchwork
+from bozzetto.geometry.patches.tessellation import counted_patches
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
 
 
@@ -15,9 +18,9 @@ def meshed(shapes: Shapes) -> Shapes:
     """Return shapes with triangles in the place of all exact surfaces; curves stay.
 
     Breps that are closed become solids, all others surfaces. Faces with names or colours of their
-    own become groups.
+    own become groups, and so do patches with names.
     """
-    skins = tuple(Surface(tessellated(p), p.name, p.color) for p in shapes.patchworks)
+    skins = tuple(_surface(patchwork) for patchwork in shapes.patchworks)
     solids: list[Solid] = []
     surfaces: list[Surface] = []
     for brep in shapes.breps:
@@ -34,6 +37,16 @@ def meshed(shapes: Shapes) -> Shapes:
         patchworks=(),
         breps=(),
     )
+
+
+def _surface(patchwork: Patchwork) -> Surface:
+    """Return triangles of patches, with a group for each row of patches of one name."""
+    mesh, counts = counted_patches(patchwork)
+    groups = tuple(
+        FaceGroup(name, sum(count for _, count in row))
+        for name, row in groupby(zip(patchwork.patch_names, counts, strict=False), itemgetter(0))
+    )
+    return Surface(mesh, patchwork.name, patchwork.color, groups)
 
 
 def _groups(brep: Brep, counts: Sequence[int]) -> tuple[FaceGroup, ...]:

@@ -19,8 +19,6 @@ UNIT_SUM: float = 1e-5
 class Rig:
     """A tree of joints that skins follow.
 
-    At rest the axes of every joint are those of the model.
-
     Parameters
     ----------
     joints : (n, 3) float64
@@ -34,6 +32,9 @@ class Rig:
         where none is given.
     cuts : (k, 2) int32, optional
         Pairs of joints that were neighbours in a loop of the shape, which was cut there.
+    axes : (n, 3, 3) float64, optional
+        Axes of each joint at rest as columns, in the model's: the second points along its bone.
+        Those of the model where none are given. Turns are in the model's axes in any case.
 
     Raises
     ------
@@ -46,6 +47,7 @@ class Rig:
     names: tuple[str, ...]
     turns: Array | None = None
     cuts: NDArray[np.int32] | None = None
+    axes: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", frozen(self.joints, np.float64, 3))
@@ -64,15 +66,25 @@ class Rig:
             object.__setattr__(self, "cuts", frozen(self.cuts, np.int32, 2))
             if self.cuts.size and not 0 <= self.cuts.min() <= self.cuts.max() < count:
                 raise ValueError("a cut names a joint that does not exist")
+        if self.axes is not None:
+            axes = frozen(self.axes, np.float64)
+            object.__setattr__(self, "axes", axes)
+            fits = axes.shape == (count, 3, 3)
+            fits = fits and np.allclose(axes.transpose(0, 2, 1) @ axes, np.eye(3), atol=1e-6)
+            if not fits or (np.linalg.det(axes) < 0.0).any():
+                raise ValueError("a rig needs one right-handed frame of unit vectors per joint")
 
     def placed(self, placement: Placement) -> Rig:
         """Return the rig moved by a placement; a mirror turns the other way round."""
-        turns = self.turns
-        if turns is not None:
-            # The axis of a turn is an axial vector: a mirror reverses it.
-            sense = -1.0 if placement.mirrors else 1.0
-            turns = np.column_stack((sense * placement.directions(turns[:, :3]), turns[:, 3]))
-        return Rig(placement.points(self.joints), self.parents, self.names, turns, self.cuts)
+        turns = None if self.turns is None else _carried(self.turns, placement)
+        axes = self.axes
+        if axes is not None:
+            axes = np.asarray(placement.rotation).reshape(3, 3) @ axes
+            if placement.mirrors:
+                # Bones keep their direction and their front; so the third axis turns over.
+                axes = axes * np.array([-1.0, 1.0, 1.0])
+        joints = placement.points(self.joints)
+        return Rig(joints, self.parents, self.names, turns, self.cuts, axes)
 
     def posed(self) -> tuple[Array, Array]:
         """Return where the turns take the joints.
@@ -97,6 +109,43 @@ class Rig:
 
 
 @dataclass(frozen=True, eq=False)
+class Clip:
+    """A motion of a rig: poses at times, and turns at an even pace in between.
+
+    Parameters
+    ----------
+    name : str
+    seconds : (k,) float64
+        Growing.
+    turns : (k, n, 4) float64
+        At each time a unit quaternion (x, y, z, w) per joint, as `Rig.turns`.
+
+    Raises
+    ------
+    ValueError
+        If the arrays do not fit together, or times do not grow.
+    """
+
+    name: str
+    seconds: Array
+    turns: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "seconds", frozen(self.seconds, np.float64))
+        object.__setattr__(self, "turns", frozen(self.turns, np.float64))
+        if self.turns.shape != (len(self.seconds), *self.turns.shape[1:2], 4):
+            raise ValueError("a clip needs a quaternion for each joint at each time")
+        if not len(self.seconds) or (np.diff(self.seconds) <= 0.0).any():
+            raise ValueError("the times of a clip must grow")
+        if not np.allclose(np.linalg.norm(self.turns, axis=2), 1.0, atol=1e-6):
+            raise ValueError("a clip needs unit quaternions")
+
+    def placed(self, placement: Placement) -> Clip:
+        """Return the clip moved by a placement, as `Rig.placed` does."""
+        return Clip(self.name, self.seconds, _carried(self.turns, placement))
+
+
+@dataclass(frozen=True, eq=False)
 class Skin:
     """Weights by which the vertices of a mesh follow the joints of a rig.
 
@@ -109,17 +158,21 @@ class Skin:
         Not negative, sum 1 per vertex.
     rest : Mesh, optional
         The mesh before the rig was turned, vertex for vertex; None where it is not turned.
+    clips : tuple of Clip
+        Motions of the rig, for files that hold them.
 
     Raises
     ------
     ValueError
-        If a joint does not exist or is named twice, or a vertex's weights do not sum up to 1.
+        If a joint does not exist or is named twice, a vertex's weights do not sum up to 1, or a
+        clip turns other joints.
     """
 
     rig: Rig
     joints: NDArray[np.uint16]
     weights: Floats
     rest: Mesh | None = None
+    clips: tuple[Clip, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", frozen(self.joints, np.uint16, 4))
@@ -136,11 +189,14 @@ class Skin:
             raise ValueError("a vertex names a joint twice")
         if self.rest is not None and len(self.rest.vertices) != len(self.joints):
             raise ValueError("a skin belongs to a mesh of as many vertices")
+        if any(clip.turns.shape[1] != len(self.rig.joints) for clip in self.clips):
+            raise ValueError("a clip must turn the joints of its rig")
 
     def placed(self, placement: Placement) -> Skin:
         """Return the skin moved by a placement, rig and all."""
         rest = None if self.rest is None else self.rest.placed(placement)
-        return Skin(self.rig.placed(placement), self.joints, self.weights, rest)
+        clips = tuple(clip.placed(placement) for clip in self.clips)
+        return Skin(self.rig.placed(placement), self.joints, self.weights, rest, clips)
 
     def posed(self, mesh: Mesh) -> Mesh:
         """Return the rest mesh posed by the rig's turns: linear blend skinning, as in glTF.
@@ -173,6 +229,13 @@ class Skin:
             known = length > 0.0
             normals = np.divide(turned, length, out=normals.astype(np.float64), where=known)
         return replace(mesh, vertices=vertices, normals=normals)
+
+
+def _carried(turns: Array, placement: Placement) -> Array:
+    """Carry quaternions into another frame; their axes are axial: a mirror reverses them."""
+    sense = -1.0 if placement.mirrors else 1.0
+    axes = sense * placement.directions(turns[..., :3].reshape(-1, 3))
+    return np.concatenate((axes.reshape(*turns.shape[:-1], 3), turns[..., 3:]), axis=-1)
 
 
 def _matrices(quaternions: Array) -> Array:

@@ -33,6 +33,8 @@ class Drawing:
         How the strokes were used, where the file says so; they name strokes that there are.
     pictures : mapping of str to Picture
         The pictures that `facts` names, by the names of their files as they stand there.
+    drawings : mapping of str to Drawing
+        The drawings that `facts` and `steps` name, by the names of their files as they stand there.
     left_out : tuple of str
         What the file holds besides and was not read, a sentence each that says what to do.
     """
@@ -43,4 +45,5 @@ class Drawing:
     facts: dict[str, Any] = field(default_factory=dict)
     steps: tuple[Step, ...] = ()
     pictures: Mapping[str, Picture] = field(default_factory=dict)
+    drawings: Mapping[str, Drawing] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()

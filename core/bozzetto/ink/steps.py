@@ -120,6 +120,13 @@ class CommandStep:
     command: str
 
 
+@dataclass(frozen=True)
+class AddStep:
+    """A drawing of another file added to the model, by the name of the file."""
+
+    add: str
+
+
 Step = (
     DrawStep
     | DragStep
@@ -134,4 +141,5 @@ Step = (
     | GroupStep
     | UngroupStep
     | CommandStep
+    | AddStep
 )

@@ -9,6 +9,7 @@ from typing import Any
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.images.stored_picture import Picture
+from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import Stroke
 from bozzetto.scene.display_list import Image, Layer, Scene
 from bozzetto.scene.ink_projection import ProjectedInk, project_stroke
@@ -53,6 +54,8 @@ class Context:
         start from.
     pictures : mapping of str to Picture
         Those that `facts` name, by the names of their files as they stand there.
+    drawings : mapping of str to Drawing
+        Those that `facts` name, by the names of their files as they stand there.
     seen : tuple
         States in which the model was a moment ago, newest first, while the view was pinned to it
         (`ViewAdvice.pinned`): a hand that is quicker than the view draws on what it saw.
@@ -70,6 +73,7 @@ class Context:
     facts: Mapping[str, Any] = field(default_factory=dict)
     curves: tuple[Curve, ...] = ()
     pictures: Mapping[str, Picture] = field(default_factory=dict)
+    drawings: Mapping[str, Drawing] = field(default_factory=dict)
     seen: tuple[Any, ...] = ()
     sources: Mapping[str, Shapes] = field(default_factory=dict)
 

@@ -40,6 +40,7 @@ Result = TypeVar("Result")
 TAKES_NO_INK: Final = "This modeler takes no ink. Choose another modeler."
 NO_STROKES: Final = "The drawing has no strokes. Draw something first."
 READS_NO_SHAPES: Final = "This modeler cannot start from what is there. Choose another modeler."
+TAKES_NO_DRAWINGS: Final = "Drawings cannot be added to this object. Import the file instead."
 TAKES_NO_PICTURES: Final = "This modeler takes no pictures. Choose another modeler."
 
 
@@ -179,6 +180,19 @@ class Modeler(ABC, Generic[State, Result]):
             If it is of no use, with what to do instead.
         """
         raise UserError(TAKES_NO_PICTURES)
+
+    def add_drawing(self, state: State, drawing: Drawing, context: Context) -> State:
+        """Return the state with a drawing of another file in it, such as a logo on a surface.
+
+        The manifest names it among the abilities, so that it is offered for models of this
+        modeler. Keep what is needed of the strokes in the state.
+
+        Raises
+        ------
+        UserError
+            If it is of no use, with what to do instead.
+        """
+        raise UserError(TAKES_NO_DRAWINGS)
 
     # -- links to other models --
 

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from bozzetto.scene.surface_places import surface_mesh as surface_mesh
     from bozzetto.scene.surface_runs import depth_breaks as depth_breaks
     from bozzetto.scene.surface_runs import unbroken_runs as unbroken_runs
+    from bozzetto.scene.wall_thickness import Walls as Walls
+    from bozzetto.scene.wall_thickness import walls_of as walls_of
 else:
     __getattr__, __all__ = lazy_names(
         __name__,
@@ -55,5 +57,6 @@ else:
             "bozzetto.scene.surface_places": "FollowedPlaces SurfacePlaces follow located "
             "surface_mesh",
             "bozzetto.scene.surface_runs": "depth_breaks unbroken_runs",
+            "bozzetto.scene.wall_thickness": "Walls walls_of",
         },
     )

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from bozzetto.scene.display_list import Handle, Layer, Scene, Shaded
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.renderer import Shading, render
+from bozzetto.scene.thickness_view import thickness_view
+from bozzetto.scene.wall_thickness import Walls
 from bozzetto.view.camera import Camera
 from bozzetto.view.page import framing, page_view
 
@@ -42,7 +44,7 @@ def picture(
         Pixels; ``scale`` multiplies them, and the widths of lines with them.
     scale : float
         Picture pixels per canvas pixel.
-    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft"}
+    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"}
         How surfaces are shaded.
     background : bool
         Paper behind the scene, or nothing.
@@ -57,12 +59,54 @@ def picture(
     UserError
         If the view has no such name, or the picture is too large.
     """
-    scene = _without_handles(scene)
+    return picture_and_walls(
+        scene, view=view, camera=camera, palette=palette, size=size, scale=scale,
+        shading=shading, background=background,
+    )[0]  # fmt: skip
+
+
+def picture_and_walls(
+    scene: Scene,
+    *,
+    view: str = "three-quarter",
+    camera: Camera | None = None,
+    palette: Palette = LIGHT,
+    size: tuple[int, int] = (1200, 900),
+    scale: float = 1.0,
+    shading: Shading = "clay",
+    background: bool = True,
+) -> tuple[NDArray[np.uint8], Walls | None]:
+    """Render a `picture`, and say where the thinnest wall is.
+
+    Parameters
+    ----------
+    scene, view, camera, palette, size, scale, shading, background
+        As in `picture`.
+
+    Returns
+    -------
+    (h, w, 4) uint8
+        As `picture`.
+    Walls or None
+        The thinnest wall; None where nothing is closed, or another shading than "thickness" does
+        not look for it.
+
+    Raises
+    ------
+    UserError
+        As in `picture`.
+    """
+    scene = without_handles(scene)
     if camera is None:
         camera = framed(scene, view, size)
-    return render(
+    walls = None
+    if shading == "thickness":
+        shown = thickness_view(scene, palette)
+        scene, walls = shown.scene, shown.thinnest
+    image = render(
         scene, camera, palette, size=size, scale=scale, shading=shading, background=background
     )
+    return image, walls
 
 
 def framed(
@@ -75,12 +119,12 @@ def framed(
     UserError
         If the view has no such name.
     """
-    return framing(_without_handles(scene).points(), view, _page(size))
+    return framing(without_handles(scene).points(), view, _page(size))
 
 
 def own_or_framed(scene: Scene, own: Camera | None, size: tuple[int, int] = (1200, 900)) -> Camera:
     """Return a person's own view if it shows all of a `picture`, else the three-quarter view."""
-    return page_view(_without_handles(scene).points(), own, _page(size))
+    return page_view(without_handles(scene).points(), own, _page(size))
 
 
 def _page(size: tuple[int, int]) -> tuple[float, float]:
@@ -95,7 +139,7 @@ def thumbnail(
     return picture(scene, camera=camera, palette=palette, size=(size, size))
 
 
-def _without_handles(scene: Scene) -> Scene:
+def without_handles(scene: Scene) -> Scene:
     """Return a scene without handles; itself where it holds none."""
     if not any(isinstance(item, Handle) for _, item in scene.items()):
         return scene

@@ -14,8 +14,9 @@ from bozzetto.document.links import resolved
 from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on
-from bozzetto.exchange.export import Exported, prepare_export
-from bozzetto.exchange.formats import find, writers
+from bozzetto.exchange.export import WRITERS, Exported, Ready, prepare_file
+from bozzetto.exchange.formats import find
+from bozzetto.exchange.handover import AS_USUAL, Handover
 from bozzetto.exchange.left_out import LeftOut
 from bozzetto.exchange.svg.writer import is_plan
 from bozzetto.geometry.shapes import Shapes
@@ -160,21 +161,22 @@ def object_shapes(bench: Workbench, models: Iterable[Model], job: Job) -> Object
     return ObjectShapes(shapes, tuple(left_out), tuple(cautions))
 
 
-def prepared_file(
+def prepared_files(
     objects: ObjectShapes,
-    path: str | os.PathLike[str],
+    paths: Sequence[str | os.PathLike[str]],
     camera: Camera | None,
     *,
     view: str | None = None,
     whole: bool = True,
-) -> Exported:
-    """Return the file of some objects, in the format that its ending names.
+    handover: Handover = AS_USUAL,
+) -> list[Exported]:
+    """Return files of some objects, each in the format that its ending names.
 
     Parameters
     ----------
     objects : ObjectShapes
         The shapes, from `object_shapes`.
-    path : path
+    paths : sequence of path
         Nothing is written there.
     camera : Camera, optional
         The person's view, for flat formats. Where the shapes do not lie in it, the
@@ -184,6 +186,8 @@ def prepared_file(
         A standard view to take instead.
     whole : bool
         Whether the person's view must show all of the shapes, or some are enough.
+    handover : Handover
+        Unit, axes, size, number of triangles, and whether flat files are drawings.
 
     Raises
     ------
@@ -191,20 +195,27 @@ def prepared_file(
         As `bozzetto.exchange.export.export`; names the objects that were left out where nothing
         else is there.
     """
-    chosen = find(path, writers("mesh", "surfaces", "curves"))
+    formats = [find(path, WRITERS) for path in paths]
     if objects.left_out and not objects.shapes:
-        said = [part.sentence(f"{chosen.short} file") for part in objects.left_out]
+        said = [part.sentence(f"{formats[0].short} file") for part in objects.left_out]
         raise UserError(" ".join(("There is nothing to export.", *said, *objects.warnings())))
-    if chosen.flat:
-        points = _points_of(objects.shapes)
-        if view is not None:
-            camera = framing(points, view, plans=True)
-        elif is_plan(points):
-            camera = None
-        else:
-            camera = page_view(points, camera, whole=whole)
-    made = prepare_export(objects.shapes, path, camera=camera)
-    return replace(made, left_out=(*objects.left_out, *made.left_out))
+    ready = Ready(objects.shapes, handover)
+    made = []
+    for chosen, path in zip(formats, paths, strict=True):
+        shown = chosen.flat or (chosen.draws and handover.lines is not None)
+        seen = _camera_for(ready, camera, view, whole=whole) if shown else camera
+        file = prepare_file(ready, path, seen)
+        made.append(replace(file, left_out=(*objects.left_out, *file.left_out)))
+    return made
+
+
+def _camera_for(
+    ready: Ready, camera: Camera | None, view: str | None, *, whole: bool
+) -> Camera | None:
+    points = ready.points if ready.handover.lines else _points_of(ready.placed)
+    if view is not None:
+        return framing(points, view, plans=True)
+    return None if is_plan(points) else page_view(points, camera, whole=whole)
 
 
 def _points_of(shapes: Shapes) -> NDArray[np.float64]:

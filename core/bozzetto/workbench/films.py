@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.document.links import resolved
 from bozzetto.document.model import Document, Model
@@ -23,9 +25,6 @@ LONGEST: Final = 0.05
 MOST_FRAMES: Final = 3600
 """Frames of a film: a minute at 60 a second."""
 
-COLORS: Final = 128
-"""Of a GIF."""
-
 ENDINGS: Final = (".glb", ".gif")
 """Of the files that are films."""
 
@@ -34,6 +33,8 @@ def frames(
     bench: Workbench, document: Document, seconds: float, rate: float, job: Job | None = None
 ) -> Iterator[Document]:
     """Yield a document as it is at the beginning and after each frame.
+
+    An object whose tool refuses to go on stands still from there on, as long as another one moves.
 
     Parameters
     ----------
@@ -63,13 +64,20 @@ def frames(
             bench.solve(model, job)  # a tool is given what was solved
     count = max(1, round(seconds * rate))
     steps = max(1, -int(-1.0 / rate // LONGEST))
+    still: dict[str, UserError] = {}
     for number in range(count):
         job.checkpoint(number / count, f"{number + 1} / {count}")
-        for model in [model for model in document if model.id in players]:
+        for model in [model for model in document if model.id in players.keys() - still.keys()]:
             context = Context(camera=document.camera or Camera())
             context = replace(context, sources=bench.given_sources(model))
-            for _ in range(steps):
-                model = bench.step(model, players[model.id], None, 1.0 / rate / steps, context)
+            try:
+                for _ in range(steps):
+                    model = bench.step(model, players[model.id], None, 1.0 / rate / steps, context)
+            except UserError as problem:
+                still[model.id] = problem
+                if len(still) == len(players):
+                    raise
+                continue
             document = document.with_model(model)
         yield document
 
@@ -126,32 +134,22 @@ def gif_of(
         Gives the view from the first scene and its document; by default that of the document, or
         one that shows everything.
     """
-    from PIL import Image
-
+    from bozzetto.images.gif import gif_of_pictures
     from bozzetto.scene.snapshot import own_or_framed, picture
 
-    camera, images = None, []
-    for document in films:
-        scene = bench.scene(document, Job())
-        if camera is None:
-            camera = (
-                own_or_framed(scene, document.camera, size)
-                if camera_for is None
-                else camera_for(scene, document)
-            )
-        pixels = picture(scene, camera=camera, size=size)
-        image = Image.fromarray(pixels).convert("RGB")
-        images.append(image.quantize(COLORS, dither=Image.Dither.NONE))
-    data = io.BytesIO()
-    images[0].save(
-        data,
-        "GIF",
-        save_all=True,
-        append_images=images[1:],
-        duration=max(20, round(1000.0 / rate)),
-        loop=0,
-    )
-    return data.getvalue()
+    def pictures() -> Iterator[NDArray[np.uint8]]:
+        camera = None
+        for document in films:
+            scene = bench.scene(document, Job())
+            if camera is None:
+                camera = (
+                    own_or_framed(scene, document.camera, size)
+                    if camera_for is None
+                    else camera_for(scene, document)
+                )
+            yield picture(scene, camera=camera, size=size)
+
+    return gif_of_pictures(pictures(), rate)
 
 
 def _player(bench: Workbench, model: Model) -> Tool[Any] | None:

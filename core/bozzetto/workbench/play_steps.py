@@ -10,6 +10,7 @@ from bozzetto.document.model import Model
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.steps import (
+    AddStep,
     CommandStep,
     DeleteStep,
     DragStep,
@@ -147,6 +148,12 @@ def _after(
             command = bench.commands.find(model.modeler, name)
             made = bench.commands.run(model, command, seen(drawing.camera))
             return PartEdit(made, command.title)
+        case AddStep(name):
+            added = drawing.drawings.get(name)
+            if added is None:
+                raise UserError(f"The drawing “{name}” is not there. Put it beside the file.")
+            made = bench.sources.with_drawing(model, added, seen(drawing.camera))
+            return PartEdit(made, "Add drawing")
         case _:
             assert_never(step)
 

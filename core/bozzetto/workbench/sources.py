@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 from bozzetto.document.model import Model
 from bozzetto.errors import UserError
+from bozzetto.exchange.reading import MeshFile
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
+from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.job import Job
 from bozzetto.workbench.links import with_state
@@ -43,12 +45,13 @@ class ModelSources:
 
         Where the drawing says in which steps it was made, these are taken one by one. What it
         says beyond its strokes is in the context all the way (`Context.facts`), and so are the
-        pictures that it names.
+        pictures and drawings that it names.
         """
         context = replace(
             context or Context(camera=drawing.camera),
             facts=drawing.facts,
             pictures=drawing.pictures,
+            drawings=drawing.drawings,
         )
         if drawing.steps:
             from bozzetto.workbench.play_steps import run_steps
@@ -77,6 +80,42 @@ class ModelSources:
             )
         state = self._bench.registry.guarded(modeler_id).read_shapes(shapes)
         return self._bench.new_model(modeler_id, state, name)
+
+    def from_mesh_file(
+        self, modeler_id: str, file: MeshFile, name: str, values: Mapping[str, object] | None = None
+    ) -> Model:
+        """Make a model of what was read of a file, upright and in millimetres as far as is known.
+
+        Parameters
+        ----------
+        modeler_id : str
+            The modeler of the new model.
+        file : MeshFile
+            What was read.
+        name : str
+            Of the model.
+        values : mapping of str to object, optional
+            Parameters; *up* and *unit* come before what the file seems to be in.
+
+        Raises
+        ------
+        UserError
+            As in `from_shapes`.
+        """
+        shapes = file.shapes
+        chosen = dict(values or {})
+        if file.guess is not None:
+            fields = {field.name for field in parameter_fields(self._state_type(modeler_id))}
+            guessed = {"up": file.guess.up, "unit": file.guess.unit}
+            if fields.issuperset(guessed):
+                chosen = guessed | chosen
+            else:
+                shapes = file.upright
+        model = self.from_shapes(modeler_id, shapes, name)
+        return self._bench.set_parameters(model, chosen) if chosen else model
+
+    def _state_type(self, modeler_id: str) -> type:
+        return self._bench.registry.modeler(modeler_id).state_type
 
     def following(
         self, modeler_id: str, models: Iterable[Model], job: Job, name: str = ""
@@ -155,6 +194,28 @@ class ModelSources:
             raise UserError(f"The picture “{picture.name}” is empty. Choose another one.")
         own = context.moved(model.placement.inverse())
         state = modeler.add_picture(model.state, picture, own)
+        return with_state(self._bench.registry, model, state)
+
+    def takes_drawings(self, modeler_id: str) -> bool:
+        """Whether drawings of other files can be added to models of a modeler."""
+        return "add_drawing" in self._bench.registry.info(modeler_id).abilities
+
+    def with_drawing(self, model: Model, drawing: Drawing, context: Context) -> Model:
+        """Return the model with a drawing of another file in it.
+
+        Raises
+        ------
+        UserError
+            If its modeler takes none, or has no use for this one.
+        """
+        modeler = self._bench.guarded(model)
+        if not self.takes_drawings(model.modeler):
+            title = self._bench.registry.info(model.modeler).title
+            raise UserError(f"{title} takes no drawings. Import the file as an object of its own.")
+        if not len(drawing.strokes):
+            raise UserError(f"The drawing “{drawing.name}” has no lines. Choose another one.")
+        own = context.moved(model.placement.inverse())
+        state = modeler.add_drawing(model.state, drawing, own)
         return with_state(self._bench.registry, model, state)
 
     def from_picture(

@@ -50,6 +50,11 @@ HIDDEN: Final = (2.0, 4.0)
 """Penalty on the distance of an edge on the far side of the car, as a factor and as px to add: a
 person who means such an edge draws exactly on it."""
 
+ENDS: Final = (0.3, 40.0)
+"""Penalty on the distance of a stroke's ends from the nodes that a row ends in, as a factor, and
+the distance, px, beyond which it grows no more. A person draws from node to node or a part of an
+edge; so of two edges that run beside the stroke alike it is the one that ends where it does."""
+
 REACH: Final = 0.12
 """Mean distance beyond which a stroke means no edge, per diagonal of the car's picture."""
 
@@ -161,7 +166,7 @@ def _nearest_row(
         if _distance(away, whole) >= least:
             continue  # a part of it is no nearer than the whole
         row = _passed(paths, whole, places)
-        cost = _cost(away, row, faces)
+        cost = _cost(away, row, faces) + _ends_apart(paths, row, places)
         if cost < least:
             best, least = row, cost
     return best
@@ -213,6 +218,14 @@ def _cost(away: Array, row: tuple[int, ...], faces: Flags) -> float:
     factor, more = HIDDEN
     hidden = sum(not faces[max(edge, ~edge)] for edge in row) / len(row)
     return distance + hidden * ((factor - 1.0) * distance + more)
+
+
+def _ends_apart(paths: Array, row: tuple[int, ...], places: Array) -> float:
+    """Return the penalty for a stroke whose ends are not where those of a row are, px."""
+    ends = _laid_out(paths, row)[[0, -1]]
+    away = np.linalg.norm(places[[0, -1]] - ends, axis=1)
+    factor, most = ENDS
+    return factor * float(np.minimum(away, most).mean())
 
 
 def _feet(paths: Array, row: tuple[int, ...], places: Array) -> tuple[Array, Index]:

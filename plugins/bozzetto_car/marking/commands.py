@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final
+from dataclasses import replace
+from typing import Final, cast
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
@@ -15,7 +16,13 @@ from bozzetto_car.marking.edit_marks import (
 )
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of, in_work, neighbour_of
 from bozzetto_car.solver.pipeline import solve_car
+from bozzetto_car.solver.template_ranking import likelier_template
 from bozzetto_car.state import CarState
+from bozzetto_car.template.loader import Bundled
+
+NONE_LIKELIER: Final = (
+    "No template fits the marks far better. Set more marks, or choose one by hand."
+)
 
 NOTHING_HIDDEN: Final = "No point of this sketch is noted as not visible. There is none to ask for."
 
@@ -46,6 +53,11 @@ def marking_commands() -> tuple[Command, ...]:
             "remove-last-mark", "Remove last mark",
             "Take the newest mark of this sketch away and ask for its point again.",
             lambda state, context: without_last_mark(state), enabled=_has_mark,
+        ),
+        Command(
+            "likeliest-template", "Use the template that fits best",
+            "The car takes the template with which its marks are by far likeliest.",
+            _likeliest, enabled=_has_mark,
         ),
     )  # fmt: skip
 
@@ -96,6 +108,13 @@ def _again(state: CarState, context: Context) -> CarState:
     if not _has_hidden(state):
         raise UserError(NOTHING_HIDDEN)
     return with_all_asked(state)
+
+
+def _likeliest(state: CarState, context: Context) -> CarState:
+    likelier = likelier_template(solve_car(state))
+    if likelier is None:
+        raise UserError(NONE_LIKELIER)
+    return replace(state, template=cast(Bundled, likelier.id))
 
 
 def _has_sketch(state: CarState) -> bool:

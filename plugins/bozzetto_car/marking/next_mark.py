@@ -10,8 +10,10 @@ from bozzetto.arrays import Array, Flags
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.edit_marks import near_wheels
 from bozzetto_car.marking.mark_prediction import expected
+from bozzetto_car.marking.view_guess import likely_shown
 from bozzetto_car.solver.initial_cameras import FEWEST, Placed
 from bozzetto_car.solver.pipeline import Solved
+from bozzetto_car.solver.template_ranking import likelier_template
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template.model import Template
 
@@ -79,8 +81,8 @@ def open_nodes(placed: Placed, solved: Solved) -> tuple[int, ...]:
     """Return the nodes that are neither marked nor noted as not visible, in the order of asking.
 
     The order is the template's. It continues from the newest mark and wraps around, so that
-    skipped nodes come again, but not at once. Once the camera is known, nodes on
-    a side of the car that the sketch does not show come last.
+    skipped nodes come again, but not at once. Nodes on a side of the car that the sketch does not
+    show come last; before its camera is known, those that it is not likely to show.
     """
     template, sketch = solved.template, placed.sketch
     order = _order_after_newest(sketch, template)
@@ -88,7 +90,7 @@ def open_nodes(placed: Placed, solved: Solved) -> tuple[int, ...]:
     rest = [node for node in order if template.names[node] not in done]
     shown = shown_nodes(placed, solved)
     if shown is None:
-        return tuple(rest)
+        shown = likely_shown(template, sketch)
     return tuple(sorted(rest, key=lambda node: not shown[node]))
 
 
@@ -167,7 +169,19 @@ def next_mark_in_words(state: CarState, solved: Solved) -> str:
         return HIDDEN if state.sketch is not None else "Drop a sketch of a car on the sheet."
     asked = asked_of(state, solved)
     words = (ALL_MARKED,) if asked is None else tuple(_sentences(asked, placed, solved))
-    return " ".join((*words, problem_of(placed))).strip()
+    return " ".join(filter(None, (*words, problem_of(placed), *doubts(placed, solved))))
+
+
+def doubts(placed: Placed, solved: Solved) -> Iterator[str]:
+    """Yield which marks of a sketch are set aside, and which template would suit it better."""
+    for node in placed.disagreeing:
+        title = node_title(node, placed.sketch, solved.template)
+        off = (placed.left_out or {}).get(node)
+        far = "" if off is None else f" by {off:.0f} px"
+        yield f"The mark “{title}” disagrees with the others{far} and is left aside: drag it."
+    likelier = likelier_template(solved) if placed.is_known else None
+    if likelier is not None:
+        yield f"This looks like a {likelier.title.lower()}: choose that template."
 
 
 def _sentences(asked: Asked, placed: Placed, solved: Solved) -> Iterator[str]:

@@ -21,9 +21,10 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.view import triple
 from bozzetto.view.calibration import Poses
-from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Reprojection
+from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Reprojection, Residuals
 from bozzetto_car.dimensions import NONE_BEYOND, Dimensions, Locks, Overlap
 from bozzetto_car.solver.feasible_set import Feasible
+from bozzetto_car.solver.hand import bent_by_hand
 from bozzetto_car.solver.leave_one_out import LeftOut, leave_one_out
 from bozzetto_car.solver.prior import Cost, Prior, robust_weights, size_measure
 from bozzetto_car.solver.proportions import (
@@ -215,14 +216,18 @@ class _Iterate:
     ----------
     variables : (q,) float
     poses : tuple of Poses
+    bends : tuple of (b, 2) float
+        What the hand bends of each sketch, along the columns of `bent_by_hand`.
     cost : float
     form : (f + c, f + c) float
-        Gauss-Newton form over the free directions of the car and the numbers of all cameras.
+        Gauss-Newton form over the free directions of the car, and for each sketch the numbers of
+        its camera and its bends.
     slope : (f + c,) float
     """
 
     variables: Array
     poses: tuple[Poses, ...]
+    bends: tuple[Array, ...]
     cost: float
     form: Array
     slope: Array
@@ -246,7 +251,9 @@ class _Problem:
         self.sights = tuple(sight for sight, _ in made)
         self.starts = tuple(pose for _, pose in made)
         self.free = feasible.span.shape[1]
-        ends = np.cumsum([self.free, *(len(sight.free) for sight in self.sights)])
+        self.ways = tuple(bent_by_hand(sight, cost) for sight in self.sights)
+        of_views = zip(self.sights, self.ways, strict=True)
+        ends = np.cumsum([self.free, *(len(s.free) + 2 * ways.shape[1] for s, ways in of_views)])
         self.parts = tuple(map(slice, ends[:-1].tolist(), ends[1:].tolist()))
         self.size = int(ends[-1])
         # How the coordinates of each node follow the free directions, (n, 3, f).
@@ -255,10 +262,15 @@ class _Problem:
     @property
     def can_start(self) -> bool:
         """Whether all cameras have the car before them at the start."""
-        return self.at(self.feasible.start, self.starts) is not None
+        return self.at(self.feasible.start, self.starts, self.straight) is not None
+
+    @property
+    def straight(self) -> tuple[Array, ...]:
+        """Sketches that no hand bends."""
+        return tuple(np.zeros((ways.shape[1], 2)) for ways in self.ways)
 
     def solved(self) -> JointSolution:
-        here = self.at(self.feasible.start, self.starts)
+        here = self.at(self.feasible.start, self.starts, self.straight)
         if here is None:
             raise UserError(
                 "The camera of a sketch stands within the car. Set its marks again, or start "
@@ -284,7 +296,9 @@ class _Problem:
                 here, last = further, None
         return self.joint(here, steps)
 
-    def at(self, variables: Array, poses: tuple[Poses, ...]) -> _Iterate | None:
+    def at(
+        self, variables: Array, poses: tuple[Poses, ...], bends: tuple[Array, ...]
+    ) -> _Iterate | None:
         """Return the normal equations; None where a marked node is not in front of its camera."""
         span, free = self.feasible.span, self.free
         positions = self.template.whole(variables)
@@ -294,14 +308,15 @@ class _Problem:
         form[:free, :free] = span.T @ own @ span
         slope[:free] = span.T @ (own @ (variables - self.prior.variables))
         cost = self.prior.value(variables)
-        for sight, pose, part in zip(self.sights, poses, self.parts, strict=True):
+        for number, (sight, pose, bend) in enumerate(zip(self.sights, poses, bends, strict=True)):
+            part, ways = self.parts[number], self.ways[number]
             seen = sight.residuals(pose, positions)
             if seen is None:
                 return None
-            missed = seen.missed / self.cost.hand
+            missed = (seen.missed + ways @ bend) / self.cost.hand
             weights, lost = robust_weights((missed**2).sum(axis=1), self.cost.stray)
             cost += lost
-            rows = sight.rows(seen, self.nodes) / self.cost.hand
+            rows = self.rows(number, seen)
             weighted = rows * np.repeat(weights, 2)[:, None]
             square, pull = weighted.T @ rows, weighted.T @ missed.ravel()
             form[:free, :free] += square[:free, :free]
@@ -311,10 +326,20 @@ class _Problem:
             slope[:free] += pull[:free]
             slope[part] = pull[free:]
             hold, drawn, more = sight.middle(pose)
-            form[part, part] += hold
-            slope[part] += drawn
-            cost += more
-        return _Iterate(variables, poses, cost, form, slope)
+            camera = slice(part.start, part.start + len(sight.free))
+            form[camera, camera] += hold
+            slope[camera] += drawn
+            bending = np.arange(camera.stop, part.stop)
+            form[bending, bending] += 1.0
+            slope[bending] += bend.ravel()
+            cost += more + float((bend**2).sum())
+        return _Iterate(variables, poses, bends, cost, form, slope)
+
+    def rows(self, number: int, seen: Residuals) -> Array:
+        """Return the derivative of the residuals of a sketch by the car, its camera and bends."""
+        sight, ways = self.sights[number], self.ways[number]
+        bent = np.kron(ways, np.eye(2))
+        return np.hstack((sight.rows(seen, self.nodes), bent)) / self.cost.hand
 
     def step(self, here: _Iterate, damping: float) -> Array | None:
         """Return the step (f + c,) of the normal equations; None if there is none."""
@@ -329,8 +354,12 @@ class _Problem:
         variables = self.feasible.moved(here.variables, step[: self.free])
         if variables is None:
             return None
-        moves = zip(self.sights, here.poses, self.parts, strict=True)
-        return self.at(variables, tuple(s.stepped(pose, step[part]) for s, pose, part in moves))
+        poses, bends = [], []
+        for number, (sight, part) in enumerate(zip(self.sights, self.parts, strict=True)):
+            turned, bent = np.split(step[part], [len(sight.free)])
+            poses.append(sight.stepped(here.poses[number], turned))
+            bends.append(here.bends[number] + bent.reshape(-1, 2))
+        return self.at(variables, tuple(poses), tuple(bends))
 
     def joint(self, here: _Iterate, steps: int) -> JointSolution:
         positions = self.template.whole(here.variables)
@@ -341,7 +370,7 @@ class _Problem:
         ):
             views.append(view.turned(*sight.framing.camera(pose)))
             residuals.append(sight.pixels_missed(pose, positions))
-            others.append(self.left_out(number, pose, positions, covariance))
+            others.append(self.left_out(number, here, covariance))
         return JointSolution(
             here.variables,
             tuple(views),
@@ -353,18 +382,18 @@ class _Problem:
             steps,
         )
 
-    def left_out(self, number: int, pose: Poses, positions: Array, covariance: Array) -> LeftOut:
+    def left_out(self, number: int, here: _Iterate, covariance: Array) -> LeftOut:
         """Return how far the marks of a sketch are from where the others expect them, px."""
         sight = self.sights[number]
-        seen = sight.residuals(pose, positions)
+        seen = sight.residuals(here.poses[number], self.template.whole(here.variables))
         assert seen is not None  # an iterate has its nodes before the eye
         hand = self.cost.hand
-        missed = seen.missed / hand
+        missed = (seen.missed + self.ways[number] @ here.bends[number]) / hand
         weights, _ = robust_weights((missed**2).sum(axis=1), self.cost.stray)
         car, part = slice(0, self.free), self.parts[number]
         among = np.r_[car, part]
         found = leave_one_out(
-            sight.rows(seen, self.nodes) / hand, missed, weights, covariance[np.ix_(among, among)]
+            self.rows(number, seen), missed, weights, covariance[np.ix_(among, among)]
         )
         unit = hand * sight.extent * sight.framing.diagonal
         return LeftOut(found.missed * unit, found.surprise)

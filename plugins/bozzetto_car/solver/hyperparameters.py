@@ -1,42 +1,54 @@
-"""Estimate how far a car is from its template, and which marks are wrong.
+"""Estimate how a car differs from its template, how its hand errs, and which marks are wrong.
 
-The cost of `prior` assumes how much cars differ from the template. With it alone, a car that
-*is* the template follows the noise of the hand, and a wrong mark distorts the shape. The evidence
-of the marks tells both apart (MacKay, *Bayesian interpolation*, 1992). If a car differs by a
-share t of what the cost expects and the hand is s times as unsteady, the marks lie about their
-places in the template, to first order, with the covariance
+The cost of `prior` assumes how much cars differ from the template. With it alone, a car that *is*
+the template follows the noise of the hand, and a wrong mark distorts the shape. The evidence of the
+marks tells both apart (MacKay, *Bayesian interpolation*, 1992).
 
-    C = s² I + t² A Σ Aᵀ ,
-
-where A is their derivative by the car and Σ the covariance of cars; the unknown motions of the
-cameras have been projected out of all three. One symmetric eigenvalue problem serves every t and
-s. From C⁻¹ follows how probable a mark is given the others (Sundararajan & Keerthi, *Predictive
-approaches for choosing hyperparameters in Gaussian processes*, 2001). A mark that is less
-probable than a mark at a random place is set aside.
+Cars are no single cloud about their template: some differ in dimensions and by chance only, some
+toward other templates, some belong with another one; some differ smoothly, and some in every place
+by itself; and some hands bend a drawing. So a car is
+drawn from a mixture (`MIXTURE`). The shares of its parts follow from the marks, and the covariance
+that is solved with is that of the mixture, each part as wide as the marks have it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
-from bozzetto_car.camera.marked_view import MarkedView, Reprojection
-from bozzetto_car.solver.prior import Cost, Prior
+from bozzetto_car.camera.marked_view import MarkedView
+from bozzetto_car.solver.evidence import (
+    Evidence,
+    Independent,
+    LinearSketch,
+    independent,
+    linear_sketch,
+    log_of_sum,
+)
+from bozzetto_car.solver.prior import DEVIATION, KINSHIP, Cost
 from bozzetto_car.template.model import Template
 
-SPREADS: Final = np.geomspace(0.03, 1.5, 12)
-"""Shares t of the deviations that the cost expects; all are equally likely a priori."""
+KINSHIPS: Final = (0.1, 1.0, 2.5)
+"""Ways toward other templates, in deviations (`KINSHIP`): hardly, a part of the way, most of it."""
 
-HANDS: Final = np.geomspace(0.7, 10.0, 9)
-"""Factors s by which a hand is less steady than the cost assumes. Less than the least counts as
-exact: nobody wants to hear that a mark disagrees by 5 px."""
+ROUGH: Final = (0.2, 1.0)
+"""By how much nodes differ by themselves, in deviations (`DEVIATION`). What a car differs by
+smoothly would otherwise be taken for a bend of the hand, for its nodes show no scatter."""
 
-STEADY: Final = 1.6
-"""Factor by which hands differ (one standard deviation of the logarithm)."""
+BENDS: Final = (0.0, 3.0, 8.0)
+"""By how much more a hand bends a drawing than it trembles, standard deviations."""
+
+BENT: Final = 7.0
+"""Price of a hand that bends at all, as a natural logarithm."""
+
+GENEROUS: Final = 1.4
+"""Factor on the estimated spread: marks are met as closely as the hand allows, and of cars that
+are near their template little is lost."""
 
 MISTAKE: Final = 16.0
 """Price of setting a mark aside, as a natural logarithm: a mark at a random place in the picture
@@ -58,12 +70,34 @@ MOST_ASIDE: Final = 0.25
 are right."""
 
 
-UNRELATED: Final = replace(Cost.balanced(), kinship=0.0)
-"""The cost for cars that differ from their template in dimensions and by chance only."""
+@dataclass(frozen=True)
+class Part:
+    """A part of the mixture of cars and hands.
 
-DETERMINED: Final = 1e-12
-"""Least determinant of a mark's block, of 1: below, the mark alone determines the camera."""
+    Attributes
+    ----------
+    cost : Cost
+        How cars of this part differ from the template.
+    bend : float
+        By how much more their hands bend than they tremble.
+    """
 
+    cost: Cost
+    bend: float
+
+    @property
+    def price(self) -> float:
+        """What it costs to believe in this part, as a natural logarithm."""
+        return BENT if self.bend > 0.0 else 0.0
+
+
+MIXTURE: Final = tuple(
+    Part(replace(Cost.balanced(), kinship=kinship * KINSHIP, deviation=rough * DEVIATION), bend)
+    for kinship in KINSHIPS
+    for rough in ROUGH
+    for bend in BENDS
+)
+"""Kinds of cars and hands, equally likely but for the price of a bend."""
 
 NO_CHANGE: Final = (0.0, 0, 0)
 """Gain, sketch and mark where none can be set aside or taken back."""
@@ -71,7 +105,7 @@ NO_CHANGE: Final = (0.0, 0, 0)
 
 @dataclass(frozen=True, eq=False)
 class Weighed:
-    """The estimated spread of the car, and which marks count.
+    """What the marks tell of the car and of the hand, and which marks count.
 
     Attributes
     ----------
@@ -79,16 +113,62 @@ class Weighed:
         How far the car is from the template, as a share of the deviations that the cost expects.
     hand : float
         How much less steady the hand is than the cost assumes, as a factor; 1 at least.
-    related : float
-        Probability that the car differs from the template toward other templates, too.
+    cost : Cost
+        The weights for such a car, and by how much the hand bends; it trembles as usual.
     counted : tuple of (k,) bool
         Which marks of each sketch count; the others are set aside.
     """
 
     spread: float
     hand: float
-    related: float
+    cost: Cost
     counted: tuple[Flags, ...]
+
+
+class Weights:
+    """The marks of all sketches with the mixture.
+
+    Parameters
+    ----------
+    template : Template
+        The template of the car.
+    sketches : sequence of LinearSketch
+        The sketches.
+    counted : sequence of (k,) bool
+        Which of their marks count.
+    """
+
+    def __init__(
+        self, template: Template, sketches: Sequence[LinearSketch], counted: Sequence[Flags]
+    ) -> None:
+        self._template, self._sketches = template, sketches
+        self._counted = [flags.copy() for flags in counted]
+
+    def of(self, part: Part) -> Evidence:
+        """Return the evidence of a part of the mixture."""
+        return Evidence(self._template, part.cost, self._independent(part.bend), anyone=False)
+
+    @cached_property
+    def parts(self) -> tuple[Evidence, ...]:
+        """The evidence of each part."""
+        ready = {bend: self._independent(bend) for bend in BENDS}
+        return tuple(
+            Evidence(self._template, part.cost, ready[part.bend], anyone=True) for part in MIXTURE
+        )
+
+    @cached_property
+    def logs(self) -> Array:
+        """Logarithms of the probabilities of the parts together with the marks."""
+        return np.array([e.total - p.price for e, p in zip(self.parts, MIXTURE, strict=True)])
+
+    @property
+    def total(self) -> float:
+        """Logarithm of the probability of the marks, up to a constant of their number."""
+        return float(log_of_sum(self.logs))
+
+    def _independent(self, bend: float) -> list[Independent]:
+        pairs = zip(self._sketches, self._counted, strict=True)
+        return [independent(sketch, bend, flags) for sketch, flags in pairs]
 
 
 def judge_marks(
@@ -111,33 +191,57 @@ def judge_marks(
     Marks are set aside one at a time, always the one that raises the probability of all most, until
     none does, and then taken back in the same way. The probability grows each time, so this ends.
     """
-    kinds = [_linear(template, views, cost) for cost in (Cost.balanced(), UNRELATED)]
+    sketches = [linear_sketch(template, view, Cost.balanced().hand) for view in views]
     before = [np.zeros(len(view.nodes), bool) for view in views] if aside is None else aside
     counted = [~flags for flags in before]
     prices = [
         np.where(flags, -RETURN_DISCOUNT, 0.0) + MISTAKE + MISTAKE_PER_MARK * len(flags)
         for flags in before
     ]
-    found = [Evidence(sketches, counted) for sketches in kinds]
-    sketches = kinds[0] if found[0].total >= found[1].total else kinds[1]
+    weights = Weights(template, sketches, counted)
+    straight = [part for part in MIXTURE if part.bend == 0.0]
+    part = max(straight, key=lambda part: weights.of(part).total)
     while True:
-        now = Evidence(sketches, counted)
-        best = max(_losses(now, counted, prices), default=NO_CHANGE)
+        best = max(_losses(weights.of(part), counted, prices), default=NO_CHANGE)
         if best[0] <= 0.0:
-            best = max(_returns(sketches, counted, prices), default=NO_CHANGE)
+            best = max(_returns(template, sketches, part, counted, prices), default=NO_CHANGE)
         gain, sketch, mark = best
         if gain <= 0.0:
             break
         counted[sketch][mark] = not counted[sketch][mark]
-    one, other = (Evidence(sketches, counted) for sketches in kinds)
-    related = 1.0 / (1.0 + np.exp(min(other.total - one.total, 500.0)))
-    spread, hand = (
-        related * getattr(one, what) + (1.0 - related) * getattr(other, what)
-        for what in ("log_spread", "log_hand")
+        weights = Weights(template, sketches, counted)
+    return _weighed(weights, tuple(counted))
+
+
+def _weighed(weights: Weights, counted: tuple[Flags, ...]) -> Weighed:
+    shares = np.exp(weights.logs - weights.total)
+    bends = np.array([part.bend for part in MIXTURE])
+    # Marks are to be met, unless it is likelier than not that the hand has bent them.
+    believed = (bends > 0.0) == (shares[bends > 0.0].sum() > 0.5)
+    shares = np.where(believed, shares, 0.0) / shares[believed].sum()
+    spreads, hands = (
+        np.exp([getattr(part, name) for part in weights.parts])
+        for name in ("log_spread", "log_hand")
     )
-    return Weighed(
-        float(np.exp(spread)), float(np.exp(max(hand, 0.0))), float(related), tuple(counted)
+    spread, hand = (float(np.exp(shares @ np.log(found))) for found in (spreads, hands))
+    hand = max(hand, 1.0)
+    usual = Cost.balanced()
+    wider = GENEROUS * spreads
+    # Whether nodes scatter tells a smooth car from a bend; marks are to be met all the same, so the
+    # nodes vary as usual in proportion to the rest.
+    share = min(float(np.sqrt(shares @ wider**2)), 1.0)
+    # How far marks pull along a direction is a sigmoid of the logarithm of its variance. The parts
+    # differ in kinship by far, so the mean of the pulls is that at the mean of the logarithms.
+    kinships = np.array([part.cost.kinship for part in MIXTURE]) * wider
+    cost = replace(
+        usual,
+        deviation=share * usual.deviation,
+        smooth=share * usual.smooth,
+        proportion=share * usual.proportion,
+        kinship=float(np.exp(shares @ np.log(kinships))),
+        bend=usual.hand * float(np.sqrt(shares @ (bends * hands) ** 2)),
     )
+    return Weighed(spread, hand, cost, counted)
 
 
 def evidence_of(template: Template, view: MarkedView) -> Evidence:
@@ -150,7 +254,9 @@ def evidence_of(template: Template, view: MarkedView) -> Evidence:
     view : MarkedView
         The sketch, as for `judge_marks`.
     """
-    return Evidence(_linear(template, [view], Cost.balanced()), [np.ones(len(view.nodes), bool)])
+    sketch = linear_sketch(template, view, Cost.balanced().hand)
+    every = np.ones(len(view.nodes), bool)
+    return Evidence(template, Cost.balanced(), [independent(sketch, 0.0, every)], anyone=False)
 
 
 def _losses(
@@ -166,133 +272,18 @@ def _losses(
 
 
 def _returns(
-    sketches: list[_Linear], counted: list[Flags], prices: list[Array]
+    template: Template,
+    sketches: list[LinearSketch],
+    part: Part,
+    counted: list[Flags],
+    prices: list[Array],
 ) -> Iterator[tuple[float, int, int]]:
     """Return the gain of taking each mark back that is aside, the sketch, and the mark."""
     for number, flags in enumerate(counted):
         for mark in np.flatnonzero(~flags).tolist():
             more = flags.copy()
             more[mark] = True
-            with_it = Evidence(sketches, [*counted[:number], more, *counted[number + 1 :]])
+            every = [*counted[:number], more, *counted[number + 1 :]]
+            with_it = Weights(template, sketches, every).of(part)
             rank = int(more[:mark].sum())
             yield float(prices[number][mark] - with_it.improbable[number][rank]), number, mark
-
-
-@dataclass(frozen=True, eq=False)
-class _Linear:
-    """A sketch to first order about the template, in standard deviations of the hand.
-
-    Attributes
-    ----------
-    missed : (k, 2) float
-    by_car : (k, 2, q) float
-        Derivative by the car, in numbers that have the covariance 1.
-    by_camera : (k, 2, c) float
-    """
-
-    missed: Array
-    by_car: Array
-    by_camera: Array
-
-
-def _linear(template: Template, views: Sequence[MarkedView], cost: Cost) -> list[_Linear]:
-    prior = Prior(template, cost)
-    root = np.linalg.inv(np.linalg.cholesky(prior.form(prior.variables))).T
-    follow = (template.basis @ root).reshape(-1, 3, len(root))
-    made = []
-    for view in views:
-        sight, pose = Reprojection.of(template, view, held=False)
-        seen = sight.residuals(pose, template.positions)
-        if seen is None:
-            raise ValueError("a marked node is not before its camera")
-        by_car = seen.by_nodes @ follow[view.nodes]
-        made.append(_Linear(*(part / cost.hand for part in (seen.missed, by_car, seen.by_camera))))
-    return made
-
-
-class Evidence:
-    """The probability of marks, for all spreads and hands together.
-
-    Attributes
-    ----------
-    total : float
-        Natural logarithm of the probability of all marks, up to a constant that depends only on
-        their number.
-    log_spread, log_hand : float
-        See `Weighed`; the means of the logarithms.
-    improbable : list of (k,) float
-        For each sketch, the gain in probability of the rest without each mark, as a logarithm.
-    """
-
-    @property
-    def spread(self) -> float:
-        """How far the car is from the template, as a share of what the cost expects."""
-        return float(np.exp(self.log_spread))
-
-    def __init__(self, sketches: Sequence[_Linear], counted: Sequence[Flags]) -> None:
-        spreads, hands = (grid.ravel() for grid in np.meshgrid(SPREADS, HANDS))
-        ratio = (spreads / hands) ** 2
-        missed, by_car, blocks, rank = _without_cameras(sketches, counted)
-        sizes, axes = np.linalg.eigh(by_car.T @ by_car)
-        sizes = np.maximum(sizes, 0.0)[:, None]
-        by_car = by_car @ axes
-        pulled = by_car.T @ missed
-        damped = ratio / (1.0 + sizes * ratio)
-        misfit = (missed @ missed - pulled**2 @ damped) / hands**2
-        logs = -0.5 * (np.log1p(sizes * ratio).sum(axis=0) + 2.0 * rank * np.log(hands) + misfit)
-        logs -= 0.5 * (np.log(hands) / np.log(STEADY)) ** 2
-        self.total = float(_sum_of_logs(logs))
-        logs -= self.total
-        self.log_spread, self.log_hand = (
-            float(np.exp(logs) @ np.log(grid)) for grid in (spreads, hands)
-        )
-        # The inverse of C, times s²: its 2 × 2 blocks for each mark, and its product with the
-        # residuals.
-        across, down = by_car[::2], by_car[1::2]
-        xx = blocks[:, 0, :1] - across**2 @ damped
-        yy = blocks[:, 1, 1:] - down**2 @ damped
-        xy = blocks[:, 0, 1:] - (across * down) @ damped
-        left = missed[:, None] - by_car @ (damped * pulled[:, None])
-        x, y = left[::2], left[1::2]
-        size = np.maximum(xx * yy - xy**2, DETERMINED)
-        squared = (yy * x**2 - 2.0 * xy * x * y + xx * y**2) / size / hands**2
-        alone = 0.5 * np.log(size) - 2.0 * np.log(hands) - np.log(2.0 * np.pi) - 0.5 * squared
-        ends = np.cumsum([flags.sum() for flags in counted])[:-1]
-        self.improbable = np.split(_sum_of_logs(logs - alone), ends)
-
-
-def _without_cameras(
-    sketches: Sequence[_Linear], counted: Sequence[Flags]
-) -> tuple[Array, Array, Array, int]:
-    """Project out the motions of the cameras.
-
-    Returns
-    -------
-    missed : (m,) float
-    by_car : (m, q) float
-    blocks : (m / 2, 2, 2) float
-        Diagonal blocks of the projection, for each mark.
-    rank : int
-        Dimensions that are left.
-    """
-    missed, by_car, blocks, rank = [], [], [], 0
-    for sketch, flags in zip(sketches, counted, strict=True):
-        off, follow = sketch.missed[flags].ravel(), _tall(sketch.by_car[flags])
-        base, _ = np.linalg.qr(_tall(sketch.by_camera[flags]))
-        missed.append(off - base @ (base.T @ off))
-        by_car.append(follow - base @ (base.T @ follow))
-        pairs = base.reshape(-1, 2, base.shape[1])
-        blocks.append(np.eye(2) - pairs @ np.swapaxes(pairs, 1, 2))
-        rank += base.shape[0] - base.shape[1]
-    return np.concatenate(missed), np.vstack(by_car), np.concatenate(blocks), rank
-
-
-def _tall(pairs: Array) -> Array:
-    """Return two rows for each mark, (2 k, n), from (k, 2, n)."""
-    return pairs.reshape(-1, pairs.shape[2])
-
-
-def _sum_of_logs(logs: Array) -> Array:
-    """Return the logarithm of the sum of exponentials along the last axis."""
-    top = logs.max(axis=-1, keepdims=True)
-    return np.asarray(np.log(np.exp(logs - top).sum(axis=-1)) + top[..., 0])

@@ -38,10 +38,6 @@ from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network
 from bozzetto_car.template.shape_constraints import Soundness
 
-GENEROUS: Final = 1.4
-"""Factor on the estimated spread: marks are met as closely as the hand allows, and of cars that
-are near their template little is lost."""
-
 REMEMBERED: Final = 32
 """Number of solves that are remembered."""
 
@@ -174,9 +170,7 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
         views = [_resumed(placed[key], view, before) for key, view in pairs]
         # Who wants the marks traced more exactly than by default wants their noise, too.
         exact = min(1.0, (1.0 - state.trace) / (1.0 - TRACE))
-        cost = replace(cost, kinship=cost.kinship * np.sqrt(judged.related))
-        cost = cost.within(min(1.0, GENEROUS * judged.spread) ** exact)
-        cost = cost.unsteady(judged.hand**exact)
+        cost = cost.toward(judged.cost, exact).unsteady(judged.hand**exact)
     joint = solve(
         template, views, cost, soundness, start=start, locked=locked,
         overlap=_overlap(template) if locked else Overlap(),

@@ -46,6 +46,9 @@ REACH: Final = 700.0
 KINSHIP: Final = 0.2
 """Standard deviation of the way toward each other template, as a share of the whole way."""
 
+DEVIATIONS: Final = ("deviation", "smooth", "proportion", "kinship", "bend")
+"""The standard deviations of a cost but for that of a mark."""
+
 HELD: Final = 1e-4
 """Standard deviation of the size of a car whose size is held, as a share."""
 
@@ -80,6 +83,9 @@ class Cost:
         Deviation of outer dimensions, relative to that of cars that were built; 0: none.
     kinship : float
         Standard deviation of the way toward other templates, as a share of it; 0: none.
+    bend : float
+        Standard deviation by which the hand bends a drawing as a whole, in diagonals of the marks;
+        0: not at all.
     """
 
     hand: float
@@ -89,6 +95,7 @@ class Cost:
     smooth: float
     proportion: float
     kinship: float
+    bend: float = 0.0
 
     @classmethod
     def balanced(cls, trace: float = TRACE) -> Self:
@@ -111,15 +118,11 @@ class Cost:
         stray = max(STRAY[0], STRAY[1] / hand)
         return cls(hand, stray, DEVIATION, np.inf, SMOOTH, 1.0, KINSHIP)
 
-    def within(self, spread: float) -> Self:
-        """Return the cost for cars that differ by a share of what this cost expects."""
-        return replace(
-            self,
-            deviation=self.deviation * spread,
-            smooth=self.smooth * spread,
-            proportion=self.proportion * spread,
-            kinship=self.kinship * spread,
-        )
+    def toward(self, other: Self, share: float) -> Self:
+        """Return the cost a share of the way to another one, in squares; the hand stays."""
+        pairs = ((getattr(self, name), getattr(other, name)) for name in DEVIATIONS)
+        mixed = [((1.0 - share) * own**2 + share * its**2) ** 0.5 for own, its in pairs]
+        return replace(self, **dict(zip(DEVIATIONS, mixed, strict=True)))
 
     def unsteady(self, factor: float) -> Self:
         """Return the cost for a hand that is less steady by a factor."""

@@ -32,6 +32,10 @@ REACH: Final = 2.0
 TOUCH: Final = 2.0
 """Farthest movement of a pen that only touches a mark, px."""
 
+BESIDE: Final = (4.0, 8.0)
+"""Least distance, px on the sheet, at which a touch is meant for a place beside a mark and not for
+the mark, and the same of the newest mark: a hasty second touch is no next point."""
+
 NOT_THROUGH: Final = (
     "Marks are set where the sketch is seen as it was drawn. Go back to it with T, then touch "
     "the point."
@@ -88,7 +92,7 @@ class MarkPoints(Tool[CarState]):
 
     @override
     def drag(self, state: CarState, drag: Drag, context: Context) -> CarState:
-        """Move a mark; a touch changes nothing.
+        """Move a mark; a touch on it changes nothing, one beside it sets the next mark.
 
         Raises
         ------
@@ -96,7 +100,12 @@ class MarkPoints(Tool[CarState]):
             If the handle is no mark, or the sketch is not seen as it was drawn.
         """
         body = _seen_body(state)
-        return state if _is_touch(drag) else _marked(state, body, drag, context)
+        if not _is_touch(drag):
+            return _marked(state, body, drag, context)
+        if not _is_beside(state, body, drag, _seen(context)):
+            return state
+        x, y = drag.path.points[0].tolist()
+        return _marked(state, body, Tap(x, y, drag.camera), context)
 
 
 def _seen_body(state: CarState) -> Body:
@@ -144,6 +153,18 @@ def _is_touch(gesture: Drag) -> bool:
     """Whether a mark was touched, and not moved."""
     path = gesture.path.points
     return float(np.abs(path - path[0]).max()) < TOUCH
+
+
+def _is_beside(state: CarState, body: Body, drag: Drag, seen: Seen) -> bool:
+    """Whether a touch that met the handle of a mark is meant for another point beside it."""
+    sketch = sketch_in_work(state)
+    touched = sketch.mark_of(drag.handle.removeprefix(MARK))
+    sketch_camera = camera_looked_through(sketch, body, drag.camera, seen)
+    if touched is None or sketch_camera is None or asked_of(state, body.solved) is None:
+        return False
+    shown = drag.camera.project(sketch_camera.lifted([(touched.u, touched.v)]))[0][0]
+    least = BESIDE[touched is sketch.marks[-1]]
+    return float(np.linalg.norm(drag.path.points[0] - shown)) >= least
 
 
 def _pixels(

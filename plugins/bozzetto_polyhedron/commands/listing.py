@@ -15,6 +15,7 @@ from bozzetto_polyhedron.commands.bodies import (
 )
 from bozzetto_polyhedron.commands.hidden_edges import draw_hidden_edges
 from bozzetto_polyhedron.commands.motion import at_rest, has_moved, swing
+from bozzetto_polyhedron.commands.pieces import has_followed, put_together, take_apart
 
 
 def all_commands() -> Sequence[Command]:
@@ -71,6 +72,20 @@ def all_commands() -> Sequence[Command]:
             "Put everything that was moved back to where it was drawn.",
             at_rest,
             enabled=has_moved,
+        ),
+        Command(
+            "take-apart",
+            "Take apart",
+            "Make each limb, door or panel of the chosen body of another object move by itself.",
+            take_apart,
+            enabled=has_followed,
+        ),
+        Command(
+            "put-together",
+            "Put together",
+            "Make the chosen body of another object one piece again.",
+            put_together,
+            enabled=has_followed,
         ),
         Command(
             "right-angles",

@@ -6,8 +6,10 @@ Impulses P in the places that touch solve, with u = G P + u₀ the velocities th
 
 in time steps of Stewart & Trinkle (1996). With De Saxcé's change of variables, u + μ |u_T| n, that
 is a problem on second-order cones (Acary, Cadoux, Lemaréchal & Malick 2011): convex for a given
-|u_T|, which is then renewed. The convex one is solved by projected gradients with Nesterov's
-momentum (Mazhar et al. 2015), all places at once.
+|u_T|, which is then renewed. The convex one is solved where the natural map P − Π(P − ρ u) is zero,
+Π the projection on the cones: by Newton's method on that map (semi-smooth; Qi & Sun 1993), all
+places at once, and where that does not settle by projected gradients with Nesterov's momentum
+(Mazhar et al. 2015).
 """
 
 from __future__ import annotations
@@ -23,6 +25,12 @@ ROUNDS: Final = 100
 
 GUESSES: Final = 3
 """How often that guess is renewed."""
+
+NEWTON: Final = 15
+"""Rounds of Newton's method before projected gradients go on from the best of them."""
+
+RIDGE: Final = 1e-5
+"""Added to the slopes of Newton's method: places that carry the same share it."""
 
 SETTLED: Final = 1e-7
 """Change of impulses, relative to the largest, at which they are known."""
@@ -60,7 +68,7 @@ def contact_impulses(response: Array, speeds: Array, friction: float) -> Array:
     for _ in range(GUESSES):
         wanted = speeds.copy()
         wanted[:, 2] += friction * lifted
-        impulses = _cone_impulses(response, wanted, friction, impulses, 1.0 / largest)
+        impulses = least_impulses(response, wanted, friction, impulses)
         moving = speeds + (response @ impulses.ravel()).reshape(-1, 3)
         slides = np.hypot(moving[:, 0], moving[:, 1])
         change = float(np.abs(slides - lifted).max())
@@ -78,6 +86,62 @@ def _holding_impulses(response: Array, speeds: Array, friction: float) -> Array 
     away = float(np.abs(in_cones(impulses, friction) - impulses).max())
     small = left <= SETTLED * float(np.abs(speeds).max())
     return impulses if small and away <= SETTLED * float(np.abs(impulses).max()) else None
+
+
+def least_impulses(response: Array, speeds: Array, friction: float, start: Array) -> Array:
+    """Return the impulses P in the cones of friction of least energy ½ P·G P + P·u.
+
+    Parameters
+    ----------
+    response, speeds, friction
+        As for `contact_impulses`, without what makes the problem one of Coulomb's.
+    start : (k, 3) float64
+        A guess.
+    """
+    step = 1.0 / float(np.abs(response).sum(axis=1).max())
+    found, settled = _newton_impulses(response, speeds, friction, start, step)
+    return found if settled else _cone_impulses(response, speeds, friction, found, step)
+
+
+def _newton_impulses(
+    response: Array, speeds: Array, friction: float, start: Array, step: float
+) -> tuple[Array, bool]:
+    """Return the impulses at which the natural map is least, and whether it vanishes there."""
+    count = len(speeds)
+    unit = np.eye(3 * count)
+    onward = unit - step * response
+    now = best = in_cones(start, friction)
+    least = np.inf
+    for _ in range(NEWTON):
+        aimed = now - step * (speeds + (response @ now.ravel()).reshape(-1, 3))
+        left = now - in_cones(aimed, friction)
+        away = float(np.abs(left).max())
+        if away <= SETTLED * float(np.abs(now).max()):
+            return in_cones(now, friction), True
+        if away < least:
+            best, least = now, away
+        bent = _cone_slopes(aimed, friction) @ onward.reshape(count, 3, 3 * count)
+        slopes = (1.0 + RIDGE) * unit - bent.reshape(3 * count, 3 * count)
+        now = now - np.linalg.solve(slopes, left.ravel()).reshape(-1, 3)
+        if not np.isfinite(now).all():
+            break
+    return in_cones(best, friction), False
+
+
+def _cone_slopes(impulses: Array, friction: float) -> Array:
+    """Return how the nearest impulses in the cones go with impulses (k, 3), (k, 3, 3)."""
+    across = np.hypot(impulses[:, 0], impulses[:, 1])
+    upwards = impulses[:, 2]
+    ways = impulses[:, :2] / np.maximum(across, 1e-300)[:, None]
+    normal = np.column_stack((friction * ways, np.ones(len(ways))))
+    shared = np.asarray(np.einsum("ka,kb->kab", normal, normal) / (1.0 + friction * friction))
+    length = (friction * across + upwards) / (1.0 + friction * friction)
+    bend = friction * length / np.maximum(across, 1e-300)
+    around = np.eye(2) - np.einsum("ka,kb->kab", ways, ways)
+    shared[:, :2, :2] += bend[:, None, None] * around
+    shared[across <= friction * upwards] = np.eye(3)
+    shared[friction * across + upwards <= 0.0] = 0.0
+    return shared
 
 
 def _cone_impulses(

@@ -67,7 +67,10 @@ class Fastening:
 
 
 def fastened(machine: Machine, fastenings: Sequence[Fastening]) -> Machine:
-    """Return a machine with fittings; those between a piece and itself do nothing."""
+    """Return a machine with fittings; those between a piece and itself do nothing.
+
+    A hinge of a shape with itself drives two plates at the edge that they are hinged at.
+    """
     joints, springs = machine.assembly.joints, [machine.assembly.springs]
     turned = [
         machine.bar_between(each.first, each.begin, each.end)
@@ -113,6 +116,9 @@ def _joints(machine: Machine, each: Fastening, driven: frozenset[int]) -> Joints
         return _crank(machine, each, driven)
     if each.kind == "pin":
         return _pin(machine, each)
+    if each.kind == "hinge" and each.first == each.second:
+        folded = machine.fold_between(each.first, each.begin, each.end)
+        return no_joints() if folded is None else _driven(rest, *folded, end - begin, each.drive)
     first = machine.piece_at(each.first, each.begin)
     at_second = each.end if each.kind == "link" else each.begin
     second = machine.piece_at(each.second, at_second)

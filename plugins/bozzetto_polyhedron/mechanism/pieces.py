@@ -160,6 +160,25 @@ class Machine:
                 return int(piece)
         return None
 
+    def fold_between(self, number: int, begin: Array, end: Array) -> tuple[int, int] | None:
+        """Return the plates that share the edge between the corners nearest to two places, mm.
+
+        The first is the one round which the edge leads from the first place to the second.
+        """
+        shape, plates = self.shapes[number], self.plates[number]
+        if shape.moves != "plates":
+            return None
+        one, other = (
+            int(np.argmin(np.linalg.norm(shape.vertices - at, axis=1))) for at in (begin, end)
+        )
+        found: dict[tuple[int, int], int] = {}
+        for rings, piece in zip(shape.faces, plates, strict=True):
+            for ring in rings:
+                for pair in zip(ring, (*ring[1:], *ring[:1]), strict=True):
+                    found[pair] = int(piece)
+        pieces = found.get((one, other)), found.get((other, one))
+        return None if pieces[0] is None or pieces[1] is None else (pieces[0], pieces[1])
+
     def moved(self, number: int, motion: Motion, pieces: Index | None = None) -> Array:
         """Return the vertices of a shape where a motion has taken them, (n, 3) mm.
 

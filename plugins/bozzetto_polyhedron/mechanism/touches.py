@@ -111,17 +111,15 @@ class Touching:
         if not len(touches):
             return np.zeros_like(velocities), np.zeros_like(velocities)
         sides = self._sides(touches)
-        columns = np.arange(3 * len(touches)).reshape(-1, 3)
-        given = np.zeros((len(velocities), 6, 3 * len(touches)))
+        by_place = np.zeros((len(velocities), 6, len(touches), 3))
         for bodies, slopes in sides:
             held = np.flatnonzero(bodies != GROUND)
-            moved = np.einsum("kab,kcb->kac", inverse[bodies], slopes)
-            for k in held:
-                given[bodies[k]][:, columns[k]] += moved[k]
+            moved = inverse[bodies[held]] @ slopes[held].transpose(0, 2, 1)
+            by_place[bodies[held], :, held] += moved
+        given = by_place.reshape(len(velocities), 6, -1)
         given += self._through_joints(given, joints)
         response = sum(
-            np.einsum("kca,kaj->kcj", slopes, given[bodies]).reshape(3 * len(touches), -1)
-            for bodies, slopes in sides
+            (slopes @ given[bodies]).reshape(3 * len(touches), -1) for bodies, slopes in sides
         )
         speeds = sum(
             np.einsum("kca,ka->kc", slopes, velocities[bodies]) for bodies, slopes in sides

@@ -126,7 +126,8 @@ class Hinge(Driven):
     Parameters
     ----------
     second : str
-        Id of the body that it turns against; "" for what does not move.
+        Id of the body that it turns against; "" for what does not move, its own where two faces of
+        it that are hinged turn at the edge that they share.
     """
 
     second: str = ""

@@ -19,12 +19,16 @@ class Followed(Part):
         Id of the object.
     solid : str
         Name of the part as the object hands it over; "" for all of it.
+    piece : str
+        Name of what moves by itself of that part, such as a limb or a door; "" for all that no
+        other body is.
     anchors : tuple of Anchor
         Places that stay where they are held.
     """
 
     source: str = ""
     solid: str = ""
+    piece: str = ""
     anchors: tuple[Anchor, ...] = ()
     density: Annotated[
         float,

@@ -18,7 +18,13 @@ from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses,
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
 from bozzetto_polyhedron.reconstruction.placement import placed, residual
 from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
-from bozzetto_polyhedron.reconstruction.ranking import FEATURES, HANGING, Evidence, confidences
+from bozzetto_polyhedron.reconstruction.ranking import (
+    FEATURES,
+    HANGING,
+    Evidence,
+    confidences,
+    traits_of,
+)
 from bozzetto_polyhedron.reconstruction.readings import Reading, readings, seen_from_above
 from bozzetto_polyhedron.reconstruction.visibility import is_marked
 
@@ -70,7 +76,8 @@ def answers_of(
     if not found or most < 1:
         return (_flat(drawing, graph, camera),)
     marked = is_marked(drawing)
-    shares = confidences(np.array([each.score for each in found]), evidence_of(drawing))
+    traits = traits_of(found[0].features, len(drawing.lines), drawing.noise)
+    shares = confidences(np.array([each.score for each in found]), evidence_of(drawing), traits)
     ranked = list(zip(found, shares.tolist(), strict=True))[:most]
     if not marked and not view.certain:
         ranked = _both_sides(view.drawing, ranked)

@@ -1,8 +1,9 @@
 """Which reading is likely the right one: a log-linear model, and how far it can be trusted.
 
 The score of a reading is a weighted sum of its measures; its share among all readings is the
-softmax of the scores. The weights are data in `ranking_weights`, and the tables that turn shares
-into probabilities in `confidence_tables`.
+softmax of the scores. The weights are data in `ranking_weights`. How likely the first reading is
+right depends on its share, and on what it and the drawing are like: a logistic regression whose
+numbers are in `confidence_tables`.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_polyhedron.reconstruction.confidence_tables import CONFIDENCES, SHARES
+from bozzetto_polyhedron.reconstruction.confidence_tables import LEADS, LOG_ODDS, TRAITS
 from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
 from bozzetto_polyhedron.reconstruction.regularity import MEASURES
 
@@ -51,7 +52,29 @@ def scores(features: Array) -> Array:
     return np.asarray(features @ RANKING_WEIGHTS)
 
 
-def confidences(values: Array, evidence: Evidence) -> Array:
+DRAWN: Final = ("logarithm of the number of lines", "noise, diagonals")
+"""Traits of a drawing, behind the measures of its first reading."""
+
+LEAST, MOST = 0.02, 0.995
+"""No first reading is said to be less or more certain."""
+
+
+def traits_of(features: Array, lines: int, noise: float) -> Array:
+    """Return what tells how certain a reading is beside its share, (len(TRAITS),).
+
+    Parameters
+    ----------
+    features : (len(FEATURES),) array
+        Measures of the reading.
+    lines : int
+        Of the drawing.
+    noise : float
+        Of its corners, diagonals.
+    """
+    return np.concatenate((features, (np.log(max(1, lines)), noise)))
+
+
+def confidences(values: Array, evidence: Evidence, traits: Array) -> Array:
     """Return the probability that each of the readings is the right one.
 
     Parameters
@@ -60,6 +83,8 @@ def confidences(values: Array, evidence: Evidence) -> Array:
         Scores, best first.
     evidence : {"plain", "loose", "marked"}
         See `Evidence`.
+    traits : (len(TRAITS),) array
+        Of the first reading; see `traits_of`.
 
     Returns
     -------
@@ -70,7 +95,21 @@ def confidences(values: Array, evidence: Evidence) -> Array:
         return np.zeros(0)
     shares = np.exp(values - values.max())
     shares /= shares.sum()
-    first = float(np.interp(shares[0], SHARES, CONFIDENCES[evidence]))
+    first = confidence_of_first(lead_of(values), evidence, traits)
     rest = shares[1:] / max(1e-12, float(shares[1:].sum())) * (1.0 - first)
     limit = np.minimum(rest * (shares[1:] > 0), first)
     return np.minimum.accumulate(np.concatenate(([first], limit)))
+
+
+def lead_of(values: Array) -> float:
+    """Return the log odds of the first of some scores, (k,), against all others."""
+    others = float(np.exp(values[1:] - values[0]).sum())
+    return float(np.clip(-np.log(max(others, 1e-300)), LEADS[0], LEADS[-1]))
+
+
+def confidence_of_first(lead: float, evidence: Evidence, traits: Array) -> float:
+    """Return the probability that the first reading is right, by its lead and its traits."""
+    low, high, weights = np.array(list(TRAITS.values())).T
+    odds = float(np.interp(lead, LEADS, LOG_ODDS[evidence]))
+    odds += float(weights @ np.clip(traits, low, high))
+    return float(np.clip(1.0 / (1.0 + np.exp(-odds)), LEAST, MOST))

@@ -11,8 +11,9 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
-from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached
+from bozzetto_polyhedron.reconstruction.loose_loops import attached
 from bozzetto_polyhedron.reconstruction.metric_upgrade import metric_maps, squared
 from bozzetto_polyhedron.reconstruction.orientation import open_lines
 from bozzetto_polyhedron.reconstruction.parallel_classes import (
@@ -71,6 +72,9 @@ def readings(
     checkpoint : callable
         Called between the steps with the share done and a name.
     """
+    box = open_box(drawing)
+    if box is not None:
+        return _of_open_box(drawing, box, checkpoint)
     neighbors = neighbors_of(drawing.lines)
     parts = components(neighbors)
     parts.sort(key=lambda part: -float(np.linalg.norm(np.ptp(drawing.points[list(part)], axis=0))))
@@ -128,6 +132,18 @@ def seen_from_above(drawing: Drawing, reading: Reading) -> Reading:
     return replace(reading, depths=-reading.depths) if away > 0.0 else reading
 
 
+def _of_open_box(
+    drawing: Drawing, box: OpenBox, checkpoint: Callable[[float, str], None]
+) -> list[Reading]:
+    """Return readings of a solid with flaps: those of the solid, with the flaps at it."""
+    found: list[Reading] = []
+    for each in readings(box.solid(drawing), checkpoint):
+        depths = box.depths(drawing.points, each.depths)
+        faces = box.faces(np.column_stack((drawing.points, depths)), each.faces)
+        found += _sides(drawing, depths, faces, each.features[:-1])
+    return distinct(drawing, sorted(found, key=lambda each: -each.score))
+
+
 def _spread(values: Array) -> float:
     return float(np.sqrt((values**2).mean()))
 
@@ -166,17 +182,20 @@ def _of_body(
             open_lines(body.faces, lines) / max(1, len(lines)),
         )
         for way in attached(drawing, classes, depths, body.faces, body.corners, parts):
-            found += _sides(drawing, way, np.concatenate((measures, way.measures)))
+            every = np.concatenate((measures, way.measures))
+            found += _sides(drawing, way.depths, way.faces, every)
     return found
 
 
-def _sides(drawing: Drawing, way: Attached, measures: Array) -> list[Reading]:
+def _sides(
+    drawing: Drawing, depths: Array, faces: tuple[Rings, ...], measures: Array
+) -> list[Reading]:
     """Return a reading, and its mirrored one where marks tell them apart."""
     if not is_marked(drawing):
-        return [_reading(way.depths, way.faces, np.append(measures, 0.0))]
-    marks = agreement(drawing, way.depths, way.faces)
+        return [_reading(depths, faces, np.append(measures, 0.0))]
+    marks = agreement(drawing, depths, faces)
     return [
-        _reading(side * way.depths, way.faces, np.append(measures, each))
+        _reading(side * depths, faces, np.append(measures, each))
         for side, each in zip((1.0, -1.0), marks, strict=True)
     ]
 

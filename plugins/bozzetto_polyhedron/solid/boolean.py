@@ -16,7 +16,14 @@ from scipy.spatial import cKDTree
 from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
 from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
-from bozzetto_polyhedron.solid.face_rings import are_simple, area_vector, bounds_volume, flat_rings
+from bozzetto_polyhedron.solid.face_rings import (
+    are_simple,
+    area_vector,
+    bounds_volume,
+    edges_of,
+    flat_rings,
+    parted,
+)
 from bozzetto_polyhedron.solid.planar_body import PlanarBody, on_axis_planes
 from bozzetto_polyhedron.solid.triangulation import triangles_of, volume_of
 
@@ -37,6 +44,9 @@ otherwise."""
 SAME_PLACE: Final = 5e-6
 """Distance, as share of the size, within which two corners of triangles are one: above that
 overlap, and below anything drawn."""
+
+PARALLEL: Final = 1e-6
+"""Sine between two edges of one corner below which they run along one another."""
 
 SAME_VOLUME: Final = 1e-4
 """Largest difference of the volumes before and after corners were joined, as share of the cube of
@@ -126,7 +136,7 @@ def compact(body: PlanarBody) -> PlanarBody:
 
 
 def is_sound(body: PlanarBody, size: float) -> bool:
-    """Whether faces bound a volume, corners are on their planes, and rings apart."""
+    """Whether faces bound a volume, corners are on their planes, and nothing touches itself."""
     if not bounds_volume(body.faces) or not np.isfinite(body.vertices).all():
         return False
     for face, normal, offset in zip(body.faces, body.normals, body.offsets, strict=True):
@@ -137,7 +147,19 @@ def is_sound(body: PlanarBody, size: float) -> bool:
             return False
         if not are_simple(flat_rings(body.vertices, face, normal)):
             return False
-    return True
+    return edges_apart(body)
+
+
+def edges_apart(body: PlanarBody) -> bool:
+    """Whether no two edges leave a corner in one direction: a wall there has no thickness."""
+    edges = edges_of(body.faces)
+    ends = np.concatenate((edges, edges[:, ::-1]))
+    along = body.vertices[ends[:, 1]] - body.vertices[ends[:, 0]]
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    one, two = np.nonzero(np.triu(ends[:, None, 0] == ends[None, :, 0], 1))
+    sines = np.linalg.norm(np.cross(along[one], along[two]), axis=1)
+    ahead = (along[one] * along[two]).sum(axis=1) > 0.0
+    return not bool((ahead & (sines <= PARALLEL)).any())
 
 
 def _planes(first: PlanarBody, second: PlanarBody, size: float) -> _Planes:
@@ -306,7 +328,8 @@ def _neighbours(pieces: _Pieces) -> Index:
 def _rings(pieces: _Pieces, members: list[int], neighbours: Index) -> Rings:
     """Return the rings round triangles that hang together, the outer one first.
 
-    At a corner where the boundary touches itself the walk stays among triangles that share sides.
+    At a corner where the boundary touches itself the walk stays among triangles that share sides,
+    and what runs through the corner twice becomes two rings.
     """
     todo = {(t, k) for t in sorted(members) for k in range(3) if neighbours[t, k] < 0}
     rings: list[Ring] = []
@@ -323,7 +346,7 @@ def _rings(pieces: _Pieces, members: list[int], neighbours: Index) -> Rings:
                 triangle = int(neighbours[triangle, side])
                 side = int(np.flatnonzero(pieces.triangles[triangle] == corner)[0])
             at = (triangle, side)
-        rings.append(tuple(ring))
+        rings += parted(tuple(ring))
     sizes = [float(np.linalg.norm(area_vector(pieces.vertices[list(ring)]))) for ring in rings]
     outer = int(np.argmax(sizes))
     return (rings[outer], *(ring for k, ring in enumerate(rings) if k != outer))

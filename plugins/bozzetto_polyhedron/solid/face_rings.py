@@ -83,6 +83,29 @@ def tangents(normal: Array) -> Array:
     return np.stack((first, cross(normal, first)))
 
 
+def parted(ring: Ring) -> list[Ring]:
+    """Return a ring that runs through some corners twice as rings that touch there."""
+    found: list[Ring] = []
+    open_ring: list[int] = []
+    for vertex in ring:
+        if vertex in open_ring:
+            begin = open_ring.index(vertex)
+            found.append(tuple(open_ring[begin:]))
+            del open_ring[begin:]
+        open_ring.append(vertex)
+    return [*found, tuple(open_ring)]
+
+
+def hanging_rings(face: Rings) -> int:
+    """Return how many rings of a face hang together by no corner."""
+    groups: list[set[int]] = []
+    for ring in face:
+        met = [group for group in groups if not group.isdisjoint(ring)]
+        groups = [group for group in groups if group.isdisjoint(ring)]
+        groups.append(set(ring).union(*met))
+    return len(groups)
+
+
 def flat_rings(vertices: Array, face: Rings, normal: Array) -> list[Array]:
     """Return the rings of a face in coordinates of its own plane, each (n, 2), mm."""
     axes = tangents(normal)
@@ -109,7 +132,9 @@ def inside_face(rings: Sequence[Array], points: Array) -> Flags:
 
 
 def are_simple(rings: Sequence[Array]) -> bool:
-    """Whether plane rings neither cross nor touch, and holes lie inside the first one.
+    """Whether plane rings do not cross, and holes lie inside the first one.
+
+    Rings may touch in corners that they share to the last digit, and nowhere else.
 
     Parameters
     ----------
@@ -124,7 +149,8 @@ def are_simple(rings: Sequence[Array]) -> bool:
     outer, *holes = rings
     for number, hole in enumerate(holes):
         others = [other for k, other in enumerate(holes) if k != number]
-        if not inside(outer, hole[:1])[0] or any(inside(o, hole[:1])[0] for o in others):
+        middles = 0.5 * (hole[:1] + hole[1:2])
+        if not inside(outer, middles)[0] or any(inside(o, middles)[0] for o in others):
             return False
     return True
 
@@ -148,7 +174,8 @@ def _segments_apart(starts: Array, ends: Array, least: float) -> bool:
     if ((cross != 0.0) & proper & ~near).any():
         return False
     distance = _distance_to_segments(starts, starts, ends)
-    own = near | (ends[None] == starts[:, None]).all(axis=-1)
+    at_end = (ends[None] == starts[:, None]).all(axis=-1)
+    own = near | at_end | (starts[None] == starts[:, None]).all(axis=-1)
     own[same, same] = True
     return bool((distance[~own] > least).all()) and not _folds_back(along, lengths, follows)
 

@@ -14,6 +14,7 @@ from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.solid.face_rings import (
     edges_of,
     flat_rings,
+    hanging_rings,
     inside_face,
     signed_volume,
     tangents,
@@ -93,13 +94,13 @@ def volume_of(body: PlanarBody) -> float:
 def genus_of(body: PlanarBody) -> int | None:
     """Return the number of through-holes of a closed body; None for a sheet.
 
-    By the formula of Euler and Poincaré: V − E + F − (L − F) = 2 (S − G), where L counts rings
-    and S the connected surfaces.
+    By the formula of Euler and Poincaré: V − E + F − (L − F) = 2 (S − G), where L counts rings,
+    those that touch as one, and S the connected surfaces.
     """
     if not body.closed:
         return None
     edges = edges_of(body.faces)
-    rings = sum(len(face) for face in body.faces)
+    rings = sum(hanging_rings(face) for face in body.faces)
     count = len(np.unique(edges)) - len(edges) + 2 * len(body.faces) - rings
     return len(shells_of(body.faces)) - count // 2
 

@@ -6,14 +6,13 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-import numpy as np
-
 from bozzetto.errors import UserError
-from bozzetto.geometry import Mesh, Shapes, meshed
+from bozzetto.geometry import Mesh, Shapes, Solid, Surface, meshed
 from bozzetto.plugin import override, remembered
 from bozzetto_polyhedron.mechanism.convex_parts import Polytope, convex_parts
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import PolyhedronState
+from bozzetto_polyhedron.solve.followed_pieces import Divided, divided
 
 Sources: TypeAlias = Mapping[str, Shapes]
 """What the objects hand over that a model follows, by their ids, in the frame of the model."""
@@ -52,7 +51,7 @@ def bodies_of(sources: Sources) -> PolyhedronState:
     """
     state = PolyhedronState()
     for source, shapes in sources.items():
-        names = list(_by_name(shapes))
+        names = list(_by_name(Same(shapes)))
         if not names:
             raise UserError("There is no solid in it to move. Choose another object.")
         for name in names if len(names) <= MOST_BODIES else [""]:
@@ -70,50 +69,62 @@ def followed_meshes(state: PolyhedronState, sources: Sources) -> dict[str, Mesh]
     """Return the triangles of the followed bodies that are shown and there, by their ids."""
     found = {}
     for part in state.shown(Followed):
-        shapes = sources.get(part.source)
-        mesh = None if shapes is None else _mesh(part, _named(Same(shapes)))
+        whole = divided_of(part, sources)
+        if whole is None:
+            continue
+        number = whole.number_of(part.piece)
+        if part.piece and number is None:
+            continue
+        others = {each.piece for each in siblings_of(part, state)} - {part.piece}
+        left = tuple(k for k, name in enumerate(whole.names) if name not in others)
+        mesh = _taken(whole, left if number is None else (number,))
         if mesh is not None:
             found[part.id] = mesh
     return found
 
 
-def _mesh(part: Followed, named: Mapping[str, Mesh]) -> Mesh | None:
-    """Return the triangles of a body; an object that has a single part is that part."""
-    if part.solid == "" or len(named) == 1:
-        return _joined(list(named.values()))
-    return named.get(part.solid)
+def siblings_of(part: Followed, state: PolyhedronState) -> tuple[Followed, ...]:
+    """Return the bodies that are pieces of the same part of an object, itself among them."""
+    wanted = (part.source, part.solid)
+    return tuple(each for each in state.of_kind(Followed) if (each.source, each.solid) == wanted)
+
+
+def divided_of(part: Followed, sources: Sources) -> Divided | None:
+    """Return a followed body and the pieces that it can come apart in; None where it is gone.
+
+    An object that has a single part is that part.
+    """
+    shapes = sources.get(part.source)
+    if shapes is None:
+        return None
+    parts = _by_name(Same(shapes))
+    return _divided(Same(shapes), "" if len(parts) == 1 else part.solid)
 
 
 @remembered(limit=16)
-def _named(same: Same) -> dict[str, Mesh]:
-    return _by_name(same.shapes)
+def _divided(same: Same, solid: str) -> Divided | None:
+    """Return the pieces of all parts of one name; of all parts where it is ""."""
+    parts = _by_name(same)
+    if not solid:
+        return divided(
+            [each for several in parts.values() for each in several], next(iter(parts), "")
+        )
+    return divided(parts[solid], solid) if solid in parts else None
 
 
-def _by_name(shapes: Shapes) -> dict[str, Mesh]:
-    """Return the triangles of all parts; those of one name together."""
-    meshes: dict[str, list[Mesh]] = {}
-    for part in meshed(shapes).meshes():
-        meshes.setdefault(part.name, []).append(part.mesh)
-    made = {name: _joined(several) for name, several in meshes.items()}
-    return {name: mesh for name, mesh in made.items() if mesh is not None}
+@remembered(limit=64)
+def _taken(whole: Divided, numbers: tuple[int, ...]) -> Mesh | None:
+    return whole.taken(numbers)
 
 
-def _joined(meshes: list[Mesh]) -> Mesh | None:
-    kept = [mesh for mesh in meshes if len(mesh.faces)]
-    if len(kept) < 2:
-        return kept[0] if kept else None
-    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in kept[:-1])])
-    faces = [mesh.faces + start for mesh, start in zip(kept, starts, strict=True)]
-    vertices = np.concatenate([mesh.vertices for mesh in kept])
-    return Mesh(vertices, np.concatenate(faces).astype(np.int32))
-
-
-def is_closed(mesh: Mesh) -> bool:
-    """Whether every side of a triangle is that of another one, too."""
-    faces = np.asarray(mesh.faces, np.int64)
-    sides = np.concatenate((faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]))
-    numbers = sides.min(axis=1) * len(mesh.vertices) + sides.max(axis=1)
-    return bool((np.unique(numbers, return_counts=True)[1] == 2).all())
+@remembered(limit=16)
+def _by_name(same: Same) -> dict[str, list[Solid | Surface]]:
+    """Return the parts that have triangles, those of one name together."""
+    parts: dict[str, list[Solid | Surface]] = {}
+    for part in meshed(same.shapes).meshes():
+        if len(part.mesh.faces):
+            parts.setdefault(part.name, []).append(part)
+    return parts
 
 
 def _triangles(mesh: Mesh) -> Hashable:

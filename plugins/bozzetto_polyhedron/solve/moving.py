@@ -21,13 +21,8 @@ from bozzetto_polyhedron.model.limits import is_near
 from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import Body, Moved, PolyhedronState, Recording
 from bozzetto_polyhedron.solid.face_rings import edges_of
-from bozzetto_polyhedron.solve.followed import (
-    Sources,
-    followed_meshes,
-    is_closed,
-    key_of,
-    parts_of,
-)
+from bozzetto_polyhedron.solve.followed import Sources, followed_meshes, key_of, parts_of
+from bozzetto_polyhedron.solve.followed_pieces import is_closed
 from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
 from bozzetto_polyhedron.solve.spots import (
     corner_near,

@@ -19,6 +19,7 @@ from bozzetto_polyhedron.model.changes import Change, Join
 from bozzetto_polyhedron.model.state import MOST_ANSWERS, Body, Dimension, PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
 from bozzetto_polyhedron.reconstruction.answers import answers_of
+from bozzetto_polyhedron.reconstruction.flaps import without_findings_at_flaps
 from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.hand_over import mesh_of
 from bozzetto_polyhedron.solid.planar_body import PlanarBody, on_axis_planes
@@ -230,9 +231,10 @@ def _without_checkpoint(*asked: Any) -> Hashable:
     return asked[:-1]
 
 
+@remembered(limit=64, key=_without_checkpoint)
 def graph_of_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
     """Return the lines of a drawing and the corners in which they meet."""
-    return in_order(_searched(strokes, checkpoint).graph)
+    return without_findings_at_flaps(in_order(_searched(strokes, checkpoint).graph))
 
 
 @remembered(limit=64, key=_without_checkpoint)

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.plugin import Part
 from bozzetto_polyhedron.mechanism.assembly import GROUND
 from bozzetto_polyhedron.mechanism.fittings import Drive, Fastening, FittingKind
 from bozzetto_polyhedron.model.fittings import (
@@ -20,6 +21,7 @@ from bozzetto_polyhedron.model.fittings import (
     Place,
     Slider,
     Spot,
+    Trace,
 )
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.same_view import on_sheet
@@ -107,6 +109,16 @@ def fastenings_of(state: PolyhedronState, numbers: dict[str, int]) -> list[Faste
             )
         )
     return made
+
+
+def hung_on(body_id: str, state: PolyhedronState) -> list[Part]:
+    """Return the fittings and traces that mean nothing without a body."""
+    fittings = [
+        each
+        for each in state.of_kind(Fitting)
+        if body_id in (each.begin.body, each.end.body, getattr(each, "second", ""))
+    ]
+    return [*fittings, *(trace for trace in state.of_kind(Trace) if trace.at.body == body_id)]
 
 
 def _second(fitting: Fitting) -> str:

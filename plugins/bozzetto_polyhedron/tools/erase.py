@@ -10,9 +10,8 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
-from bozzetto.plugin import Context, Ink, Part, Tool, override
+from bozzetto.plugin import Context, Ink, Tool, override
 from bozzetto_polyhedron.model.changes import Added, Change, Join
-from bozzetto_polyhedron.model.fittings import Fitting, Trace
 from bozzetto_polyhedron.model.same_view import into_drawing
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.change_lines import change_lines
@@ -20,6 +19,7 @@ from bozzetto_polyhedron.solve.followed import Sources
 from bozzetto_polyhedron.solve.moving import NOTHING, moving
 from bozzetto_polyhedron.solve.picking import corner_places
 from bozzetto_polyhedron.solve.pipeline import solved
+from bozzetto_polyhedron.solve.spots import hung_on
 from bozzetto_polyhedron.view.fittings import seen_ends
 
 REACH: Final = 9.0
@@ -78,7 +78,7 @@ def erased(state: PolyhedronState, path: Stroke, sources: Sources = NOTHING) -> 
             own = (*state.measures_of(body), *state.slants_of(body), *state.changes_of(body))
             gone = [each.id for each in own]
             gone += [each.id for each in state.of_kind(Join) if each.other == body.id]
-            gone += [each.id for each in _hung_on(body, state)]
+            gone += [each.id for each in hung_on(body.id, state)]
             state = state.without_nodes(body.id, *gone)
         elif rubbed:
             state = state.with_node(replace(body, strokes=Strokes(kept)))
@@ -105,16 +105,6 @@ def _without_rubbed(
         return replace(state.without_nodes(change.id), selected=body.id)
     kept = [stroke for k, stroke in enumerate(change.strokes) if k not in rubbed]
     return state.with_node(replace(change, strokes=Strokes(kept)))
-
-
-def _hung_on(body: Body, state: PolyhedronState) -> list[Part]:
-    """Return the fittings and traces that mean nothing without a body."""
-    fittings = [
-        each
-        for each in state.of_kind(Fitting)
-        if body.id in (each.begin.body, each.end.body, getattr(each, "second", ""))
-    ]
-    return [*fittings, *(trace for trace in state.of_kind(Trace) if trace.at.body == body.id)]
 
 
 def _without_fittings(

@@ -152,11 +152,16 @@ class DrawHinge(_JoiningTool):
 
     @override
     def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
-        """Return the axis between two bodies; of one alone, with the one that it touches."""
+        """Return the axis between two bodies; of one alone, with the one that it touches.
+
+        Along an edge that two plates of one body share it is a fold of that body.
+        """
         if not begin.spot.body:
             begin, end = end, begin
         second = end.spot.body
-        if second == begin.spot.body:
+        number = made.number_of(second)
+        folds = number is not None and made.machine.fold_between(number, begin.place, end.place)
+        if second == begin.spot.body and not folds:
             second = _neighbour(state, made, begin, end)
         return Hinge(begin=begin.spot, end=end.spot, second=second)
 

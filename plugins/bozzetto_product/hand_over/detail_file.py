@@ -13,6 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink import (
     PLANE,
     SPACE,
+    Drawing,
     a_list,
     a_number,
     a_point,
@@ -20,6 +21,7 @@ from bozzetto.ink import (
     point_rows,
 )
 from bozzetto.plugin import Job
+from bozzetto_product.details.drawing_outlines import drawing_outlines
 from bozzetto_product.details.emblem_places import anchored
 from bozzetto_product.details.ground import Ground
 from bozzetto_product.details.outline_places import (
@@ -35,7 +37,7 @@ from bozzetto_product.solve.solver import grounds_of, solve_product
 
 KEYS: Final = (
     "name", "kind", "depth", "draft", "gap", "mirrored", "color", "open",
-    "outlines", "flat", "text", "at", "up", "width", "height", "turn",
+    "outlines", "flat", "text", "drawing", "at", "up", "width", "height", "turn",
 )  # fmt: skip
 """The keys of a detail."""
 
@@ -48,7 +50,9 @@ BOUNDS: Final = {"depth": (1e-3, 1e4), "draft": (0.0, 60.0), "gap": (1e-3, 1e4)}
 """Least and greatest numbers, mm and degrees."""
 
 
-def with_details(state: ProductState, given: object, scale: float) -> ProductState:
+def with_details(
+    state: ProductState, given: object, scale: float, drawings: Mapping[str, Drawing]
+) -> ProductState:
     """Return the state with the details that a file describes.
 
     Parameters
@@ -59,6 +63,8 @@ def with_details(state: ProductState, given: object, scale: float) -> ProductSta
         The value of “network.details”.
     scale : float
         Millimetres in a unit of the file.
+    drawings : mapping of str to Drawing
+        Those that details name, by the names of their files.
 
     Raises
     ------
@@ -76,8 +82,9 @@ def with_details(state: ProductState, given: object, scale: float) -> ProductSta
         if unknown:
             raise UserError(f"{where} has a key “{unknown[0][:40]}”. Known are {', '.join(KEYS)}.")
         detail = _form(values, where, scale)
-        if "text" in values:
-            state = state.with_node(_emblem(values, where, scale, detail, state, grounds))
+        if "text" in values or "drawing" in values:
+            unlaid = _unlaid(values, where, drawings)
+            state = state.with_node(_emblem(unlaid, values, where, scale, detail, state, grounds))
             continue
         name = detail.name or state.unused_name("Detail")
         outlines = _outlines(values, where, scale, grounds)
@@ -124,7 +131,25 @@ def _form(values: Mapping[str, Any], where: str, scale: float) -> Detail:
     )
 
 
+def _unlaid(values: Mapping[str, Any], where: str, drawings: Mapping[str, Drawing]) -> Emblem:
+    """Return a text, or the outlines of a drawing, that lie nowhere yet."""
+    if "drawing" not in values:
+        text = values["text"]
+        if not isinstance(text, str) or not 1 <= len(text.strip()) <= LONGEST_TEXT:
+            raise UserError(f"“{where}.text” is a text of 1 to {LONGEST_TEXT} characters.")
+        return Emblem(text=text, name="Text")
+    if "text" in values:
+        raise UserError(f"{where} has either “text” or “drawing”.")
+    file = an_object(values["drawing"], f"{where}.drawing").get("file")
+    drawing = drawings.get(file) if isinstance(file, str) else None
+    if drawing is None:
+        raise UserError(f"“{where}.drawing” is {{“file”: the name of a drawing beside this file}}.")
+    flat, _ = drawing_outlines(drawing.strokes, drawing.name)
+    return Emblem(flat=flat, name=drawing.name)
+
+
 def _emblem(
+    unlaid: Emblem,
     values: Mapping[str, Any],
     where: str,
     scale: float,
@@ -132,19 +157,16 @@ def _emblem(
     state: ProductState,
     grounds: Sequence[Ground],
 ) -> Emblem:
-    """Return a text on a surface."""
-    text = values["text"]
-    if not isinstance(text, str) or not 1 <= len(text.strip()) <= LONGEST_TEXT:
-        raise UserError(f"“{where}.text” is a text of 1 to {LONGEST_TEXT} characters.")
+    """Return a text, or the outlines of a drawing, on a surface."""
     if not grounds:
         raise UserError(NO_SURFACE)
     at, up = _place(values, where, scale)
     height = a_number(values.get("height"), f"{where}.height", 1e-2 / scale, 1e4 / scale) * scale
     turn = a_number(values.get("turn", 0.0), f"{where}.turn", -180.0, 180.0)
     shared = {field.name: getattr(form, field.name) for field in fields(Detail)}
-    shared |= {"id": state.unused_id(), "name": form.name or state.unused_name("Text")}
+    shared |= {"id": state.unused_id(), "name": form.name or state.unused_name(unlaid.name)}
     shared["places"] = anchored(grounds, at, up)
-    return Emblem(**shared, text=text, height=height, turn=turn)
+    return replace(unlaid, **shared, height=height, turn=turn)
 
 
 def _place(values: Mapping[str, Any], where: str, scale: float) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.geometry import Shapes, Spline
+from bozzetto.ink import Drawing
 from bozzetto_product.hand_over.detail_file import with_details
 from bozzetto_product.hand_over.names import loop_names, piece_names
 from bozzetto_product.hand_over.network_file import FIT, Network, network_of
@@ -32,8 +33,12 @@ SAMPLES: Final = 16
 """Points on each span of another model's curve."""
 
 
-def product_of_network(facts: Mapping[str, Any]) -> ProductState:
+def product_of_network(
+    facts: Mapping[str, Any], drawings: Mapping[str, Drawing] | None = None
+) -> ProductState:
     """Return the product of a file with the key “network”; see `network_of`.
+
+    `drawings` are those that its details name, by the names of their files.
 
     Raises
     ------
@@ -47,7 +52,7 @@ def product_of_network(facts: Mapping[str, Any]) -> ProductState:
     else:
         state = _with_named_loops(state, network)
     state = _with_pressures(state, network)
-    return replace(with_details(state, network.details, network.scale), selected="")
+    return replace(with_details(state, network.details, network.scale, drawings or {}), selected="")
 
 
 def _with_named_loops(state: ProductState, network: Network) -> ProductState:

@@ -15,7 +15,6 @@ from bozzetto.arrays import frozen
 from bozzetto.geometry import Spline
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Parameter, Part
-from bozzetto.scene import SurfacePlaces
 from bozzetto_product.model.appearance import Color
 from bozzetto_product.model.planes import Plane
 
@@ -68,8 +67,6 @@ class Curve(Part):
         In the frame of the model, mm. None only of the kind of part, before one is drawn.
     strokes : Strokes
         Raw ink, each stroke with its camera, in the order drawn, corrections among them.
-    places : SurfacePlaces, optional
-        Where equally spaced points of the curve lie on a model's surface.
     laid : LaidPlaces, optional
         The surface of another model that it follows.
     plane : Plane, optional
@@ -82,7 +79,6 @@ class Curve(Part):
 
     spline: Spline | None = None
     strokes: Strokes = Strokes()
-    places: SurfacePlaces | None = None
     laid: LaidPlaces | None = None
     plane: Plane | None = None
     mirrored: bool = False

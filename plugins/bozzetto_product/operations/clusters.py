@@ -42,6 +42,8 @@ class End:
         Id of the curve, and 0 or 1; "" for a joint.
     joint : str
         Id of the joint; "" for a free end.
+    held : tuple of (str, float)
+        Curves that meet in the joint, and at which share of their range.
     """
 
     place: Array
@@ -52,6 +54,7 @@ class End:
     curve: str = ""
     at: float = 0.0
     joint: str = ""
+    held: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(eq=False)
@@ -74,7 +77,7 @@ def clusters_of(ends: Sequence[End], symmetry: Plane) -> list[Cluster]:
     """Return the groups of ends that nearly meet, each end in one.
 
     Nearer ones are joined first. Two joints that are there already are never made one, nor are both
-    ends of a curve that is short.
+    ends of a curve that is short, nor a joint and the tail of a curve that runs past it.
 
     Parameters
     ----------
@@ -91,6 +94,17 @@ def clusters_of(ends: Sequence[End], symmetry: Plane) -> list[Cluster]:
         if end.image and abs(float(heights(end.place, symmetry))) <= end.gap:
             clusters[home[number]].flat = True
     return [clusters[number] for number in sorted(set(home))]
+
+
+def is_tail(end: End, joint: End) -> bool:
+    """Whether a free end is that of a curve that runs a little past a joint that it meets in.
+
+    A short stretch of a curve cannot begin and end in one place: such a tail stays free.
+    """
+    return any(
+        curve == end.curve and abs(share - end.at) * end.weight < LOOP * end.gap
+        for curve, share in joint.held
+    )
 
 
 def target_of(cluster: Cluster, ends: Sequence[End], symmetry: Plane) -> Array:
@@ -154,6 +168,8 @@ def _join(
     for number in numbers:
         end = ends[number]
         if end.curve and end.curve in seen and end.weight < LOOP * end.gap:
+            return
+        if any(is_tail(end, ends[joint]) for joint in numbers):
             return
         seen[end.curve] = number
     kept.members.extend((number, away ^ side) for number, away in taken.members)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import replace
 from typing import Final
 
@@ -21,22 +20,18 @@ from bozzetto_product.operations.meetings import (
     curve_of,
     is_end,
     joint_of,
-    share_at,
     spline_of,
     splines_of,
     unused_joint_ids,
 )
 from bozzetto_product.operations.pieces import delete_curves, split_curve
+from bozzetto_product.operations.plane_crossings import lies_in, plane_crossings
 from bozzetto_product.operations.settling import settled_state
-from bozzetto_product.operations.trim import lies_in
 from bozzetto_product.projection.planes import fitted_plane, heights, in_plane, mirror_image
 from bozzetto_product.projection.spline_basis import bent, chord_length, greville
 
 LOOKS: Final = 257
-"""Places by which crossings of a plane are sought."""
-
-BISECTIONS: Final = 60
-"""Halvings by which a crossing is located: to the last bit."""
+"""Places of a curve through which a plane is laid."""
 
 NEAR: Final = 0.02
 """Distance of an end from the symmetry plane, as a share of the curve's length, within which it
@@ -103,7 +98,7 @@ def make_symmetric(state: ProductState, curve_id: str) -> ProductState:
         If the curve is closed and crosses the plane not just twice.
     """
     spline = spline_of(state, curve_id)
-    crossings = _crossings(spline, state.symmetry)
+    crossings = plane_crossings(spline, state.symmetry)
     name = curve_id
     if spline.closed and len(crossings) not in (0, 2):
         raise UserError("The curve crosses the symmetry plane in many places. Split it first.")
@@ -182,28 +177,6 @@ def _images_on_own_curves(state: ProductState, joint: Joint) -> tuple[Meeting, .
         if not curves[meet.curve].mirrored and reflection.keeps(spline):
             found.append(Meeting(meet.curve, image_place(spline, meet.at, reflection)))
     return tuple(found)
-
-
-def _crossings(spline: Spline, plane: Plane) -> list[float]:
-    """Return the shares at which a curve goes from one side of a plane to the other."""
-    at = np.linspace(*spline.range, LOOKS)
-    height = heights(spline.value(at), plane)
-    noise = 1e-9 * max(1e-300, float(np.ptp(spline.control_points, axis=0).max()))
-    side = np.sign(np.where(np.abs(height) <= noise, 0.0, height))
-    known = np.flatnonzero(side)
-    found = []
-    for one, other in itertools.pairwise(known):
-        if side[one] == side[other]:
-            continue
-        low, high = float(at[one]), float(at[other])
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            if np.sign(float(heights(spline.value([middle])[0], plane))) == side[one]:
-                low = middle
-            else:
-                high = middle
-        found.append(share_at(spline, 0.5 * (low + high)))
-    return found
 
 
 def _with_ends_in_plane(state: ProductState, curve_id: str) -> ProductState:

@@ -259,7 +259,7 @@ def _put_together(
         points[end] = spline_of(state, kept[k]).control_points[at]
     fresh = replace(
         curve, id=name, name=state.unused_name("Curve"), spline=Spline(arc.knots, points),
-        strokes=Strokes(), places=None, laid=None, plane=None,
+        strokes=Strokes(), laid=None, plane=None,
     )  # fmt: skip
     joints = tuple(
         replace(one, meetings=(*one.meetings, Meeting(name, float(corners.index(one.id)))))

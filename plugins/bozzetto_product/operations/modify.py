@@ -27,6 +27,7 @@ from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import CurveMeant, curve_meant
 from bozzetto_product.operations.displacement import displaced
 from bozzetto_product.operations.meetings import curve_of, joint_at
+from bozzetto_product.operations.mirrored_changes import changed_on_both_sides
 from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.projection.planes import in_plane, mirror_image, mirrored_plane
 from bozzetto_product.projection.views import pixel_size, seen_at
@@ -65,7 +66,8 @@ def modify(
     """Bend a curve towards the strokes drawn over it.
 
     Ends that are joined stay, and what is joined to the inside of the curve follows. Strokes over
-    the mirror image change the one curve.
+    the mirror image change the one curve; of a curve that is its own mirror image the other half
+    changes as well.
 
     Parameters
     ----------
@@ -99,6 +101,7 @@ def modify(
     spline = drawn_over(curve.spline, strokes, held=held, plane=curve.plane, mirror=mirror)
     if spline is curve.spline:
         return state
+    spline = changed_on_both_sides(curve.spline, spline, state.symmetry)
     node = replace(curve, strokes=curve.strokes.extended(strokes), told=())
     return settled_state(state.with_node(node), {curve.id: spline})
 

@@ -60,7 +60,6 @@ def offset_curve(
         name=state.unused_name("Curve"),
         spline=made,
         plane=None,
-        places=None,
         laid=None,
     )
     return state.with_node(fresh), name

@@ -91,8 +91,8 @@ def turn_curve(state: ProductState, curve_id: str) -> ProductState:
         )
         for joint in state.joints
     ]
-    places = None if curve.places is None else curve.places.taken(slice(None, None, -1))
-    turned = replace(curve, spline=curve.spline.reversed(), places=places)
+    laid = None if curve.laid is None else _laid_taken(curve.laid, slice(None, None, -1))
+    turned = replace(curve, spline=curve.spline.reversed(), laid=laid)
     nodes = tuple(turned if node.id == curve_id else node for node in state.nodes)
     state = replace(state, nodes=nodes, joints=tuple(meetings_turned))
 
@@ -218,7 +218,7 @@ def join_curves(
     lows = {first: 0.0, second: seams[-1]}
     highs = {first: seams[0], second: 1.0}
     strokes = one.strokes.extended(tuple(other.strokes))
-    merged = replace(one, spline=whole, strokes=strokes, places=None, laid=None)
+    merged = replace(one, spline=whole, strokes=strokes, laid=None)
     if one.plane != other.plane:
         merged = replace(merged, plane=None)
     return _as_one(state, merged, second, lows, highs)
@@ -378,15 +378,13 @@ def _part_of(curve: Curve, low: float, high: float) -> Curve:
         at = np.rint(np.linspace(low, high, steps + 1) * (count - 1)).astype(np.intp)
         return at if high <= 1.0 else at % (count - 1)
 
-    places, laid = curve.places, curve.laid
-    if places is not None:
-        places = places.taken(rows(len(places))) if len(places) > 1 else None
+    laid = curve.laid
     if laid is not None and len(laid.points) > 1:
         laid = _laid_taken(laid, rows(len(laid.points)))
-    return replace(curve, places=places, laid=laid)
+    return replace(curve, laid=laid)
 
 
-def _laid_taken(laid: LaidPlaces, rows: Index) -> LaidPlaces:
+def _laid_taken(laid: LaidPlaces, rows: Index | slice) -> LaidPlaces:
     return replace(
         laid, faces=laid.faces[rows], weights=laid.weights[rows], points=laid.points[rows]
     )

@@ -18,6 +18,7 @@ from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import CurveMeant, curve_meant
 from bozzetto_product.operations.displacement import displaced
 from bozzetto_product.operations.meetings import curve_of, joint_at, spline_of
+from bozzetto_product.operations.mirrored_changes import changed_on_both_sides
 from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.projection.planes import in_plane, mirror_image, mirrored_plane
 from bozzetto_product.projection.sheet_curve import curve_on_sheet
@@ -48,7 +49,7 @@ def redraw_stretch(
 
     Where the ink begins and ends is where it leaves the curve. A free end near which the ink ends
     is taken along; joints stay. The new course changes least in space, or stays in the
-    curve's plane.
+    curve's plane. Of a curve that is its own mirror image the other half changes as well.
 
     Parameters
     ----------
@@ -97,6 +98,7 @@ def redraw_stretch(
         for end, stays in ((0, held[0]), (-1, held[1])):
             flat[end] = spline.control_points[end] if stays else flat[end]
         made = Spline(made.knots, flat, made.closed)
+    made = changed_on_both_sides(spline, made, state.symmetry)
     node = replace(curve, strokes=curve.strokes.extended(strokes), told=())
     return settled_state(state.with_node(node), {curve.id: made})
 

@@ -16,17 +16,19 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.joints import Joint, Meeting
-from bozzetto_product.model.planes import Plane, Point
+from bozzetto_product.model.planes import Point
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.operations.clusters import Cluster, End, clusters_of, target_of
+from bozzetto_product.operations.clusters import Cluster, End, clusters_of, is_tail, target_of
 from bozzetto_product.operations.crossings import crossings_of
 from bozzetto_product.operations.meetings import (
+    curve_of,
     is_end,
     meeting_place,
-    share_at,
     splines_of,
     unused_joint_ids,
 )
+from bozzetto_product.operations.nearest_meetings import nearest_inside
+from bozzetto_product.operations.plane_crossings import lies_in
 from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.operations.tangents import smooth_over_plane
 from bozzetto_product.projection.planes import heights, in_plane, mirror_image
@@ -40,9 +42,6 @@ SHORT: Final = 0.25
 
 ASKED: Final = 3.0
 """Largest gap, in gaps that are closed, that is proposed."""
-
-FLAT: Final = 1e-9
-"""Distance from the symmetry plane, as a share of the size of a curve, at which it lies in it."""
 
 
 @dataclass(frozen=True)
@@ -165,6 +164,7 @@ def accept(state: ProductState, proposal: Proposal) -> ProductState:
     if (first.curve, first.at) in taken:
         return state
     flat = len(proposal.meetings) == 1
+    in_it = flat or (_is_symmetric(state) and lies_in(curve_of(state, first.curve), state.symmetry))
     for joint in state.joints:
         known = [(meet.curve, meet.at) for meet in joint.meetings]
         if not flat and (proposal.meetings[1].curve, proposal.meetings[1].at) in known:
@@ -179,7 +179,7 @@ def accept(state: ProductState, proposal: Proposal) -> ProductState:
             joints = tuple(larger if one.id == joint.id else one for one in state.joints)
             return settled_state(replace(state, joints=joints), {})
     (name,) = unused_joint_ids(state.joints, 1)
-    fresh = Joint(name, proposal.meetings, flat)
+    fresh = Joint(name, proposal.meetings, in_it)
     place = np.asarray(proposal.place)
     carried = not flat and not is_end(splines, proposal.meetings[1])
     pins = {} if carried else {name: in_plane(place, state.symmetry) if flat else place}
@@ -199,6 +199,7 @@ def network_ends(state: ProductState, gap: float) -> list[End]:
     """Return the free ends of all curves and the joints, in an order that names do not change."""
     splines = splines_of(state)
     curves = {curve.id: curve for curve in state.of_kind(Curve)}
+    symmetric = _is_symmetric(state)
     found: list[End] = []
     joined = {(meet.curve, meet.at) for joint in state.joints for meet in joint.meetings}
     for name, spline in splines.items():
@@ -209,7 +210,7 @@ def network_ends(state: ProductState, gap: float) -> list[End]:
             if (name, at) in joined:
                 continue
             place = np.array(spline.control_points[0 if at == 0.0 else -1])
-            flat = lies_in(curves[name], state.symmetry)
+            flat = symmetric and lies_in(curves[name], state.symmetry)
             image = curves[name].mirrored
             found.append(End(place, min(gap, SHORT * length), length, image, flat, name, at))
     for joint in state.joints:
@@ -220,19 +221,15 @@ def network_ends(state: ProductState, gap: float) -> list[End]:
             image = all(curves[meet.curve].mirrored for meet in meetings) and not joint.in_plane
             width = min(gap, SHORT * min(lengths))
             weight = float(np.sum(lengths))
-            found.append(End(place, width, weight, image, joint.in_plane, joint=joint.id))
+            held = tuple((meet.curve, meet.at) for meet in meetings)
+            flat = joint.in_plane
+            found.append(End(place, width, weight, image, flat, joint=joint.id, held=held))
     return sorted(found, key=lambda end: (*end.place.tolist(), end.weight, end.at))
 
 
-def lies_in(curve: Curve, plane: Plane) -> bool:
-    """Whether a curve lies in a plane."""
-    if curve.spline is None:
-        return False
-    if curve.plane == plane:
-        return True
-    points = curve.spline.control_points
-    size = float(np.ptp(points, axis=0).max())
-    return bool(np.abs(heights(points, plane)).max() <= FLAT * size)
+def _is_symmetric(state: ProductState) -> bool:
+    """Whether the symmetry plane counts: without mirror images it is a plane like any other."""
+    return state.mirror or any(curve.mirrored for curve in state.of_kind(Curve))
 
 
 def _joints_of(
@@ -300,51 +297,6 @@ def _sided(
     return made
 
 
-def nearest_inside(
-    state: ProductState, place: Array, reach: float, busy: Collection[str], flat: bool
-) -> tuple[Meeting, float] | None:
-    """Return the nearest place inside a curve, or its mirror image, within a distance.
-
-    Curves of which an end is within that distance do not count.
-
-    Parameters
-    ----------
-    state : ProductState
-        The network, in the frame of the model.
-    place : (3,) float
-        mm.
-    reach : float
-        mm.
-    busy : collection of str
-        Ids of curves that do not count.
-    flat : bool
-        Only curves in the symmetry plane count.
-    """
-    best: tuple[float, tuple[float, ...], Meeting] | None = None
-    for curve in state.of_kind(Curve):
-        spline = curve.spline
-        if spline is None or curve.id in busy or (flat and not lies_in(curve, state.symmetry)):
-            continue
-        low, high = spline.control_points.min(axis=0), spline.control_points.max(axis=0)
-        for mirrored in (False, True) if curve.mirrored else (False,):
-            here = mirror_image(place, state.symmetry) if mirrored else place
-            if (np.maximum(low - here, here - high) > reach).any():
-                continue
-            ends = np.linalg.norm(spline.control_points[[0, -1]] - here, axis=1)
-            if not spline.closed and ends.min() <= reach:
-                continue  # it is the end that is meant
-            at = float(spline.foot_points(here[None])[0])
-            foot = spline.value([at])[0]
-            distance = float(np.linalg.norm(foot - here))
-            share = share_at(spline, at)
-            if distance > reach or not (spline.closed or 0.0 < share < 1.0):
-                continue
-            found = (distance, tuple(foot.tolist()), Meeting(curve.id, share, mirrored))
-            if best is None or found[:2] < best[:2]:
-                best = found
-    return None if best is None else (best[2], best[0])
-
-
 def proposals_of(
     state: ProductState, gap: float, only: Collection[str] | None = None
 ) -> tuple[Proposal, ...]:
@@ -367,7 +319,7 @@ def nearest_gap(end: End, ends: Sequence[End], state: ProductState) -> Proposal 
     mine = Meeting(end.curve, end.at)
     found: list[tuple[float, tuple[Meeting, ...], Array]] = []
     for other in ends:
-        if other is end:
+        if other is end or is_tail(end, other):
             continue
         for mirrored in (False, True) if end.image or other.image else (False,):
             place = mirror_image(other.place, state.symmetry) if mirrored else other.place

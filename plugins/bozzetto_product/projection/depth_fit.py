@@ -20,6 +20,7 @@ from bozzetto.geometry import Spline
 from bozzetto.scene import Hits, Scene, cast_rays, depth_breaks, unbroken_runs
 from bozzetto.view import Camera, Rays
 from bozzetto_product.projection.spline_basis import basis, with_controls
+from bozzetto_product.projection.views import seen_at
 
 SAMPLES: Final = 241
 """Places along the curve at which the surface is asked for."""
@@ -41,7 +42,15 @@ that the depth does not."""
 IMAGE: Final = 1e4
 """Weight of a mm across the sight against a mm of depth: the image is held."""
 
-ROUNDS: Final = 4
+HELD: Final = (1e6, 1e4, 1e2, 1.0)
+"""Weights of a mm from a surface that is seen squarely, tried in this order where all of the ink
+is on it: a curve that is drawn on a flat face lies in it, as far as its few control points then
+show the ink. Ink that runs off has the last weight, for a round body falls away from it."""
+
+ALLOWED: Final = 1.0
+"""Distance of the image from the ink, px, at which no smaller weight is tried."""
+
+ROUNDS: Final = 8
 """Rounds in which the places of the ink on the curve are sought anew. A view in perspective
 moves them along the curve."""
 
@@ -135,22 +144,29 @@ def at_depth(sheet: Spline, camera: Camera, sight: Sight) -> Spline:
     """
     origins, directions = sight.rays
     at = np.linspace(*sheet.range, SAMPLES)
-    depth, weight = _depths(sight, sheet.closed)
+    goals, axes, weight = _depths(sight, sheet.closed)
     price = BENDING * max(float((~sight.on).mean()), LEAST_BENDING)
     across = _across(directions)
-    curve = with_controls(sheet, np.zeros((basis(sheet, at[:1]).shape[1], 3)))
-    places = at
-    for step in range(ROUNDS):
-        curve = _solved(curve, places, origins, directions, across, depth, weight, price)
-        if camera.kind == "orthographic":
-            break  # the image is that of the sheet, exactly
-        if step + 1 < ROUNDS:
-            places = _sought(curve, places, origins, across)
+    drawn = sheet.value(at)
+    for held in HELD if sight.on.all() else HELD[-1:]:
+        say = np.where(sight.on, held, 1.0) * weight
+        curve = with_controls(sheet, np.zeros((basis(sheet, at[:1]).shape[1], 3)))
+        places = at
+        for step in range(ROUNDS):
+            curve = _solved(curve, places, goals, directions, across, axes, say, price)
+            if step + 1 < ROUNDS:
+                places = _sought(curve, places, origins, across)
+        seen = seen_at(camera, curve.value(places))
+        if np.linalg.norm(seen - drawn, axis=1).max() <= ALLOWED:
+            break
     return curve
 
 
-def _depths(sight: Sight, closed: bool) -> tuple[Array, Array]:
-    """Return depth along each ray, mm, and its weight; the last one beside the surface."""
+def _depths(sight: Sight, closed: bool) -> tuple[Array, Array, Array]:
+    """Return a place on each ray, the axis along which a curve may not leave it, and its weight.
+
+    On the surface the axis is its normal; beside it the sight, and the place has the last depth.
+    """
     origins, directions = sight.rays
     known = np.flatnonzero(sight.on)
     number = np.arange(SAMPLES)
@@ -162,9 +178,9 @@ def _depths(sight: Sight, closed: bool) -> tuple[Array, Array]:
     along = np.einsum("nk,nk->n", hit - origins, directions)
     normals = np.where(sight.on[:, None], sight.hits.normals, 0.0)
     cosine = np.einsum("nk,nk->n", normals, directions)
-    return along[nearest], np.where(
-        sight.on, np.maximum(np.abs(cosine) ** STEEPNESS, BESIDE), BESIDE
-    )
+    goals = origins + along[nearest][:, None] * directions
+    axes = np.where(sight.on[:, None], normals, directions)
+    return goals, axes, np.where(sight.on, np.abs(cosine) ** (STEEPNESS - 2.0), BESIDE)
 
 
 def _across(directions: Array) -> Array:
@@ -193,29 +209,29 @@ def _sought(curve: Spline, places: Array, origins: Array, across: Array) -> Arra
 def _solved(
     curve: Spline,
     places: Array,
-    origins: Array,
+    goals: Array,
     directions: Array,
     across: Array,
-    depth: Array,
+    axes: Array,
     weight: Array,
     price: float,
 ) -> Spline:
-    """Solve for the control points: image, depth, and bending of the depth."""
+    """Solve for the control points: image, distance from the surface, and bending of the depth."""
     rows, bending = basis(curve, places), basis(curve, places, 2)
     count = rows.shape[1]
     span = curve.range[1] - curve.range[0]
-    pieces = [(across[:, 0], np.full(len(rows), IMAGE)), (across[:, 1], np.full(len(rows), IMAGE))]
+    held = np.full(len(rows), IMAGE)
+    pieces = ((across[:, 0], held), (across[:, 1], held), (axes, weight))
     system = [
         np.sqrt(say)[:, None] * (rows[:, :, None] * axis[:, None]).reshape(len(rows), -1)
-        for axis, say in (*pieces, (directions, weight))
+        for axis, say in pieces
     ]
     system.append(
         np.sqrt(price)
         * span**2
         * (bending[:, :, None] * directions[:, None]).reshape(len(rows), -1)
     )
-    goal = [np.sqrt(say) * np.einsum("nk,nk->n", axis, origins) for axis, say in pieces]
-    goal.append(np.sqrt(weight) * (np.einsum("nk,nk->n", directions, origins) + depth))
+    goal = [np.sqrt(say) * np.einsum("nk,nk->n", axis, goals) for axis, say in pieces]
     goal.append(np.zeros(len(rows)))
     found = np.linalg.lstsq(np.vstack(system), np.concatenate(goal), rcond=None)[0]
     return with_controls(curve, found.reshape(count, 3))

@@ -10,20 +10,17 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry import Spline, closest_on_mesh
+from bozzetto.geometry import Spline
 from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import Context
-from bozzetto.scene import Scene, SurfacePlaces, project_stroke
+from bozzetto.scene import Scene, project_stroke
 from bozzetto.view import Camera
 from bozzetto_product.model.planes import Plane, Point
-from bozzetto_product.projection.depth_fit import SAMPLES, Sight, at_depth, look_along
+from bozzetto_product.projection.depth_fit import SAMPLES, at_depth, look_along
 from bozzetto_product.projection.planes import canvas_plane, heights, in_plane
 from bozzetto_product.projection.sheet_curve import FAR, SheetCurve, curve_on_sheet
 from bozzetto_product.projection.spline_basis import basis, bent, chord_length, with_controls
 from bozzetto_product.projection.views import pixel_size, seen_at
-
-PLACES: Final = 33
-"""Places by which a curve follows its surface."""
 
 AT_PLANE: Final = 6.0
 """Distance of an end from the mirror plane, px, within which it is meant to lie in it."""
@@ -59,8 +56,6 @@ class DrawnCurve:
     ----------
     spline : Spline
         mm, over 0 … 1.
-    places : SurfacePlaces or None
-        Where equally spaced points of it lie on the surface that it was drawn on.
     warnings : tuple of str
         What a person should know of it.
     creases : tuple of float
@@ -72,7 +67,6 @@ class DrawnCurve:
     """
 
     spline: Spline
-    places: SurfacePlaces | None = None
     warnings: tuple[str, ...] = ()
     creases: tuple[float, ...] = ()
     image_error: float = 0.0
@@ -168,7 +162,7 @@ def _on_surface(sheet: SheetCurve, scene: Scene, anchor: Point | None) -> DrawnC
         (_CREASE, bool(creases)),
     )
     warnings = tuple(text for text, holds in said if holds)
-    return DrawnCurve(spline, _places(spline, sight), warnings, creases)
+    return DrawnCurve(spline, warnings, creases)
 
 
 def _anchor(scene: Scene, camera: Camera, anchor: Point | None) -> Array:
@@ -198,17 +192,6 @@ def creases_along(points: Array, camera: Camera, scene: Scene) -> tuple[float, .
     ink = project_stroke(Stroke(points[:, 0], points[:, 1], camera), scene)
     at = np.concatenate([run.creases for run in ink.runs]) if ink.runs else np.zeros(0)
     return tuple(float(share) for share in np.unique(at / (len(points) - 1)))
-
-
-def _places(spline: Spline, sight: Sight) -> SurfacePlaces | None:
-    """Return where the curve lies on the one surface that all of its ink is on."""
-    rows = np.flatnonzero(sight.on)
-    if len(np.unique(sight.hits.on[rows])) > 1:
-        return None
-    known = sight.hits.places(rows[:1])
-    mesh = sight.hits.surfaces[sight.hits.on[rows[0]]].item.mesh
-    found = closest_on_mesh(mesh, spline.sampled(PLACES))
-    return replace(known, faces=found.faces.astype(np.int32), weights=found.weights)
 
 
 def _on_plane(sheet: SheetCurve, plane: Plane) -> Spline:

@@ -148,7 +148,6 @@ def with_drawn(
         state.unused_name("Curve") if older is None else older.name,
         spline=drawn.spline,
         strokes=Strokes(strokes),
-        places=drawn.places,
         plane=plane,
         told=drawn.warnings,
     )
@@ -157,7 +156,7 @@ def with_drawn(
     if state.mirror and _is_along_plane(drawn.spline, state.symmetry, strokes[0].camera):
         flat = in_plane(drawn.spline.control_points, state.symmetry)
         spline = with_controls(drawn.spline, flat)
-        curve = replace(curve, spline=spline, plane=state.symmetry, places=None, laid=None)
+        curve = replace(curve, spline=spline, plane=state.symmetry, laid=None)
     curve = replace(curve, mirrored=state.mirror and not _is_flat(curve, state))
     joined = trim(base.with_node(curve), gap=magnet_gap(base, strokes[0].camera), only={curve.id})
     return replace(with_patches_found(joined.state), selected=curve.id)

@@ -9,16 +9,19 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.ink import Drawing
 from bozzetto.plugin import Context, Drag, Gesture, Job, NextStep, Tap, override
 from bozzetto.scene import Layer, Lines, Scene, Shaded, cast_rays
 from bozzetto.view import Camera
+from bozzetto_product.details.drawing_outlines import drawing_outlines
 from bozzetto_product.details.emblem_places import anchored, emblem_outlines
-from bozzetto_product.details.ground import Ground, followed_outline
+from bozzetto_product.details.ground import Ground, followed_outline, located
 from bozzetto_product.details.outline_places import NO_SURFACE, tangent_axes
 from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.paper_surfacing import UNCARVED
+from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.solve.solver import grounds_of, solve_product
 from bozzetto_product.tools.detail import DEPTH, GAP, without_details
 from bozzetto_product.tools.product_tool import ProductTool
@@ -33,11 +36,18 @@ HEIGHT: Final = 0.06
 ABOVE: Final = 12.0
 """Distance on the sheet of the place that tells what is up for a new text, px."""
 
+ROOM: Final = 0.4
+"""Longest side of a drawing, as share of the surface that it is laid on; more is made smaller."""
+
 SMALLEST: Final = 1e-2
 LARGEST: Final = 1e4
 """Bounds of heights, mm."""
 
 BESIDE: Final = "There is no surface here. Touch a surface to lay a text on it."
+UNCHOSEN: Final = (
+    "No surface is chosen, and none is in the middle of the sheet. Choose one in the list of "
+    "objects, then add the drawing."
+)
 GONE: Final = "This handle is not there any more. Choose the text in the list, or touch anew."
 
 
@@ -72,27 +82,13 @@ class LayText(ProductTool):
         UserError
             If there is no surface that is carved.
         """
-        if state.surfaces == "paper":
-            raise UserError(UNCARVED)
-        result = solve_product(replace(state, nodes=without_details(state)), Job())
-        grounds = grounds_of(result.patches)
-        at, up = _touched(tap.camera, np.array((tap.x, tap.y)), grounds)
+        plain = _plain(state)
+        at, up = _touched(tap.camera, np.array((tap.x, tap.y)), grounds_of(plain.patches))
         model = state.chosen_of(Emblem) or next(reversed(state.of_kind(Emblem)), None)
         if model is None:
-            height, depth, gap = (
-                float(f"{share * result.size:.2g}") for share in (HEIGHT, 0.3 * DEPTH, GAP)
-            )
-            model = Emblem(text=FIRST, height=height, depth=depth, gap=gap)
-        emblem = replace(
-            model,
-            id=state.unused_id(),
-            name=state.unused_name("Text"),
-            visible=True,
-            within="",
-            turn=0.0,
-            places=anchored(grounds, at, up),
-        )
-        return replace(state.with_node(emblem), selected=emblem.id)
+            model = replace(_first(plain), text=FIRST)
+        name = state.unused_name("Text" if model.text else model.name.rstrip(" 0123456789"))
+        return _with_emblem(state, replace(model, name=name, turn=0.0), plain, at, up)
 
     @override
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
@@ -151,12 +147,90 @@ class LayText(ProductTool):
         return state.with_node(replace(emblem, height=height, turn=turn))
 
 
+def with_drawing_laid(state: ProductState, drawing: Drawing, camera: Camera) -> ProductState:
+    """Return the state with the closed lines of a drawing on a surface, as one detail.
+
+    They lie in the middle of the chosen surface, or else on what is in the middle of the sheet, as
+    large as they were drawn where there is room for them.
+
+    Raises
+    ------
+    UserError
+        If there is no surface, or the drawing has no closed lines.
+    """
+    plain = _plain(state)
+    grounds = grounds_of(plain.patches)
+    if not grounds:
+        raise UserError(NO_SURFACE)
+    flat, height = drawing_outlines(drawing.strokes, drawing.name)
+    chosen = [ground for ground in grounds if ground.patch == state.selected]
+    if chosen:
+        # Of a surface and its mirror image the one that is turned to the person.
+        ground = min(chosen, key=lambda one: float(_middle(one) @ camera.axes[2]))
+        at, up = _middle(ground), camera.axes[1]
+        grounds_there = (ground,)
+    else:
+        centre = 0.5 * np.array(camera.viewport, float)
+        at, up = _touched(camera, centre, grounds, UNCHOSEN)
+        nearest = located(grounds, at[None]).grounds[0]
+        grounds_there = (grounds[int(nearest)],)
+    room = ROOM * float(np.ptp(grounds_there[0].fill.mesh.bounds, axis=0).max())
+    low, high = flat.points.min(axis=0), flat.points.max(axis=0)
+    longest = height * max(1.0, float(high[0] - low[0]))
+    height = float(np.clip(height * min(1.0, room / longest), SMALLEST, LARGEST))
+    at, _ = tangent_axes(at, up, grounds_there)
+    name = state.unused_name(drawing.name or "Outline")
+    emblem = replace(_first(plain), flat=flat, height=height, name=name)
+    return _with_emblem(state, emblem, plain, at, up)
+
+
+def _middle(ground: Ground) -> Array:
+    """Return the middle of a surface, by area, (3,) mm."""
+    mesh = ground.fill.mesh
+    corners = mesh.vertices[mesh.faces].astype(float)
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(across, axis=1)
+    return np.asarray(area @ corners.mean(axis=1) / area.sum())
+
+
+def _plain(state: ProductState) -> ProductResult:
+    """Return the surfaces without details.
+
+    Raises
+    ------
+    UserError
+        If they are not carved.
+    """
+    if state.surfaces == "paper":
+        raise UserError(UNCARVED)
+    return solve_product(replace(state, nodes=without_details(state)), Job())
+
+
+def _first(result: ProductResult) -> Emblem:
+    """Return a first emblem, in sizes that suit the product."""
+    height, depth, gap = (
+        float(f"{share * result.size:.2g}") for share in (HEIGHT, 0.3 * DEPTH, GAP)
+    )
+    return Emblem(height=height, depth=depth, gap=gap)
+
+
+def _with_emblem(
+    state: ProductState, emblem: Emblem, plain: ProductResult, at: Array, up: Array
+) -> ProductState:
+    """Return the state with a new emblem at a place, chosen."""
+    places = anchored(grounds_of(plain.patches), at, up)
+    added = replace(emblem, id=state.unused_id(), visible=True, within="", places=places)
+    return replace(state.with_node(added), selected=added.id)
+
+
 def _grounds(state: ProductState) -> tuple[Ground, ...]:
     result = solve_product(replace(state, nodes=without_details(state)), Job())
     return grounds_of(result.patches)
 
 
-def _touched(camera: Camera, pixel: Array, grounds: tuple[Ground, ...]) -> tuple[Array, Array]:
+def _touched(
+    camera: Camera, pixel: Array, grounds: tuple[Ground, ...], beside: str = BESIDE
+) -> tuple[Array, Array]:
     """Return the place of surfaces under a pixel, and the direction there that is up on the sheet.
 
     Raises
@@ -167,7 +241,7 @@ def _touched(camera: Camera, pixel: Array, grounds: tuple[Ground, ...]) -> tuple
     scene = Scene((Layer("surfaces", tuple(Shaded(one.fill.mesh) for one in grounds)),))
     hits = cast_rays(scene, camera.rays(pixel[None]))
     if not hits.hit[0]:
-        raise UserError(BESIDE if grounds else NO_SURFACE)
+        raise UserError(beside if grounds else NO_SURFACE)
     at = np.asarray(hits.points[0], float)
     _, (*_, normal) = tangent_axes(at, camera.axes[1], grounds)
     # Over an edge the surface above may be elsewhere: the tangent plane tells what is up.

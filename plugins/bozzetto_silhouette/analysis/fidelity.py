@@ -17,6 +17,9 @@ from bozzetto_silhouette.outline.outline import Outline
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
+FLATTENED = 0.02
+"""Share of the area that the flattest places are: less is not seen."""
+
 DENSIFY = 2.5e-3
 """Spacing of the Hausdorff distance's samples, as a share of the diagonal."""
 
@@ -48,6 +51,9 @@ class Fidelity:
         Bodies, and drawn outer rings.
     thickness_ratio : float
         Greatest half thickness over the greatest inscribed radius; 1 is round.
+    flattest : float
+        Half thickness over the height of the inscribed balls, in the flattest fiftieth of the
+        area that has balls under it; 1 is round, less is flattened somewhere.
     asymmetry : float
         Difference between front and back, as a share of the depth.
     """
@@ -65,6 +71,7 @@ class Fidelity:
     components: int
     expected_components: int
     thickness_ratio: float
+    flattest: float
     asymmetry: float
 
     @property
@@ -106,8 +113,27 @@ def measure(solid: SilhouetteSolid, outline: Outline | None = None) -> Fidelity:
         components=sound.components,
         expected_components=sound.expected_components,
         thickness_ratio=0.5 * depth / radius,
+        flattest=_flattest(solid),
         asymmetry=float(abs(z.max() + z.min()) / depth) if depth > 0 else 0.0,
     )
+
+
+def _flattest(solid: SilhouetteSolid) -> float:
+    """Return the share of a round section's height that is left in the flattest places."""
+    corners, triangles = solid.plan.points, solid.plan.triangles
+    a, b, c = corners[triangles].transpose(1, 0, 2)
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    area = 0.5 * np.abs(ux * vy - uy * vx)
+    balls = solid.skeleton.heights((a + b + c) / 3.0)
+    inside = balls > 0.0
+    if not inside.any():
+        return 1.0
+    heights = [np.sqrt(np.maximum(side[triangles].mean(axis=1), 0.0))
+               for side in (solid.front, solid.back)]  # fmt: skip
+    share = 0.5 * (heights[0] + heights[1])[inside] / balls[inside]
+    order = np.argsort(share)
+    below = np.cumsum(area[inside][order])
+    return float(share[order][np.searchsorted(below, FLATTENED * below[-1])])
 
 
 def deviation_along(solid: SilhouetteSolid, ring: Array) -> tuple[Array, Array]:

@@ -61,6 +61,10 @@ FIGURES: Final[Mapping[str, Figure]] = {
         "Roundness", "Half the thickness, as a part of the largest circle in the drawing",
         "%", PERCENT, 0,
     ),
+    "flattest": Figure(
+        "Flattest place", "Half the thickness where it is flattest, as a part of a round section",
+        "%", PERCENT, 0,
+    ),
     "asymmetry": Figure(
         "Asymmetry", "Difference of the halves before and behind the sheet", "%", PERCENT, 1
     ),

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from bozzetto.plugin import Caution, remembered
+from bozzetto.scene import Walls, walls_of
 from bozzetto_silhouette.analysis.fidelity import Fidelity, area_of, measure
-from bozzetto_silhouette.analysis.wall_thickness import Walls, walls_of
 from bozzetto_silhouette.inflation.manifold_check import topology_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.ink.rings_from_strokes import specks
@@ -28,6 +28,13 @@ PRINTABLE_DETAIL = 0.4
 
 UNLIKE = 0.01
 """Deviation from the drawing, as a share of its diagonal, that is worth a warning."""
+
+
+RESAMPLED = (
+    "The surfaces of the parts could not be put together exactly, so the shape was made anew on a "
+    "grid: its edges are coarser. Move one of the parts a little."
+)
+"""What is said of a body that was made from its function."""
 
 
 @remembered(limit=256)
@@ -80,9 +87,17 @@ def report_of(
     return report
 
 
-def cautions_of(state: SilhouetteState) -> tuple[Caution, ...]:
-    """Return a caution for each part with strokes that are too small for an outline."""
-    found = []
+def cautions_of(state: SilhouetteState, body: Body | None) -> tuple[Caution, ...]:
+    """Return a caution for each part with strokes too small for an outline, and for a coarse body.
+
+    Parameters
+    ----------
+    state : SilhouetteState
+        What was drawn.
+    body : Body or None
+        The whole shape; None where nothing is left.
+    """
+    found = [] if body is None or not body.resampled else [Caution(RESAMPLED)]
     for part in shown_parts(state):
         unused = specks(points_on_sheet(tuple(part.strokes), part.sheet)) if part.strokes else 0
         if unused:

@@ -24,6 +24,14 @@ def flipped(sample: Sample) -> Sample:
     return Sample(-sample.value, -sample.gradient, sample.curvature)
 
 
+def reach_by_angle(first: Sample, second: Sample, reach: Array | float) -> Array:
+    """Return the reach of a blend of two samples, by the angle between their gradients."""
+    lengths = np.sqrt(dot(first.gradient, first.gradient) * dot(second.gradient, second.gradient))
+    cosine = dot(first.gradient, second.gradient) / np.maximum(lengths, 1e-300)
+    narrowed: Array = reach * np.clip(1.0 - cosine, 0.0, 1.0)
+    return narrowed
+
+
 def smooth_maximum(first: Sample, second: Sample, reach: Array | float) -> Sample:
     """Unite two samples by the angle between them: sides that meet smoothly do not bulge.
 
@@ -39,9 +47,7 @@ def smooth_maximum(first: Sample, second: Sample, reach: Array | float) -> Sampl
     the radius of curvature.
     """
     a, b = first.value, second.value
-    lengths = np.sqrt(dot(first.gradient, first.gradient) * dot(second.gradient, second.gradient))
-    cosine = dot(first.gradient, second.gradient) / np.maximum(lengths, 1e-300)
-    k = reach * np.clip(1.0 - cosine, 0.0, 1.0)
+    k = reach_by_angle(first, second, reach)
     excess = np.maximum(k - np.abs(a - b), 0.0)
     k = np.maximum(k, 1e-300)
     value = np.maximum(a, b) + 0.25 * excess * (excess / k)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags
 from bozzetto_silhouette.implicit.blend import flipped, smooth_maximum, summed
-from bozzetto_silhouette.implicit.blend_limiter import BlendLimiter
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed, Sample
 from bozzetto_silhouette.model.state import Operation
 
@@ -53,8 +52,6 @@ class Composite:
         crease.
     reach : float
         The largest radius of the blend, as a length.
-    limiter : BlendLimiter
-        Where less of it was found to fit.
     """
 
     first: Implicit
@@ -62,7 +59,6 @@ class Composite:
     operation: Operation
     blend: float
     reach: float
-    limiter: BlendLimiter = field(default_factory=BlendLimiter.none)
 
     @cached_property
     def bounds(self) -> Array:
@@ -84,17 +80,10 @@ class Composite:
         """Return the values and gradients at points (n, 3)."""
         return self.blended(self.sides(points))
 
-    def scaled(self, share: float) -> Composite:
-        """Return the same solid with a share of its blend."""
-        return replace(self, blend=share * self.blend, reach=share * self.reach)
-
     def sides(self, points: Array) -> Sides:
         """Sample both solids; where one cannot matter, only its bound is given."""
         first, second = self._samples(points)
-        reach = self._local_reach(first, second)
-        if len(self.limiter.places):
-            reach = reach * self.limiter.share(points)
-        return Sides(first, second, reach)
+        return Sides(first, second, self._local_reach(first, second))
 
     def within(self, box: Array, margin: float) -> Composite:
         """Return the same solid with `localized` operands."""
@@ -118,13 +107,6 @@ class Composite:
         if self.operation == "merge" and self.blend > 0.0:
             return summed(first, second, reach)
         return smooth_maximum(first, second, reach)
-
-    def sharp(self, sides: Sides) -> Array:
-        """Return the values (n,) without the blend."""
-        one, other = sides.first.value, sides.second.value
-        if self.operation == "carve":
-            return np.minimum(one, -other)
-        return np.minimum(one, other) if self.operation == "intersect" else np.maximum(one, other)
 
     def _samples(self, points: Array) -> tuple[Sample, Sample]:
         if self.operation == "intersect":
@@ -185,7 +167,7 @@ def signature(solid: Implicit) -> object:
     if isinstance(solid, Placed):
         return (signature(solid.inner), solid.placement)
     if isinstance(solid, Composite):
-        own = (solid.operation, solid.blend, solid.reach, solid.limiter.signature)
+        own = (solid.operation, solid.blend, solid.reach)
         return (signature(solid.first), signature(solid.second), *own)
     return solid
 

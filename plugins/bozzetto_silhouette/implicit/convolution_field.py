@@ -44,6 +44,9 @@ differs more (many limbs in one place) it is brought there."""
 MOST_STEPS = 12
 """Rounds of the search for a height; the default kernel needs two or three."""
 
+_PAIRS = 1 << 18
+"""Samples times edges of the skeleton that are looked at together."""
+
 _FAINT = 1e-5
 """Field, in iso-values, below which the level is held constant."""
 
@@ -230,6 +233,7 @@ def convolution_field(
 
 def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
     """Correct a field so that its zero line in z = 0 is the sampled outline."""
+    rim = replace(rim, radius=_skeleton_radii(rim, raw.skeleton))
     level = raw.raw_level(rim.points, np.zeros(len(rim.points)), rim.radius)
     # Never so much that the body would reach beyond the support of the kernel.
     most = 0.8 * (raw.softness**2 - 1.0)
@@ -251,3 +255,29 @@ def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
     summit = nodes.nodes[off]
     missing = -share[off] * field_._level(summit[:, :2], wanted[off] ** 2)
     return replace(field_, summits=np.column_stack([summit, np.clip(missing, -0.5, 0.5)]))
+
+
+def _skeleton_radii(rim: Rim, skeleton: Skeleton) -> Array:
+    """Return the local radius at the samples of a rim as the skeleton has it, (m,).
+
+    The largest ball that touches the outline shrinks to nothing in every corner. Where the
+    skeleton has no branch into it (a blunt corner, a kink of the hand) the body is as thick as
+    the ball that stands there, and the correction reaches as far.
+    """
+    radius: Array = rim.radius.copy()
+    if not len(skeleton.edges):
+        return np.asarray(np.maximum(radius, skeleton.nodes[:, 2].max()))
+    start, end = skeleton.nodes[skeleton.edges[:, 0]], skeleton.nodes[skeleton.edges[:, 1]]
+    edge = end - start
+    length2 = np.maximum((edge[:, :2] ** 2).sum(axis=1), 1e-300)
+    medial = rim.points + rim.radius[:, None] * rim.inward
+    rows = max(_PAIRS // len(edge), 1)
+    for first in range(0, len(medial), rows):
+        some = slice(first, first + rows)
+        offset = medial[some, None, :] - start[:, :2]
+        along = np.clip((offset * edge[:, :2]).sum(axis=2) / length2, 0.0, 1.0)
+        gap2 = ((offset - along[..., None] * edge[:, :2]) ** 2).sum(axis=2)
+        best = gap2.argmin(axis=1)
+        share = np.take_along_axis(along, best[:, None], axis=1)[:, 0]
+        radius[some] = np.maximum(radius[some], start[best, 2] + share * edge[best, 2])
+    return radius

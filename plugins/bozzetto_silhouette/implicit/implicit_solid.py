@@ -7,6 +7,7 @@ that is about the signed distance to its surface, positive inside, and its gradi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -69,7 +70,7 @@ class Placed:
     inner: Implicit
     placement: Placement
 
-    @property
+    @cached_property
     def bounds(self) -> Array:
         """The box around the moved box."""
         low, high = self.inner.bounds
@@ -78,12 +79,16 @@ class Placed:
         moved = self.placement.points(corners)
         return np.stack([moved.min(axis=0), moved.max(axis=0)])
 
+    @cached_property
+    def _back(self) -> Placement:
+        return self.placement.inverse()
+
     def value(self, points: Array) -> Array:
         """Return the values at points (n, 3)."""
-        return self.inner.value(self.placement.inverse().points(points)) * self.placement.scale
+        return self.inner.value(self._back.points(points)) * self.placement.scale
 
     def sample(self, points: Array) -> Sample:
         """Return the values and gradients at points (n, 3)."""
-        value, gradient, curvature = self.inner.sample(self.placement.inverse().points(points))
+        value, gradient, curvature = self.inner.sample(self._back.points(points))
         scale = self.placement.scale
         return Sample(value * scale, self.placement.directions(gradient), curvature / scale)

@@ -64,6 +64,10 @@ axis of a tube is then 1.02 radii."""
 DENSEST = 0.5
 """Height constraints closer to a higher one than this share of their height are dropped."""
 
+STANDS_OUT = 1.25
+"""A ball that reaches less far than this from the middle of a higher one, in its heights, gets no
+constraint: the axis runs on into every kink of a round end, and would pull that down to it."""
+
 THIN = 0.04
 """Height, as a share of the size, below which the axis of a limb gets a constraint of its own:
 above and below lie so close together there that the function may vanish in between."""
@@ -255,7 +259,8 @@ def _heights(frame: Frame) -> Array:
     xy, height = xy[order], height[order]
     kept: list[int] = []
     for k in range(len(xy)):
-        gap2 = ((xy[kept] - xy[k]) ** 2).sum(axis=1)
-        if not kept or gap2.min() >= (DENSEST * height[k]) ** 2:
+        gap = np.hypot(*(xy[kept] - xy[k]).T)
+        own = gap + height[k] >= STANDS_OUT * height[kept]
+        if (own & (gap >= DENSEST * height[k])).all():
             kept.append(k)
     return np.column_stack([xy, height])[kept]

@@ -17,6 +17,7 @@ from bozzetto_silhouette.inflation.thickness import Thickness, Uniform
 from bozzetto_silhouette.outline.boundary_sampling import Rim, sample_rim
 from bozzetto_silhouette.outline.domain_mesh import Plan, plan_of
 from bozzetto_silhouette.outline.medial_axis import Skeleton
+from bozzetto_silhouette.outline.mirror_symmetry import mirrored_coordinate, mirrored_plan
 from bozzetto_silhouette.outline.normalized import Frame, SkeletonRule, frame_of
 from bozzetto_silhouette.outline.outline import Outline
 
@@ -91,12 +92,15 @@ def _laid_out(frame: Frame, step: float, every_vertex: bool) -> Layout | None:
     rim = sample_rim(frame.inner.rings, step, FINEST * step, every_vertex=every_vertex)
     if not rim.simple and not every_vertex:
         return None
-    return rim, plan_of(rim, frame.axis, step)
+    plan = plan_of(rim, frame.axis, step)
+    coordinate = mirrored_coordinate(frame.inner.rings)
+    return rim, plan if coordinate is None else mirrored_plan(plan, coordinate)
 
 
 @remembered(limit=64, key=lambda model, frame, rim, plan: (plan, model))
 def _squares(model: HeightModel, frame: Frame, rim: Rim, plan: Plan) -> Array:
-    return model.squares(frame, rim, plan)
+    squares = model.squares(frame, rim, plan)
+    return squares if plan.partner is None else 0.5 * (squares + squares[plan.partner])
 
 
 def solidify(

@@ -81,16 +81,20 @@ def sheet_under(stroke: Stroke, context: Context) -> Sheet:
     parallel to the screen through what is under the stroke's first point; where nothing is,
     through the point about which the view turns.
     """
-    camera = stroke.camera
+    return sheet_at(float(stroke.x[0]), float(stroke.y[0]), stroke.camera, context)[0]
+
+
+def sheet_at(x: float, y: float, camera: Camera, context: Context) -> tuple[Sheet, bool]:
+    """Return the plane of what begins at a place of the canvas, and whether that is on a shape."""
     right, up, forward = camera.axes
+    hits = context.surface_hit(camera.rays([(x, y)]))
+    landed = bool(hits.hit[0])
     if abs(forward[1] - 1.0) < FRONT_TOLERANCE and abs(up[2] - 1.0) < FRONT_TOLERANCE:
-        return Sheet()
-    start = camera.rays([(stroke.x[0], stroke.y[0])])
-    hits = context.surface_hit(start)
-    through = hits.points[0] if hits.hit[0] else np.asarray(camera.target)
+        return Sheet(), landed
+    through = hits.points[0] if landed else np.asarray(camera.target)
     depth = float((through - camera.eye) @ forward)
     origin = np.asarray(camera.eye) + depth * forward
-    return Sheet(_point(origin), _point(right), _point(up))
+    return Sheet(_point(origin), _point(right), _point(up)), landed
 
 
 def _point(values: Array) -> Point:

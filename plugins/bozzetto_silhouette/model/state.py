@@ -277,6 +277,18 @@ class Turn:
 
 
 @dataclass(frozen=True)
+class KeyPose:
+    """A pose of a motion.
+
+    Parameters
+    ----------
+    turns : tuple of Turn
+    """
+
+    turns: tuple[Turn, ...] = ()
+
+
+@dataclass(frozen=True)
 class SilhouetteState(PartsState):
     """The tree, what is chosen in it, and what holds for all of it.
 
@@ -287,12 +299,21 @@ class SilhouetteState(PartsState):
         Id of the node that is chosen; "" for none.
     turns : tuple of Turn
     picture : Picture, optional
+    keys : tuple of KeyPose
+        A motion that goes through them, evenly in time, and from the last to the first again.
+    motion : str
+        Its name.
+    time : float
+        How far it has played, s.
     """
 
     nodes: tuple[Part | Cut | Group, ...] = ()
     selected: str = ""
     turns: tuple[Turn, ...] = ()
     picture: Picture | None = None
+    keys: tuple[KeyPose, ...] = ()
+    motion: str = "motion"
+    time: float = 0.0
     resolution: Annotated[
         int,
         Parameter(
@@ -316,10 +337,30 @@ class SilhouetteState(PartsState):
         Color | None,
         Parameter("Paint colour", help="What the paint tool gives to parts; none takes it away."),
     ] = (196, 74, 54)
+    mirrored: Annotated[
+        bool,
+        Parameter(
+            "Mirror",
+            help="What is drawn is drawn on the other side of the plane of symmetry, too; on "
+            "the front sheet, left and right.",
+        ),
+    ] = False
     posing: Annotated[
         bool,
         Parameter("Pose", help="Show the joints; drag one and the skin follows."),
     ] = False
+    beat: Annotated[
+        float,
+        Parameter(
+            "Time between poses",
+            0.05,
+            5.0,
+            step=0.05,
+            unit="s",
+            advanced=True,
+            help="How long a motion takes from one key pose to the next.",
+        ),
+    ] = 0.25
 
     @property
     def parts(self) -> tuple[Part, ...]:

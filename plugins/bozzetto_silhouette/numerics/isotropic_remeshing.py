@@ -1,4 +1,4 @@
-"""Remeshing of a part of a closed mesh: long edges are halved, short ones collapsed.
+"""Remeshing of a part of a closed mesh: short edges are collapsed, others flipped.
 
 The steps of isotropic remeshing (Botsch and Kobbelt, "A Remeshing Approach to Multiresolution
 Modeling", 2004), each done for all edges at once. The mesh stays closed and keeps its topology.
@@ -11,9 +11,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
-
-_ROUNDS = 8
-"""Halvings at most."""
 
 _DOUBT = 0.05
 """Edges whose opposite angles sum to hardly more than a half turn are left as they are."""
@@ -106,35 +103,10 @@ def halved(triangles: Index, middles: Index) -> Index:
     return np.concatenate(result)
 
 
-def split(patch: Patch) -> Patch:
-    """Halve edges between free vertices until none is longer than the spacing at its ends."""
-    for _ in range(_ROUNDS):
-        a, b = patch.faces, np.roll(patch.faces, -1, axis=1)
-        long = patch.free[a] & patch.free[b]
-        one, other = a[long], b[long]
-        most = 0.5 * (patch.spacing[one] + patch.spacing[other])
-        long[long] = _length(patch.vertices[other] - patch.vertices[one]) > most
-        if not long.any():
-            break
-        keys = np.minimum(a, b) * len(patch.vertices) + np.maximum(a, b)
-        unique = np.unique(keys[long])
-        one, other = unique // len(patch.vertices), unique % len(patch.vertices)
-        middles = np.where(long, len(patch.vertices) + np.searchsorted(unique, keys), -1)
-        patch = Patch(
-            np.vstack([patch.vertices, 0.5 * (patch.vertices[one] + patch.vertices[other])]),
-            halved(patch.faces, middles),
-            np.append(patch.free, np.ones(len(unique), dtype=bool)),
-            np.append(patch.parents, patch.parents[one]),
-            np.vstack([patch.normals, unit(patch.normals[one] + patch.normals[other])]),
-            np.append(patch.spacing, 0.5 * (patch.spacing[one] + patch.spacing[other])),
-        )
-    return patch
-
-
-def collapsed(patch: Patch, share: float, most: float, rounds: int) -> Patch:
+def collapsed(patch: Patch, share: float, rounds: int) -> Patch:
     """Collapse edges between free vertices shorter than a share of the spacing at each end.
 
-    No edge longer than `most` is. Those of faces turned over go, too. None collapses where that
+    Those of faces turned over go, too. None collapses where that
     would turn another face over or change the topology.
     """
     for _ in range(rounds):
@@ -143,7 +115,7 @@ def collapsed(patch: Patch, share: float, most: float, rounds: int) -> Patch:
         edges = _edges(patch.faces)
         edges = edges[patch.free[edges].all(axis=1)]
         length = _length(patch.vertices[edges[:, 1]] - patch.vertices[edges[:, 0]])
-        shortest = np.minimum(share * patch.spacing[edges].min(axis=1), most)
+        shortest = share * patch.spacing[edges].min(axis=1)
         wanted = np.flatnonzero((length < shortest) | over[edges].all(axis=1))
         edges = edges[wanted[np.argsort(length[wanted], kind="stable")]]
         edges = _apart(patch, edges)
@@ -159,21 +131,17 @@ def collapsed(patch: Patch, share: float, most: float, rounds: int) -> Patch:
     return patch
 
 
-def relaxed(patch: Patch, chosen: Flags | None = None) -> Patch:
-    """Move free vertices half way to the middle of their neighbours, along the surface.
-
-    All of them, or those chosen (v,).
-    """
+def relaxed(patch: Patch) -> Patch:
+    """Move free vertices half way to the middle of their neighbours, along the surface."""
     count = len(patch.vertices)
     a, b = patch.faces.ravel(), np.roll(patch.faces, -1, axis=1).ravel()
-    free = patch.free if chosen is None else patch.free & chosen
-    inner = free[a]
+    inner = patch.free[a]
     a, b = a[inner], b[inner]
     number = np.maximum(np.bincount(a, minlength=count), 1)
     middle = np.stack([
         np.bincount(a, patch.vertices[b, k], count) for k in range(3)
     ], axis=1) / number[:, None]  # fmt: skip
-    step = np.where(free[:, None], middle - patch.vertices, 0.0)
+    step = np.where(patch.free[:, None], middle - patch.vertices, 0.0)
     step -= dot(step, patch.normals)[:, None] * patch.normals
     return replace(patch, vertices=patch.vertices + 0.5 * step)
 
@@ -240,6 +208,19 @@ def _angle(apex: Array, p: Array, q: Array) -> Array:
     one, other = p - apex, q - apex
     angle: Array = np.arctan2(_length(cross(one, other)), dot(one, other))
     return angle
+
+
+def border_edges(faces: Index, count: int) -> Index:
+    """Return the directed edges (e, 2) of faces around `count` vertices that only one runs along.
+
+    None of a closed mesh; an edge that two faces run along the same way counts as none, too.
+    """
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    edges = np.minimum(a, b) * count + np.maximum(a, b)
+    order = np.argsort(edges)
+    differs = np.diff(edges[order], prepend=-1, append=-1) != 0
+    lone = order[differs[:-1] & differs[1:]]
+    return np.stack([a[lone], b[lone]], axis=1)
 
 
 def dot(a: Array, b: Array) -> Array:

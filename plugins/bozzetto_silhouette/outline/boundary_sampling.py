@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import ring_links
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 _Ring = tuple[Array, Array, Index, float]
 """Points on a ring, their arc length, their vertex number or -1, and the ring's length."""
@@ -110,7 +114,13 @@ def _frames(points: Array, after: Index, before: Index) -> tuple[Array, Array]:
     return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1), turn
 
 
-def tangent_radii(points: Array, inward: Array, limit: float, asked: Index | None = None) -> Array:
+def tangent_radii(
+    points: Array,
+    inward: Array,
+    limit: float,
+    asked: Index | None = None,
+    tree: cKDTree | None = None,
+) -> Array:
     """Return the radius of the largest ball on one side of the outline that touches each point.
 
     The shrinking ball of Ma, Bae and Choi, "3D medial axis point approximation using
@@ -124,6 +134,8 @@ def tangent_radii(points: Array, inward: Array, limit: float, asked: Index | Non
         Radius to begin with, which is also the largest answer.
     asked : (k,) int array, optional
         The points whose radii are wanted; all of them when not given.
+    tree : cKDTree, optional
+        Of the points, where it is at hand.
 
     Returns
     -------
@@ -131,7 +143,7 @@ def tangent_radii(points: Array, inward: Array, limit: float, asked: Index | Non
     """
     from scipy.spatial import cKDTree
 
-    tree = cKDTree(points)
+    tree = cKDTree(points) if tree is None else tree
     radius = np.full(len(points), limit)
     asked = np.arange(len(points)) if asked is None else asked
     active = asked
@@ -211,12 +223,12 @@ def _spread(arc: Array, spacing: float, corners: Index) -> Index:
 
 
 def _radii(
-    points: Array, inward: Array, limit: float, dense: list[_Ring], asked: list[Index]
+    tree: cKDTree, inward: Array, limit: float, dense: list[_Ring], asked: list[Index]
 ) -> Array:
     """Return `tangent_radii` at the samples asked for, and interpolate by the arc in between."""
     firsts = np.cumsum([0] + [len(ring[0]) for ring in dense[:-1]])
     places = np.concatenate([at + first for at, first in zip(asked, firsts, strict=True)])
-    known = tangent_radii(points, inward, limit, places)
+    known = tangent_radii(tree.data, inward, limit, places, tree)
     ends = np.cumsum([len(at) for at in asked])[:-1]
     return np.concatenate([
         np.interp(arc, arc[at], radius, period=length)
@@ -247,6 +259,8 @@ def sample_rim(
     every_vertex : bool
         Keep all vertices, not only corners: on a jagged line the samples alone might cross.
     """
+    from scipy.spatial import cKDTree
+
     low = np.min([r.min(axis=0) for r in rings], axis=0)
     high = np.max([r.max(axis=0) for r in rings], axis=0)
     dense = [_arc_sample(ring, step) for ring in rings]
@@ -261,8 +275,9 @@ def sample_rim(
         _spread(arc, step / 3.0, at) for (_, arc, _, _), at in zip(dense, corners, strict=True)
     ]
     # Nothing larger fits into the box; and a gap wider than a step asks for no finer one.
-    inside = _radii(points, inward, 0.51 * float((high - low).min()), dense, asked)
-    outside = _radii(points, -inward, step, dense, asked)
+    tree = cKDTree(points)
+    inside = _radii(tree, inward, 0.51 * float((high - low).min()), dense, asked)
+    outside = _radii(tree, -inward, step, dense, asked)
     wanted = np.clip(np.minimum(thinness * inside, 1.2 * outside), finest, step)
 
     samples, counts, steps, radii = [], [], [], []

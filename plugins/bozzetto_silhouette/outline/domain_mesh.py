@@ -51,12 +51,15 @@ class Plan:
         Successor of each of the m rim samples.
     chords_split : int
         How many edges joined two rim samples across the inside and were halved.
+    partner : (n,) int array, optional
+        Mirror image of each point; None where the outline is not symmetric.
     """
 
     points: Array
     triangles: Index
     after: Index
     chords_split: int = 0
+    partner: Index | None = None
 
 
 def _rows(rim: Rim, distance: RimDistance) -> tuple[Array, Array]:
@@ -170,12 +173,15 @@ def _tile(points: Array, after: Index, distance: RimDistance) -> tuple[Index, In
     a, b, c = rounded[triangles].transpose(1, 0, 2)
     twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
     triangles = np.where((twice < 0)[:, None], triangles[:, [0, 2, 1]], triangles)
-    n, m = len(points), len(after)
-    keys = np.concatenate([
-        _edge_keys(triangles[:, i], triangles[:, (i + 1) % 3], n) for i in range(3)
-    ])  # fmt: skip
-    wanted = _edge_keys(np.arange(m), after, n)
-    missing = np.flatnonzero(~np.isin(wanted, keys))
+    m = len(after)
+    absent = np.ones(m, dtype=bool)
+    for i in range(3):
+        one, other = triangles[:, i], triangles[:, (i + 1) % 3]
+        both = (one < m) & (other < m)
+        one, other = one[both], other[both]
+        absent[one[after[one] == other]] = False
+        absent[other[after[other] == one]] = False
+    missing = np.flatnonzero(absent)
     # A triangle with a vertex inside is inside, as all rim edges are there to stop it.
     doubtful = np.flatnonzero((triangles < m).all(axis=1))
     inside = np.ones(len(triangles), dtype=bool)

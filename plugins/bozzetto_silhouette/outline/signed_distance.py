@@ -76,11 +76,14 @@ class RimDistance:
         near = np.where(near == len(self.points), near[:, :1], near)
         near[missing] = 0
         segment = np.concatenate([near, self._before[near]], axis=1)
-        start, edge = self.points[segment], self._edge[segment]
-        offset = xy[:, None, :] - start
-        along = np.clip((offset * edge).sum(axis=2) / self._length2[segment], 0.0, 1.0)
-        away = offset - along[..., None] * edge
-        distance2 = (away**2).sum(axis=2)
+        # By coordinates: sums over an axis of two take three times as long.
+        (start_x, start_y), (edge_x, edge_y) = self.points.T, self._edge.T
+        edge_x, edge_y = edge_x[segment], edge_y[segment]
+        x, y = xy[:, :1] - start_x[segment], xy[:, 1:2] - start_y[segment]
+        along = np.clip((x * edge_x + y * edge_y) / self._length2[segment], 0.0, 1.0)
+        x -= along * edge_x
+        y -= along * edge_y
+        distance2 = x * x + y * y
         best = distance2.argmin(axis=1)
         row = np.arange(len(xy))
         segment, along = segment[row, best], along[row, best]
@@ -92,7 +95,8 @@ class RimDistance:
         at_start, at_end = along <= 0.0, along >= 1.0
         normal[at_start] += left[self._before[segment[at_start]]]
         normal[at_end] += left[self.after[segment[at_end]]]
-        side = np.where((away[row, best] * normal).sum(axis=1) >= 0.0, 1.0, -1.0)
+        ahead = x[row, best] * normal[:, 0] + y[row, best] * normal[:, 1]
+        side = np.where(ahead >= 0.0, 1.0, -1.0)
         distance = np.sqrt(distance2[row, best]) * side
         distance[missing] = np.inf
         return ClosestPoints(distance, segment, along)

@@ -13,7 +13,9 @@ from bozzetto.plugin import remembered
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.medial_axis import Skeleton
+from bozzetto_silhouette.outline.mirror_symmetry import mirrored_coordinate, mirrored_skeleton
 from bozzetto_silhouette.outline.normalized import frame_of
+from bozzetto_silhouette.rigging.bone_names import bone_names
 from bozzetto_silhouette.rigging.joint_extraction import Joints, joints_of, most_central
 from bozzetto_silhouette.solids.placements import placement_of
 
@@ -172,10 +174,12 @@ def armature_of(state: SilhouetteState) -> Armature | None:
         return None
     all_limbs = tuple(limbs for _, limbs in hung)
     cuts = np.concatenate([limbs.first + limbs.cuts for limbs in all_limbs])
+    places = np.concatenate([limbs.places for limbs in all_limbs])
+    parts = [piece.part.name for piece, limbs in hung for _ in limbs.nodes]
     rig = Rig(
-        np.concatenate([limbs.places for limbs in all_limbs]),
+        places,
         np.array(parents, np.int32),
-        _names([(piece.part.name, len(limbs.nodes)) for piece, limbs in hung]),
+        bone_names(places, parents, parts),
         cuts=cuts.astype(np.int32) if len(cuts) else None,
     )
     rigid = frozenset(part.id for part in adding if part.surface == "straight")
@@ -185,7 +189,11 @@ def armature_of(state: SilhouetteState) -> Armature | None:
 def _skeleton_of(part: Part) -> Skeleton:
     """Return the skeleton of a part's solid, in the object frame."""
     frame = frame_of(outline_of(part), part.skeleton)
-    return frame.skeleton.transformed(frame.scale, frame.origin)
+    skeleton = frame.skeleton
+    coordinate = mirrored_coordinate(frame.inner.rings)
+    if coordinate is not None:
+        skeleton = mirrored_skeleton(skeleton, coordinate)
+    return skeleton.transformed(frame.scale, frame.origin)
 
 
 def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
@@ -268,19 +276,3 @@ def _rooted(piece: _Piece, root: int, first: int) -> Limbs:
         tuple(axis[order[a], order[b]] for a, b in pairs),
         first,
     )
-
-
-def _names(runs: list[tuple[str, int]]) -> tuple[str, ...]:
-    """Return names like Part 1, Part 1.2, Part 1.3: all different, whatever parts are called."""
-    taken: dict[str, None] = {}
-    counts: dict[str, int] = {}
-    for name, count in runs:
-        stem = name or "Joint"
-        for _ in range(count):
-            while True:
-                counts[stem] = counts.get(stem, 0) + 1
-                one = stem if counts[stem] == 1 else f"{stem}.{counts[stem]}"
-                if one not in taken:
-                    break
-            taken[one] = None
-    return tuple(taken)

@@ -46,6 +46,9 @@ radii: beyond, there is a joint in the bend, or the bone would leave the skin.""
 SLACK = 0.01
 """The same as a share of the part's longest side, where that is more."""
 
+SAME = 1e-4
+"""Share by which the two halves of a symmetric shape may differ."""
+
 SAMPLES = 64
 """Places along a limb at which its thickness is looked at."""
 
@@ -160,10 +163,18 @@ def _proud(limbs: list[_Limb], size: float) -> list[_Limb]:
         ]
         if not free:
             return limbs
-        outwards, least = min(free, key=lambda pair: pair[0].beyond(size))
-        if outwards.beyond(size) > 1.0:
+        heights = [outwards.beyond(size) for outwards, _ in free]
+        least = min(heights)
+        if least > 1.0:
             return limbs
-        limbs = _through([limb for limb in limbs if limb is not least], outwards.start)
+        # What is alike goes together, or a symmetric shape would lose one side.
+        alike = [pair for pair, height in zip(free, heights, strict=True) if height - least < SAME]
+        if len(alike) == len(limbs):
+            alike = alike[:1]
+        gone = [limb for _, limb in alike]
+        limbs = [limb for limb in limbs if not any(limb is other for other in gone)]
+        for start in dict.fromkeys(outwards.start for outwards, _ in alike):
+            limbs = _through(limbs, start)
 
 
 def _through(limbs: list[_Limb], node: int) -> list[_Limb]:
@@ -179,7 +190,10 @@ def _through(limbs: list[_Limb], node: int) -> list[_Limb]:
 
 
 def _joined(limbs: list[_Limb]) -> list[_Limb]:
-    """Merge junctions that lie within one another, at the place of the larger."""
+    """Merge junctions that lie within one another, at the place of the larger.
+
+    Of two that are equally large it is the middle between them.
+    """
     limbs = list(limbs)
     while True:
         degrees = _degrees(limbs)
@@ -193,7 +207,17 @@ def _joined(limbs: list[_Limb]) -> list[_Limb]:
             return limbs
         inwards = near if near.path[0, 2] >= near.path[-1, 2] else near.turned()
         kept, gone, place = inwards.start, inwards.end, inwards.path[:1]
-        limbs = [_led(limb, gone, kept, place) for limb in limbs if limb is not near]
+        others = [limb for limb in limbs if limb is not near]
+        if abs(float(near.path[0, 2] - near.path[-1, 2])) < SAME * place[0, 2]:
+            place = _middle(near)
+            others = [_led(limb, kept, kept, place) for limb in others]
+        limbs = [_led(limb, gone, kept, place) for limb in others]
+
+
+def _middle(limb: _Limb) -> Array:
+    """Return x, y and radius half-way along a limb, (1, 3)."""
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(limb.path[:, :2], axis=0).T))])
+    return np.array([[np.interp(0.5 * along[-1], along, column) for column in limb.path.T]])
 
 
 def _led(limb: _Limb, gone: int, kept: int, place: Array) -> _Limb:

@@ -238,9 +238,23 @@ def _matched(armature: Armature, turns: tuple[Turn, ...]) -> dict[int, int]:
 
 def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
     """Return the rig with the turns of the joints that it has."""
-    matched = _matched(armature, turns)
-    if not matched:
+    if not _matched(armature, turns):
         return armature.rig
+    return replace(armature.rig, turns=quaternions_of(armature, turns))
+
+
+def turns_of(armature: Armature, quaternions: Array) -> tuple[Turn, ...]:
+    """Return the turns that pose an armature by quaternions, (n, 4), x, y, z, w."""
+    from scipy.spatial.transform import Rotation
+
+    turned = np.flatnonzero(np.abs(quaternions[:, :3]).max(axis=1) > 0.0)
+    matrices = Rotation.from_quat(quaternions).as_matrix()
+    return tuple(_turn_of(armature, joint, matrices[joint]) for joint in turned.tolist())
+
+
+def quaternions_of(armature: Armature, turns: tuple[Turn, ...]) -> Array:
+    """Return the quaternions, (n, 4), x, y, z, w, by which turns pose an armature."""
+    matched = _matched(armature, turns)
     quaternions = np.tile([0.0, 0.0, 0.0, 1.0], (len(armature.rig.joints), 1))
     for joint, k in matched.items():
         w, *axis = turns[k].rotation
@@ -251,7 +265,7 @@ def _turned(armature: Armature, turns: tuple[Turn, ...]) -> Rig:
                 placement = armature.limbs_of(joint).placement
                 quaternion[:3] = _carried_axis(placement, quaternion[:3])
             quaternions[joint] = quaternion / np.linalg.norm(quaternion)
-    return replace(armature.rig, turns=quaternions)
+    return quaternions
 
 
 def _triple(values: Array) -> Point:

@@ -16,15 +16,13 @@ from bozzetto.arrays import Array, Index
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.rigging.armature import Armature
 from bozzetto_silhouette.rigging.bone_weights import Bones, Gaps, eased
+from bozzetto_silhouette.rigging.weight_diffusion import MOST, gentle
 from bozzetto_silhouette.solids.body import Body
 
 Singles = NDArray[np.float32]
 
 SEAM = 0.5
 """How far parts blend into each other at a seam, in largest radii of the thinner one."""
-
-MOST = 4
-"""Joints that a vertex can follow in files."""
 
 CHUNK = 8192
 """Vertices at a time: what is worked on stays in the cache, and the window can breathe."""
@@ -72,16 +70,16 @@ def followed(
     """
     bones = [Bones(limbs) for limbs in armature.limbs]
     followers = [_follower(armature, body, bones, owner) for owner in range(len(body.sources))]
-    joints = np.zeros((len(body.vertices), MOST), np.uint16)
-    weights = np.zeros((len(body.vertices), MOST), np.float32)
+    shares = np.zeros((len(body.vertices), len(armature.radii)))
     for owner in np.unique(body.origins).tolist():
         mine = np.flatnonzero(body.origins == owner)
         for start in range(0, len(mine), CHUNK):
-            checkpoint(1.0, "skin")  # the last step, and a short one
+            checkpoint(1.0, "skin")  # the last step
             some = mine[start : start + CHUNK]
-            joints[some], weights[some] = _strongest(followers[owner](body.vertices[some]))
-    _sew(armature, body, followers, joints, weights)
-    return joints, weights
+            table = followers[owner](body.vertices[some])
+            shares[some[:, None], table.joints] = table.shares
+    _sew(armature, body, followers, shares)
+    return _strongest(gentle(body.vertices, body.faces, armature.rig, shares, checkpoint))
 
 
 def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int) -> Follower:
@@ -118,34 +116,20 @@ def _mixed(bones: Sequence[Bones], points: Array) -> Table:
     return Table(np.concatenate(joints), np.concatenate(shares, axis=1))
 
 
-def _strongest(table: Table) -> tuple[NDArray[np.uint16], Singles]:
-    """Return the joints with the largest shares, (n, 4), and their weights.
-
-    What the fifth has is taken off the others, so that nothing jumps where two joints change
-    places in this row.
-    """
-    shares = table.shares
-    if shares.shape[1] <= MOST:
-        shares = np.pad(shares, ((0, 0), (0, MOST + 1 - shares.shape[1])))
-    columns = np.argpartition(shares, -MOST - 1, axis=1)[:, -MOST - 1 :]
-    found = np.take_along_axis(shares, columns, axis=1)
-    order = np.argsort(-found, axis=1)
-    columns = np.take_along_axis(columns, order, axis=1)[:, :MOST]
-    found = np.take_along_axis(found, order, axis=1)
-    weights = found[:, :MOST] - found[:, MOST:]
-    total = weights.sum(axis=1, keepdims=True)
-    # Five alike leave nothing: then the four are alike.
-    weights = np.where(total > 1e-6, weights / np.maximum(total, 1e-6), 1.0 / MOST)
-    numbers = np.pad(table.joints, (0, shares.shape[1] - len(table.joints)))
-    return np.where(weights > 0.0, numbers[columns], 0).astype(np.uint16), weights
+def _strongest(shares: Array) -> tuple[NDArray[np.uint16], Singles]:
+    """Return the joints with the largest shares, (n, 4), and their weights."""
+    shares = np.pad(shares, ((0, 0), (0, max(0, MOST - shares.shape[1]))))
+    columns = np.argsort(-shares, axis=1, kind="stable")[:, :MOST]
+    weights = np.take_along_axis(shares, columns, axis=1)
+    weights = (weights / weights.sum(axis=1, keepdims=True)).astype(np.float32)
+    return np.where(weights > 0.0, columns, 0).astype(np.uint16), weights
 
 
 def _sew(
     armature: Armature,
     body: Body,
     followers: Sequence[Follower],
-    joints: NDArray[np.uint16],
-    weights: Singles,
+    shares: Array,
 ) -> None:
     """Mix what vertices near a seam follow with what the part beyond it follows, in place.
 
@@ -169,15 +153,9 @@ def _sew(
             share = 0.5 * eased(1.0 - gap / width)
             table = followers[other](body.vertices[own[near]])
             said.append((own[near], share / (1.0 - share), table))
-    rows = np.unique(np.concatenate([near for near, _, _ in said]))
-    count = len(armature.radii)
-    shares = np.zeros((len(rows), count), np.float32)
-    np.add.at(shares, (np.arange(len(rows))[:, None], joints[rows].astype(np.intp)), weights[rows])
     for near, odds, table in said:
-        at = np.searchsorted(rows, near)
-        shares[np.ix_(at, table.joints)] += odds[:, None] * table.shares
+        shares[near[:, None], table.joints] += odds[:, None] * table.shares
     shares /= shares.sum(axis=1, keepdims=True)
-    joints[rows], weights[rows] = _strongest(Table(np.arange(count), shares))
 
 
 def _near(points: Array, others: Array, width: float) -> tuple[Index, Array]:

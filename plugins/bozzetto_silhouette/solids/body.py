@@ -54,6 +54,8 @@ class Body:
         The same mesh as manifold3d sees it, where it is at hand.
     solid : SilhouetteSolid, optional
         For a part by itself: its solid, in the part's object frame.
+    resampled : bool
+        Whether meshes could not be put together, so that it was made anew from its function.
     """
 
     vertices: Array
@@ -68,6 +70,7 @@ class Body:
     constraints: Constraints | None = None
     known: Manifold | None = None
     solid: SilhouetteSolid | None = None
+    resampled: bool = False
 
     @cached_property
     def manifold(self) -> Manifold:

@@ -1,34 +1,28 @@
-"""Two bodies become one: sharp by manifold3d, or with a blend around the crease."""
+"""Two bodies become one; the mesh of whatever was put together."""
 
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.errors import UserError
-from bozzetto_silhouette.implicit.composite import Composite
-from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Operation
-from bozzetto_silhouette.numerics.isotropic_remeshing import unit
+from bozzetto_silhouette.numerics.grouping import connected_pieces
+from bozzetto_silhouette.solids.assembly import Assembly, assembled, remade
 from bozzetto_silhouette.solids.body import Body
-from bozzetto_silhouette.solids.fillet import Fillet, filleted
+from bozzetto_silhouette.solids.lump import meet
+from bozzetto_silhouette.solids.seams import Sewn, sewn
+from bozzetto_silhouette.solids.union_mesh import UnionMesh, found, union_mesh
 from bozzetto_silhouette.solids.variational_csg import variational_combined
+from bozzetto_silhouette.solids.volume_check import RESAMPLED, is_allowed
 
-if TYPE_CHECKING:
-    from manifold3d import Manifold
-
-
-_DIFFERENCE = 0.04
-"""Width of the difference quotients for normals, as a share of the reach."""
-
-_TETRAHEDRON = np.array([[1, -1, -1], [-1, -1, 1], [-1, 1, -1], [1, 1, 1.0]]) / np.sqrt(3.0)
-_KEY = np.array([0.7548776662466927, 0.5698402909980532, 0.3247179572447460])
+SPECK = 8.0
+"""Volume, in cubes of the spacing of the finer mesh, below which a piece by itself is no part: the
+smallest part has hundreds, for its own spacing suits it."""
 
 
 def combined(
@@ -56,115 +50,157 @@ def combined(
     Body or None
         None where nothing is left.
     """
-    reach = blend * min(first.radius, second.radius)
-    if not _near(first, second):
-        return _apart(first, second, operation)
-    checkpoint(0.0, "combine")
-    if reach > 0.0 and first.constraints is not None and second.constraints is not None:
-        if operation in ("merge", "carve"):
-            with suppress(UserError):  # no sound surface through them: blended like all others
-                return variational_combined(first, second, operation, blend, checkpoint)
-    whole = _boolean(first, second, operation)
-    if whole.is_empty() or not whole.volume() > 0.0:
-        return None
-    sharp = _sharp(first, second, operation, whole)
-    if reach <= 0.0 or len(sharp.creases) == 0:
-        return sharp
-    checkpoint(0.4, "blend")
-    solid = Composite(first.implicit, second.implicit, operation, blend, reach)
-    fillet = filleted(sharp.vertices, sharp.faces.astype(np.intp), solid, sharp.step, checkpoint)
-    known = as_manifold(fillet.vertices, fillet.faces.astype(np.int32))
-    if known.is_empty() or not known.volume() > 0.0:
-        return sharp
-    return _blended(sharp, fillet, known)
+    both = joined(Assembly.of(first), Assembly.of(second), operation, blend, checkpoint)
+    return None if both is None else meshed(both, checkpoint)
 
 
-def _near(first: Body, second: Body) -> bool:
-    (low, high), (other_low, other_high) = first.bounds, second.bounds
-    return bool((low <= other_high).all() and (other_low <= high).all())
+def joined(
+    first: Assembly,
+    second: Assembly,
+    operation: Operation,
+    blend: float,
+    checkpoint: Checkpoint = ignore,
+) -> Assembly | None:
+    """Put two assemblies together; parameters are those of `combined`.
+
+    Variational bodies merge and carve by what they interpolate.
+    """
+    one, other = first.alone, second.alone
+    if (
+        operation in ("merge", "carve") and blend > 0.0
+        and one is not None and one.constraints is not None
+        and other is not None and other.constraints is not None
+        and meet(one.bounds, other.bounds)
+    ):  # fmt: skip
+        with suppress(UserError):  # no sound surface through them: blended like all others
+            body = variational_combined(one, other, operation, blend, checkpoint)
+            if body is None:
+                return None
+            if is_allowed(body.manifold, operation, one.manifold, other.manifold, RESAMPLED):
+                return Assembly.of(body)
+    return assembled(first, second, operation, blend, checkpoint)
 
 
-def _boolean(first: Body, second: Body, operation: Operation) -> Manifold:
-    if operation == "carve":
-        return first.manifold - second.manifold
-    if operation == "intersect":
-        return first.manifold ^ second.manifold
-    return first.manifold + second.manifold
+def meshed(assembly: Assembly, checkpoint: Checkpoint = ignore) -> Body:
+    """Return the body of an assembly: its lumps united and its seams made even.
 
+    Where the lumps make no sound solid it is made anew from their functions.
 
-def _apart(first: Body, second: Body, operation: Operation) -> Body | None:
-    """Combine two bodies whose boxes do not touch."""
-    if operation == "carve":
-        return first
-    if operation == "intersect":
-        return None
-    count = len(first.vertices)
-    return Body(
-        np.vstack([first.vertices, second.vertices]),
-        np.concatenate([first.faces, second.faces + np.int32(count)]),
-        np.vstack([first.normals, second.normals]),
-        np.append(first.origins, second.origins + np.int32(len(first.sources))),
-        first.sources + second.sources,
-        Composite(first.implicit, second.implicit, operation, 0.0, 0.0),
-        max(first.radius, second.radius),
-        min(first.step, second.step),
-        np.append(first.creases, second.creases + count),
-    )
-
-
-def _sharp(first: Body, second: Body, operation: Operation, whole: Manifold) -> Body:
-    """Make a body of a boolean's mesh; normals and origins come from the vertices before it."""
-    mesh = whole.to_mesh64()
-    vertices = np.array(mesh.vert_properties, np.float64)[:, :3]
-    faces = np.array(mesh.tri_verts).astype(np.int32)
-    before = np.vstack([first.vertices, second.vertices])
-    parents = _found(vertices, before)
-    side = -1.0 if operation == "carve" else 1.0
-    normals = np.vstack([first.normals, side * second.normals])[parents]
-    origins = np.append(first.origins, second.origins + np.int32(len(first.sources)))[parents]
-    sharp_before = np.zeros(len(before), dtype=bool)
-    sharp_before[first.creases] = sharp_before[len(first.vertices) + second.creases] = True
+    Raises
+    ------
+    UserError
+        If not even that is sound.
+    """
+    if assembly.alone is not None:
+        return assembly.alone
+    checkpoint(0.8, "combine")
+    whole = union_mesh(assembly.lumps)
+    if whole is None:
+        return _remade(assembly, checkpoint)
+    vertices, faces = whole.vertices, whole.faces
+    bodies = [piece.body for piece in assembly.pieces]
+    before = np.vstack([
+        *(body.vertices for body in bodies), *(f.surface.vertices for f in assembly.fillets),
+    ])  # fmt: skip
+    parents = found(vertices, before)
+    count = sum(len(body.vertices) for body in bodies)
+    seam = _seam(assembly, whole)
+    kept = _without_specks(vertices, faces, assembly.step)
+    faces = (np.cumsum(kept, dtype=np.int32) - np.int32(1))[faces[kept[faces[:, 0]]]]
+    vertices, parents, seam = vertices[kept], parents[kept], seam[kept]
     new = parents < 0
-    on_crease = np.flatnonzero(new | sharp_before[parents])
+    of_fillet = parents >= count
+    normals = np.vstack([
+        *(side * body.normals for body, side in assembly.pieces),
+        *(f.surface.normals for f in assembly.fillets),
+    ])[parents]  # fmt: skip
+    sharp = np.zeros(len(before) + 1, dtype=bool)
+    sharp[_numbered([body.creases for body in bodies], bodies)] = True
+    creases = (new | sharp[parents]) & (seam < 0)
+    on_crease = np.flatnonzero(creases)
     normals[on_crease] = _crease_normals(vertices, faces, on_crease)
+    origins = _spread(_origins(bodies, len(before))[parents], new | of_fillet, faces)
+    if (seam >= 0).any():
+        checkpoint(0.9, "blend")
+        result = _with_seams(assembly, vertices, faces, seam, creases, parents - count)
+    else:
+        unmoved = np.zeros(len(vertices), dtype=bool)
+        result = Sewn(vertices, faces.astype(np.intp), np.arange(len(vertices)), unmoved, normals)
+    normals = np.where(result.moved[:, None], result.normals, normals[result.parents])
     return Body(
-        vertices,
-        faces,
+        result.vertices,
+        result.faces.astype(np.int32),
         normals,
-        _spread(origins, new, faces),
-        first.sources + second.sources,
-        Composite(first.implicit, second.implicit, operation, 0.0, 0.0),
-        max(first.radius, second.radius),
-        min(first.step, second.step),
-        on_crease,
-        known=whole,
+        origins[result.parents],
+        assembly.sources,
+        assembly.implicit,
+        assembly.radius,
+        assembly.step,
+        np.flatnonzero(creases[result.parents] & ~result.moved),
+        resampled=assembly.resampled,
     )
 
 
-def _blended(sharp: Body, fillet: Fillet, known: Manifold) -> Body:
-    normals = sharp.normals[fillet.parents]
-    normals[fillet.moved] = _normals_of(fillet.solid, fillet.vertices[fillet.moved])
-    sharp_before = np.zeros(len(sharp.vertices), dtype=bool)
-    sharp_before[sharp.creases] = True
-    return replace(
-        sharp,
-        vertices=fillet.vertices,
-        faces=fillet.faces.astype(np.int32),
-        normals=normals,
-        origins=sharp.origins[fillet.parents],
-        implicit=fillet.solid,
-        creases=np.flatnonzero(sharp_before[fillet.parents] & ~fillet.moved),
-        known=known,
-    )
+def _remade(assembly: Assembly, checkpoint: Checkpoint) -> Body:
+    again = remade(assembly, checkpoint)
+    if again is None or again.alone is None:
+        raise UserError("These parts leave no solid. Move one of them a little, or undo.")
+    return again.alone
 
 
-def _found(vertices: Array, before: Array) -> Index:
-    """Find the index of each vertex among those before, -1 for new ones."""
-    keys = before @ _KEY
-    order = np.argsort(keys, kind="stable")
-    at = np.minimum(np.searchsorted(keys[order], vertices @ _KEY), len(before) - 1)
-    index = order[at]
-    return np.where((before[index] == vertices).all(axis=1), index, -1)
+def _without_specks(vertices: Array, faces: Faces, step: float) -> Flags:
+    """Return which vertices (v,) belong to pieces that are larger than a speck.
+
+    Where a fillet grazes a body, slivers of it may stay by themselves, or hollows within.
+    """
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    pieces, piece = connected_pieces(a, b, len(vertices))
+    one, two, three = (vertices[faces] - vertices.mean(axis=0)).transpose(1, 0, 2)
+    sixfold = np.einsum("nk,nk->n", one, np.cross(two, three))
+    volumes = np.abs(np.bincount(piece[faces[:, 0]], sixfold, pieces)) / 6.0
+    large = volumes > min(SPECK * step**3, 0.5 * float(volumes.max()))
+    return np.asarray(large[piece])
+
+
+def _seam(assembly: Assembly, whole: UnionMesh) -> Index:
+    """Return for every vertex of a fillet's faces the number of the fillet, else -1."""
+    mine = {number: k for k, fillet in enumerate(assembly.fillets) for number in fillet.numbers}
+    known, at = np.unique(whole.numbers, return_inverse=True)
+    fillet = np.array([mine.get(int(number), -1) for number in known], np.intp)[at]
+    seam = np.full(len(whole.vertices), -1)
+    np.maximum.at(seam, whole.faces, fillet[:, None])
+    return seam
+
+
+def _with_seams(
+    assembly: Assembly, vertices: Array, faces: Faces, seam: Index, creases: Flags, number: Index
+) -> Sewn:
+    """Make the seams even; `number` is that of a vertex in the row of all fillets' vertices."""
+    cells = np.concatenate([
+        np.full(len(f.surface.vertices), f.cell) for f in assembly.fillets
+    ])  # fmt: skip
+    spacing = np.full(len(vertices), assembly.step)
+    inside = number >= 0
+    spacing[inside] = cells[number[inside]]
+    smallest = min(fillet.cell for fillet in assembly.fillets)
+    spacing[~inside] = np.minimum(spacing[~inside], 2.0 * smallest)
+    return sewn(vertices, faces.astype(np.intp), seam, creases, spacing, assembly.implicit)
+
+
+def _numbered(indices: list[Index], bodies: list[Body]) -> Index:
+    """Return indices of vertices of several bodies as those of all their vertices in a row."""
+    starts = np.cumsum([0, *(len(body.vertices) for body in bodies)])
+    return np.concatenate([index + start for index, start in zip(indices, starts, strict=False)])
+
+
+def _origins(bodies: list[Body], count: int) -> Faces:
+    """Return the origins of all bodies' vertices, and those of fillets, which have none yet."""
+    starts = np.cumsum([0, *(len(body.sources) for body in bodies)])
+    own = [body.origins + np.int32(start) for body, start in zip(bodies, starts, strict=False)]
+    origins = np.full(count, -1, np.int32)
+    row = np.concatenate(own)
+    origins[: len(row)] = row
+    return origins
 
 
 def _spread(origins: Faces, new: Flags, faces: Faces) -> Faces:
@@ -172,10 +208,12 @@ def _spread(origins: Faces, new: Flags, faces: Faces) -> Faces:
     origins = np.where(new, np.int32(-1), origins)
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     while True:
-        open_ends = np.flatnonzero((origins[a] < 0) & (origins[b] >= 0))
-        if not len(open_ends):
+        near = (origins[a] < 0) | (origins[b] < 0)
+        a, b = a[near], b[near]
+        reached = (origins[a] < 0) & (origins[b] >= 0)
+        if not reached.any():
             return np.maximum(origins, np.int32(0))
-        origins[a[open_ends]] = origins[b[open_ends]]
+        origins[a[reached]] = origins[b[reached]]
 
 
 def _crease_normals(vertices: Array, faces: Faces, on_crease: Index) -> Array:
@@ -183,11 +221,3 @@ def _crease_normals(vertices: Array, faces: Faces, on_crease: Index) -> Array:
     chosen = np.zeros(len(vertices), dtype=bool)
     chosen[on_crease] = True
     return vertex_normals(vertices, faces[chosen[faces].any(axis=1)])[on_crease]
-
-
-def _normals_of(solid: Composite, points: Array) -> Array:
-    """Return unit normals, outwards, by differences of the value at a tetrahedron's corners."""
-    width = _DIFFERENCE * solid.sides(points).reach[:, None, None]
-    corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)
-    values = solid.value(corners).reshape(-1, 4)
-    return unit(-values @ _TETRAHEDRON)

@@ -9,10 +9,12 @@ from bozzetto.geometry import Placement
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
-from bozzetto_silhouette.solids.boolean import combined
+from bozzetto_silhouette.solids.boolean import joined, meshed
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
 from bozzetto_silhouette.solids.part_solid import body_of
+from bozzetto_silhouette.solids.polygonize import Surface
 from bozzetto_silhouette.solids.traversal import put_together
 
 
@@ -39,6 +41,28 @@ def tree_body(
     return evaluated(state, resolution, checkpoint).body
 
 
+def draft_surface(state: SilhouetteState, resolution: int) -> Surface | None:
+    """Return what is seen of all nodes that are switched on, not united; None for nothing.
+
+    While something is dragged its shape changes at every move of the pen: parts and fillets are
+    shown one in another, and only the fillets beside what moved are made anew.
+    """
+    whole = assembly_of(state, resolution)
+    return None if whole is None else whole.shown()
+
+
+def assembly_of(state: SilhouetteState, resolution: int) -> Assembly | None:
+    """Return all nodes that are switched on, not united; None for nothing.
+
+    Raises
+    ------
+    UserError
+        As `evaluated`.
+    """
+    making = _Making(max(1, len(state.parts)), resolution, ignore)
+    return put_together(state, making.part, making.moved, making.joined)
+
+
 def evaluated(state: SilhouetteState, resolution: int, checkpoint: Checkpoint = ignore) -> Tree:
     """Put all nodes that are switched on together.
 
@@ -48,24 +72,38 @@ def evaluated(state: SilhouetteState, resolution: int, checkpoint: Checkpoint = 
         If a part's ink is no outline; the message begins with the name of the part.
     """
     making = _Making(max(1, len(state.parts)), resolution, checkpoint)
-    body = put_together(state, making.part, making.moved, making.joined)
-    return Tree(body, making.solids)
+    whole = put_together(state, making.part, making.moved, making.joined)
+    return Tree(None if whole is None else _meshed(whole, making.step), making.solids)
 
 
-# By the two bodies themselves: leaves are remembered by their recipes, so that equal recipes
-# give the same body. Each entry may hold a mesh of the whole.
+# By the two themselves: leaves are remembered by their recipes, so that equal recipes give the
+# same body. Entries of unions are small; those of what was carved hold a mesh of the whole.
 @remembered(
     limit=256,
     key=lambda before, body, node, checkpoint: (before, body, node.operation, node.blend),
 )
-def _joined(before: Body, body: Body, node: Part | Group, checkpoint: Checkpoint) -> Body | None:
-    return combined(before, body, node.operation, node.blend, checkpoint)
+def _joined(
+    before: Assembly, body: Assembly, node: Part | Group, checkpoint: Checkpoint
+) -> Assembly | None:
+    return joined(before, body, node.operation, node.blend, checkpoint)
+
+
+@remembered(limit=64)
+def _alone(body: Body) -> Assembly:
+    return Assembly.of(body)
+
+
+@remembered(limit=16, key=lambda whole, checkpoint: whole)
+def _meshed(whole: Assembly, checkpoint: Checkpoint) -> Body:
+    return meshed(whole, checkpoint)
 
 
 @remembered(limit=16)
-def _moved(body: Body, pose: Placement) -> Body:
+def _moved(whole: Assembly, pose: Placement) -> Assembly:
     """Return a group where it was moved to."""
-    return body.placed(pose)
+    if pose.is_identity:
+        return whole
+    return Assembly.of(_meshed(whole, ignore).placed(pose))
 
 
 @dataclass
@@ -79,23 +117,23 @@ class _Making:
     shown: float = 0.0
     solids: dict[str, SilhouetteSolid] = field(default_factory=dict)
 
-    def part(self, part: Part, before: Body | None) -> Body:
+    def part(self, part: Part, before: Assembly | None) -> Assembly:
         self.begun += 1
         if before is not None and acts_on(part):
-            return straight_body(part, before.bounds, self.resolution)
-        body = body_of(part, self.resolution, self._step)
+            return _alone(straight_body(part, before.box, self.resolution))
+        body = body_of(part, self.resolution, self.step)
         if body.solid is not None:
             # Held from here on: the bodies of a large tree may push it out of the memory.
             self.solids[part.id] = body.solid
-        return body
+        return _alone(body)
 
-    def moved(self, body: Body, group: Group) -> Body:
-        return _moved(body, group.pose)
+    def moved(self, whole: Assembly, group: Group) -> Assembly:
+        return _moved(whole, group.pose)
 
-    def joined(self, before: Body, body: Body, node: Part | Group) -> Body | None:
-        return _joined(before, body, node, self._step)
+    def joined(self, before: Assembly, whole: Assembly, node: Part | Group) -> Assembly | None:
+        return _joined(before, whole, node, self.step)
 
-    def _step(self, fraction: float, words: str) -> None:
+    def step(self, fraction: float, words: str) -> None:
         # A leaf and what is made of it are both a part's work: the bar never goes back.
         share = (self.begun - 1 + fraction) / self.parts
         self.shown = max(self.shown, min(1.0, share))

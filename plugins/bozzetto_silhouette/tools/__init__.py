@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from bozzetto.plugin import Tool
+from bozzetto_silhouette.tools.animate import Animate
 from bozzetto_silhouette.tools.arrange import Arrange
 from bozzetto_silhouette.tools.cut import DrawCut
 from bozzetto_silhouette.tools.draw_outline import DrawOutline
@@ -30,6 +31,7 @@ def all_tools() -> tuple[Tool[Any], ...]:
         DrawCut(),
         Extrude(),
         Arrange(),
+        Animate(),
         MirrorCopy(),
         Paint(),
         ProjectPicture(),

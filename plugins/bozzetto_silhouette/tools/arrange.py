@@ -13,7 +13,7 @@ from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.rigging.posing import JOINT, posed, posed_scene
-from bozzetto_silhouette.solids.coarse_draft import draft_surface
+from bozzetto_silhouette.solids.evaluate import draft_surface
 from bozzetto_silhouette.solids.placements import carried, groups_around
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.view.drag_motion import moved, resized, settled, turned
@@ -39,7 +39,7 @@ class Arrange(ErasingTool):
 
     @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """Show the whole shape as it would be, coarsely, in place of the shape shown."""
+        """Show the whole shape as it would be, coarser, in place of the shape shown."""
         if not isinstance(gesture, Drag):
             return Scene()
         if gesture.handle.startswith(JOINT):

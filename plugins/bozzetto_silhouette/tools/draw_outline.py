@@ -9,18 +9,26 @@ import numpy as np
 
 from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes
-from bozzetto.plugin import Context, Gesture, Ink, override
+from bozzetto.plugin import Context, Gesture, Ink, NextStep, Tap, override
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import FRONT_TOLERANCE, sheet_under
 from bozzetto_silhouette.model.state import Edit, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, rings_of, surrounds
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, stroke_in
+from bozzetto_silhouette.tools.attachment import ATTACH, floating_part
 from bozzetto_silhouette.tools.erase import without
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
+from bozzetto_silhouette.tools.hole_filling import FILL, part_drawn_around
+from bozzetto_silhouette.tools.landing import landing_scene
+from bozzetto_silhouette.tools.reflection import reflected, reflected_scene, reflection_of
 
 OPEN_GAP = 0.2
 """Gap between the ends of an outline, as a part of its diagonal, up to which a stroke counts
 as meant to be closed."""
+
+
+DOT = 6.0
+"""Size in pixels below which ink is a touch of the pen, and no outline."""
 
 
 class DrawOutline(ErasingTool):
@@ -30,17 +38,41 @@ class DrawOutline(ErasingTool):
     title = "Draw outline"
     icon = "icons/draw.svg"
     hint = "Draw a closed outline; inside a shape it becomes a hole."
+    hovers = True
 
     @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """Show the shape that the ink so far inflates to."""
+        """Show the shape that the ink so far inflates to; before, where a part would lie."""
         from bozzetto_silhouette.inflation.live_preview import inflated_scene
 
+        if isinstance(gesture, Tap):
+            if not state.nodes and not context.scene.layers:
+                return Scene()
+            return landing_scene(gesture.x, gesture.y, gesture.camera, context)
         if not isinstance(gesture, Ink):
             return Scene()
         sheet = sheet_under(gesture.strokes[0], context)
         points = np.concatenate([sheet.from_pixels(s.points, s.camera) for s in gesture.strokes])
-        return inflated_scene(points, sheet) if np.isfinite(points).all() else Scene()
+        if not np.isfinite(points).all():
+            return Scene()
+        scene = inflated_scene(points, sheet)
+        return reflected_scene(scene, reflection_of(sheet, context)) if state.mirrored else scene
+
+    @override
+    def next_step(self, state: SilhouetteState) -> NextStep:
+        """Return the hint, or what to do with a part that touches nothing or is pierced."""
+        part = floating_part(state)
+        if part is None:
+            pierced = part_drawn_around(state)
+            if pierced is None:
+                return super().next_step(state)
+            return NextStep(
+                f"“{pierced.name}” has what it was drawn around as its hole. {FILL.title} "
+                f"({FILL.key}) makes each a body."
+            )
+        return NextStep(
+            f"“{part.name}” touches nothing. {ATTACH.title} ({ATTACH.key}) pulls it on."
+        )
 
     @override
     def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
@@ -61,8 +93,17 @@ class DrawOutline(ErasingTool):
             strokes=Strokes(ink.strokes),
             sheet=sheet_under(ink.strokes[0], context),
         )
+        if is_dot(ink.strokes):
+            raise UserError("This is a dot. Draw around a shape; a longer line will do.")
         outline_of(part)
-        return _nested(state, part)
+        nested = _nested(state, part)
+        return reflected(state, nested, part, context) if state.mirrored else nested
+
+
+def is_dot(strokes: tuple[Stroke, ...]) -> bool:
+    """Whether all strokes together are no larger than where a pen was set down."""
+    points = np.concatenate([stroke.points for stroke in strokes])
+    return bool(np.ptp(points, axis=0).max() < DOT)
 
 
 def meets_itself(strokes: tuple[Stroke, ...]) -> bool:

@@ -55,7 +55,12 @@ def shape_seen(state: SilhouetteState) -> Touch | None:
     UserError
         If a part's ink is no outline.
     """
-    return _seen(tuple(replace(node, blend=0.0) for node in state.nodes))
+    return _seen(without_blends(state).nodes)
+
+
+def without_blends(state: SilhouetteState) -> SilhouetteState:
+    """Return a state of the same nodes with sharp creases."""
+    return SilhouetteState(tuple(replace(node, blend=0.0) for node in state.nodes))
 
 
 @remembered(limit=16)

@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import distances_to_polyline
-from bozzetto_symmetry.fitting.initial_guess import approximate, half_of, stations_of
-from bozzetto_symmetry.fitting.normal_equations import Fit, Problem
+from bozzetto_symmetry.fitting.initial_guess import ROUGHNESS, approximate, half_of, stations_of
+from bozzetto_symmetry.fitting.normal_equations import NO_PLANES, Fit, Problem
 from bozzetto_symmetry.fitting.reprojection import Ink, match_ink
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
@@ -33,7 +33,7 @@ FEWEST: Final = 7
 MORE: Final = 3
 """Control points added until the curve is good."""
 
-MOST: Final = 25
+MOST: Final = 40
 """Control points of a half at which adding ends."""
 
 ENOUGH: Final = 0.1
@@ -46,6 +46,16 @@ half of it: what is left at the full noise is shape."""
 
 LOST: Final = 4.0
 """Distance (rms, px) above which the ink may be matched to the wrong branches of the curve."""
+
+ASTRAY: Final = 4.0
+"""Distance, px, of the image of the first curve from that of its places, above which ink may be
+matched to the next turn of a spiral."""
+
+WINDING: Final = 13
+"""Control points of a half at the beginning above which a curve winds like a spiral."""
+
+WORSE: Final = 0.9
+"""Share of the places that must be nearer than that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +103,7 @@ def adjust_bundle(
     closed: bool = False,
     ring: bool = False,
     controls: Controls = "adaptive",
+    planes: Array = NO_PLANES,
 ) -> Adjusted:
     """Fit one symmetric spline to all ink of all views.
 
@@ -120,6 +131,8 @@ def adjust_bundle(
     controls : {"adaptive", "seven"}
         Control points of a half. "adaptive" takes 7, then 3 more until the ink is within
         0.1 px (rms) or 0.7 times the noise of the hand, or more explain no shape.
+    planes : (k, 4) float
+        Rows (n, d): the curve lies in the planes ``n · X = d``, whatever the ink says.
 
     Returns
     -------
@@ -141,12 +154,17 @@ def adjust_bundle(
     most = MOST if controls == "adaptive" else FEWEST
     enough = max(ENOUGH, NOISE_FACTOR * min((sight.noise for sight in sights), default=0.0))
 
-    made = best = _fitted(basis, place, spread, stations, sights)
+    while sights and _strays(basis, place, spread, stations, sights) and basis.count + MORE <= most:
+        basis = SymmetricBasis(reading, basis.count + MORE, pairwise, ring)
+    # The third derivative of a wave grows by the third power of the number of its turns.
+    turning = basis.count / FEWEST if basis.count > WINDING else 1.0
+    roughness = ROUGHNESS * turning**3
+    made = best = _fitted(basis, place, spread, stations, sights, planes, roughness)
     idle = 0
     while made.rms > enough and idle < 2 and made.problem.basis.count + MORE <= most:
         basis = SymmetricBasis(reading, made.problem.basis.count + MORE, pairwise, ring)
         if made.rms > LOST:
-            made = _fitted(basis, place, spread, stations, sights)
+            made = _fitted(basis, place, spread, stations, sights, planes, roughness)
         else:
             made = made.refined(basis)
         better = made.betters(best)
@@ -166,17 +184,41 @@ def _shows_mirror_image(sights: Sequence[Sight], half: Array) -> bool:
     return False
 
 
+def _strays(
+    basis: SymmetricBasis,
+    points: Array,
+    covariances: Array,
+    stations: Array,
+    sights: Sequence[Sight],
+) -> bool:
+    """Return whether too few control points give the places an image on other branches of the ink.
+
+    The turns of a spiral lie beside one another: ink of a curve that leaves one out is matched to
+    the wrong ones, and what it looks like in the end is right.
+    """
+    start = approximate(basis, points, covariances, stations)
+    low, high = basis.half
+    made = basis.at(basis.values(low + (high - low) * stations), start)
+    images = [sights[0].stereo.project(places) for places in (made, points)]
+    if not all(np.isfinite(image).all() for image in images):
+        return False
+    return float(np.quantile(np.linalg.norm(images[0] - images[1], axis=1), WORSE)) > ASTRAY
+
+
 def _fitted(
     basis: SymmetricBasis,
     points: Array,
     covariances: Array,
     stations: Array,
     sights: Sequence[Sight],
+    planes: Array,
+    roughness: float,
 ) -> Fit:
     """Return the best curve with one number of control points, from places in space."""
     start = approximate(basis, points, covariances, stations)
     inks = _matched(sights, basis, start)
-    return Fit.at(Problem.of(basis, start, inks), start, inks, steps=0).settled()
+    problem = Problem.of(basis, start, inks, planes, roughness)
+    return Fit.at(problem, start, inks, steps=0).settled()
 
 
 def _matched(sights: Sequence[Sight], basis: SymmetricBasis, points: Array) -> tuple[Ink, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -35,6 +35,11 @@ LEASH: Final = 0.1
 HELD: Final = 20
 """Places of a half that the first guess holds."""
 
+FLAT: Final = 1e-5
+"""Standard deviation of a curve from the planes in which it lies, as a share of the length."""
+
+NO_PLANES: Final = np.zeros((0, 4))
+
 PEN: Final = 1.2
 """Distance of the ink (rms, px) above which anything that brings the curve nearer is better:
 the distance is visible."""
@@ -58,15 +63,31 @@ class Problem:
     matrix : (rows, free) float
     target : (rows,) float
         Each row wants ``matrix @ free = target``, in standard deviations.
+    planes : (k, 4) float
+        In which the curve lies.
+    roughness : float
+        Third derivative (rms) that the curve may well have, by a parameter from 0 to 1, in lengths.
     """
 
     basis: SymmetricBasis
     matrix: Array
     target: Array
+    planes: Array = field(default_factory=lambda: NO_PLANES)
+    roughness: float = ROUGHNESS
 
     @classmethod
-    def of(cls, basis: SymmetricBasis, start: Array, inks: Sequence[Ink]) -> Problem:
-        """Return rows of smoothness, of the first guess (count, 3) mm, and of ends without ink."""
+    def of(
+        cls,
+        basis: SymmetricBasis,
+        start: Array,
+        inks: Sequence[Ink],
+        planes: Array = NO_PLANES,
+        roughness: float = ROUGHNESS,
+    ) -> Problem:
+        """Return rows of smoothness, of the first guess (count, 3) mm, and of ends without ink.
+
+        Planes (k, 4), rows (n, d) with ``n · X = d``, hold the whole curve.
+        """
         low, high = basis.half
         at = np.linspace(low, high, HELD, endpoint=not basis.periodic)
         values = basis.values(at)
@@ -77,13 +98,16 @@ class Problem:
         free = start.ravel()[basis.free]
         rows = [np.vstack(leash)]
         targets = [rows[0] @ free]
-        rows.append(basis.bending() / (ROUGHNESS * length))
+        rows.append(basis.bending() / (roughness * length))
         targets.append(np.zeros(len(rows[1])))
         for end in _loose_ends(basis, inks):
             row = _end_row(basis, start, end, inks[0])
             rows.append(row)
             targets.append(row @ free)
-        return cls(basis, np.vstack(rows), np.concatenate(targets))
+        for plane in planes:
+            rows.append(basis.rows(values, np.tile(plane[:3], (len(at), 1))) / (FLAT * length))
+            targets.append(np.full(len(at), plane[3]) / (FLAT * length))
+        return cls(basis, np.vstack(rows), np.concatenate(targets), planes, roughness)
 
 
 def _loose_ends(basis: SymmetricBasis, inks: Sequence[Ink]) -> list[float]:
@@ -186,7 +210,8 @@ class Fit:
         low, high = basis.half
         places = old.at(old.values(low + (high - low) * stations), self.points)
         start = approximate(basis, places, np.zeros((len(places), 3, 3)), stations)
-        problem = Problem.of(basis, start, self.inks)
+        before = self.problem
+        problem = Problem.of(basis, start, self.inks, before.planes, before.roughness)
         return Fit.at(problem, start, self.inks, steps=0).settled()
 
     def betters(self, other: Fit) -> bool:

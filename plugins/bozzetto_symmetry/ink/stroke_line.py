@@ -14,6 +14,7 @@ from bozzetto.ink import (
     Stroke,
     arc_length,
     close_stroke,
+    distances_to_polyline,
     distinct,
     end_gap,
     is_closed_gesture,
@@ -73,6 +74,9 @@ HAND_WIDTH: Final = (20.0, 60.0)
 CLOSING: Final = 0.06
 """Widest gap of a closed stroke as a share of the diagonal of its bounding box. Of an arch that
 makes 95 % of a turn it is 0.11, and that is open."""
+
+OVERLAP: Final = 0.06
+"""Share of a stroke that closing may cut off, wherever it goes: a hook of the pen is no longer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +196,18 @@ def _loop(points: Array) -> Array | None:
     if float(np.hypot(*gap)) > within or not is_closed_gesture(points):
         return None  # cutting the ends back cannot bring them together, or does not
     ring = close_stroke(points)
-    return ring if end_gap(ring) <= CLOSING else None
+    if end_gap(ring) > CLOSING or _winds_on(points, ring):
+        return None
+    return ring
+
+
+def _winds_on(points: Array, ring: Array) -> bool:
+    """Return whether an end that closing cuts off leaves the ring, as that of a spiral does."""
+    whole = np.vstack((ring, ring[:1]))
+    if length_of(points) - length_of(ring) < OVERLAP * length_of(points):
+        return False
+    away = float(distances_to_polyline(points, whole).max())
+    return away > CLOSING * float(np.hypot(*np.ptp(points, axis=0)))
 
 
 def _lengths(points: Array, closed: bool) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.ink import arc_length
 from bozzetto_symmetry.ink.polyline import interpolate
+from bozzetto_symmetry.interpretation.simple_form import SimpleForm
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, strays
 from bozzetto_symmetry.stereo.correspondence import Pairing
 
@@ -62,6 +63,10 @@ class Read:
         The curve returns to its start: a ring, or a pair of loops.
     ring : bool
         The curve is closed and crosses the plane.
+    rest : float
+        Share of a side that waits, because only a part of the other side was drawn.
+    form : SimpleForm or None
+        What the curve is where the rays say nothing; None for as smooth as can be.
     warnings : tuple of str
         Sentences for the person.
     source : tuple
@@ -80,6 +85,8 @@ class Read:
     far: tuple[Array, ...]
     closed: bool = False
     ring: bool = False
+    rest: float = 0.0
+    form: SimpleForm | None = None
     warnings: tuple[str, ...] = ()
     source: tuple[object, ...] = ()
 
@@ -109,7 +116,7 @@ class Candidate:
 
     def in_box(self, box: Array | None) -> Read:
         """Return the reading beside a box (2, 3) mm, without the places that stray from it."""
-        left_out = strays(self.half.points, box)
+        left_out = strays(self.half.points, box) & self.half.doubtful(box)
         read, source = self.whole, (self, b"")
         if left_out.any():
             read, source = self.build(self.half.without(left_out)), (self, left_out.tobytes())

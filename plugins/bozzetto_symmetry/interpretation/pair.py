@@ -14,6 +14,7 @@ from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side, gap_between
 from bozzetto_symmetry.ink.stroke_grouping import bonds_between
 from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
+from bozzetto_symmetry.interpretation.partial_pairing import partial_pairings
 from bozzetto_symmetry.interpretation.side_pairing import pairings
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
 from bozzetto_symmetry.stereo.correspondence import Pairing
@@ -42,6 +43,14 @@ NEAR_PLANE: Final = 0.1
 """Share of a side over which its direction at the plane is taken: the crossing itself is the
 place that a view knows least."""
 
+IN_PART: Final = 3.0
+"""Price of a side of which nearly nothing was drawn, px, if what was drawn matches a stretch of
+the other one."""
+
+SURE_PART: Final = 2.4
+"""Price, px, up to which all of one side matches a stretch of the other: sides of different curves
+mostly cost more, whatever the stretch, and a true part costs 2.3 at most (1 px of tremor)."""
+
 OVERDRAWN: Final = (8.0, 4.5)
 """Mean distance, px, below which two sides may be one that was drawn twice, and the price of
 taking strokes upon one another for two, px."""
@@ -60,10 +69,24 @@ def as_pair(stereo: Stereo, one: Side, other: Side) -> Iterator[Candidate]:
     closed = one.closed and other.closed
     lines = one.pixels if closed else one.unrolled, other.pixels if closed else other.unrolled
     twice = overdrawn(one, other)
-    for pairing in pairings(stereo, *lines, closed=closed):
+    # Sides that meet may be halves of one curve as well, which are whole for certain.
+    apart = not closed and gap_between(*lines)[0] > MEETING * min(map(length_of, lines))
+    whole = pairings(stereo, *lines, whole=True) if apart else ()
+    for pairing in (*whole, *pairings(stereo, *lines, closed=closed)):
         half = triangulate(stereo, pairing)
         if len(half.points) > 1:
             yield Candidate(half, partial(_read, stereo, pairing, lines, twice))
+    for pairing in () if closed else partial_pairings(stereo, *lines):
+        half = triangulate(stereo, pairing)
+        if len(half.points) > 1 and _price(pairing, half) < SURE_PART:
+            yield Candidate(half, partial(_read, stereo, pairing, lines, twice))
+
+
+def _price(pairing: Pairing, half: HalfInSpace) -> float:
+    """Return what a matching costs over the parts of the sides that were matched, px."""
+    covered = np.divide(pairing.coverage, pairing.part)
+    misfit = SENSE * pairing.score + (ASKEW * half.askew if pairing.closed else 0.0)
+    return price(misfit, half, 1.0 - half.kept * float(np.mean(covered)))
 
 
 def _read(
@@ -73,9 +96,9 @@ def _read(
     twice: float,
     half: HalfInSpace,
 ) -> Read:
-    misfit = SENSE * pairing.score + (ASKEW * half.askew if pairing.closed else 0.0)
     missing = 1.0 - half.kept * float(np.mean(pairing.coverage))
-    cost = price(misfit, half, missing) + twice
+    rest = 1.0 - min(pairing.part)
+    cost = _price(pairing, half) + IN_PART * rest + twice
     warnings = half.reasons if 1.0 - half.kept > TELL else ()
     near, far = lines
     if not pairing.closed:
@@ -84,12 +107,12 @@ def _read(
         far = matched_part(far, pairing.far_stations)
         warnings = (
             *warnings,
-            *_unmatched(pairing.stations, "first"),
-            *_unmatched(pairing.far_stations, "second"),
+            *_unmatched(pairing.stations, "first", pairing.part[0]),
+            *_unmatched(pairing.far_stations, "second", pairing.part[1]),
         )
     return Read(
         "pair", cost, 1.0 - missing, half.points, half.covariances, pairing, np.zeros((0, 2)),
-        (near,), (far,), closed=pairing.closed, warnings=warnings,
+        (near,), (far,), closed=pairing.closed, rest=rest, warnings=warnings,
     )  # fmt: skip
 
 
@@ -113,8 +136,10 @@ def _continued(stereo: Stereo, one: Array, other: Array, half: HalfInSpace) -> f
     return CONTINUED if abs(way[1]) > SQUARE * float(np.linalg.norm(way)) else 0.0
 
 
-def _unmatched(stations: Array, which: str) -> Iterator[str]:
+def _unmatched(stations: Array, which: str, part: float) -> Iterator[str]:
     """Yield sentences about the ends of a side that found no partner."""
+    waits = "" if part == 1.0 else ": they wait for it"
     for place, missing in (("first", np.min(stations)), ("last", 1.0 - np.max(stations))):
         if missing > TELL:
-            yield f"The {place} {100.0 * missing:.0f} % of the {which} side have no counterpart."
+            share = f"The {place} {100.0 * missing:.0f} % of the {which} side"
+            yield f"{share} have no counterpart{waits}."

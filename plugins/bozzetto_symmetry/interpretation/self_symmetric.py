@@ -12,10 +12,17 @@ from bozzetto.arrays import Array
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side
 from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
+from bozzetto_symmetry.interpretation.flat_crossing import flattened
 from bozzetto_symmetry.interpretation.folding import Folding, foldings
+from bozzetto_symmetry.interpretation.simple_form import SimpleForm
+from bozzetto_symmetry.interpretation.straight_crossing import as_bar
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
+
+NEEDLESS: Final = 0.7
+"""Price of a curve that is bent more than the ink asks for, px, beside a simpler one: what the two
+halves of a careful hand stray by."""
 
 SAME: Final = 1e-6
 """Distance from the plane, in lengths of the curve, at which a place is the crossing itself."""
@@ -36,19 +43,47 @@ def as_crossing(stereo: Stereo, side: Side, more: float = 0.0) -> Iterator[Candi
     more : float
         Price that every reading of it bears, px.
     """
-    ways = [(side.pixels, True)] if side.closed else []
-    some = False
-    for pixels, ring in [*ways, (side.unrolled, False)]:
-        for folding in () if some else foldings(stereo, pixels, closed=ring):
-            half = triangulate(stereo, folding.pairing)
-            middle = stereo.on_plane(folding.crossings)
-            if len(half.points) > 1 and np.isfinite(middle).all():
-                some |= ring
-                yield Candidate(half, partial(_read, stereo, folding, pixels, ring, more))
+    bars = () if side.closed else tuple(as_bar(stereo, side.pixels, more))
+    yield from bars
+    found = _folded(stereo, side.pixels, True) if side.closed else []
+    ring = bool(found)
+    pixels = side.pixels if ring else side.unrolled
+    found = found or _folded(stereo, pixels, False)
+    flats = [flattened(stereo, folding, half, pixels, ring) for folding, half in found]
+    dear = more + NEEDLESS
+    for flat in flats:
+        if flat is not None:
+            level, apart, form = flat
+            cost = dear if bars else more
+            yield Candidate(apart, partial(_read, stereo, level, pixels, ring, cost, form))
+    # Wherever the line is folded, a simpler curve is meant if there is one.
+    simpler = bool(bars) or any(flat is not None for flat in flats)
+    for folding, half in found:
+        cost = dear if simpler else more
+        yield Candidate(half, partial(_read, stereo, folding, pixels, ring, cost, None))
+
+
+def _folded(stereo: Stereo, pixels: Array, ring: bool) -> list[tuple[Folding, HalfInSpace]]:
+    """Return every way to fold a line that gives a curve, with its half in space."""
+    made = [
+        (folding, triangulate(stereo, folding.pairing))
+        for folding in foldings(stereo, pixels, closed=ring)
+    ]
+    return [
+        (folding, half)
+        for folding, half in made
+        if len(half.points) > 1 and np.isfinite(stereo.on_plane(folding.crossings)).all()
+    ]
 
 
 def _read(
-    stereo: Stereo, folding: Folding, pixels: Array, ring: bool, more: float, half: HalfInSpace
+    stereo: Stereo,
+    folding: Folding,
+    pixels: Array,
+    ring: bool,
+    more: float,
+    form: SimpleForm | None,
+    half: HalfInSpace,
 ) -> Read:
     pairing = folding.pairing
     if ring:
@@ -66,7 +101,8 @@ def _read(
         warnings = (f"{100.0 * missing:.0f} % of the curve across the plane have no counterpart.",)
     return Read(
         "self", price(pairing.cost, half, missing) + more, 1.0 - missing, points, covariances,
-        pairing, folding.crossings, (near,), (far,), closed=ring, ring=ring, warnings=warnings,
+        pairing, folding.crossings, (near,), (far,), closed=ring, ring=ring, form=form,
+        warnings=warnings,
     )  # fmt: skip
 
 

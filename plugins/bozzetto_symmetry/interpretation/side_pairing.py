@@ -24,6 +24,10 @@ OPEN_END: Final = 0.01
 UNEVEN: Final = 0.01
 """Price of a step along one side only, in the same unit."""
 
+AT_ENDS: Final = 4.0
+"""Distance, px, from the epipolar line of its partner at which an end may be that of a side that
+was drawn whole: twice what a hand of 1 px errs by there."""
+
 NEAR_TOP: Final = 0.1
 """How much lower than the highest turn of a loop, as a share of its range, another one may
 be and still be the same place."""
@@ -36,7 +40,12 @@ FLATTEST: Final = 0.05
 
 
 def pairings(
-    stereo: Stereo, near: ArrayLike, far: ArrayLike, *, closed: bool = False
+    stereo: Stereo,
+    near: ArrayLike,
+    far: ArrayLike,
+    *,
+    closed: bool = False,
+    whole: bool = False,
 ) -> tuple[Pairing, ...]:
     """Match the two sides of a pair.
 
@@ -48,6 +57,9 @@ def pairings(
         The sides as drawn, px, in any sense.
     closed : bool
         Both are loops; the first point is not repeated.
+    whole : bool
+        Open sides were drawn whole: their ends belong together, also where the epipolar lines run
+        along them and the signal does not say so. Nothing where the ends contradict that.
 
     Returns
     -------
@@ -59,28 +71,28 @@ def pairings(
     )
     if not (np.ptp(one, axis=0).any() and np.ptp(other, axis=0).any()):
         return ()
-    made = _of_loops(stereo, one, other) if closed else _of_open(stereo, one, other)
+    made = _of_loops(stereo, one, other) if closed else _of_open(stereo, one, other, whole)
     kept = [pairing for pairing in made if len(pairing.near) > 1]
     return tuple(sorted(kept, key=lambda pairing: pairing.score))
 
 
-def _of_open(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
+def _of_open(stereo: Stereo, one: Array, other: Array, whole: bool) -> list[Pairing]:
     first = Signal.of(stereo, one)
     along = Signal.of(stereo, other).shifted(stereo, first)
     against = along.turned()
     unit = spread(first, along)
     table = differences(first, along)
-    ways = warpings(
-        np.stack([table, table[:, ::-1]]),
-        step=UNEVEN * unit,
-        begin=OPEN_END * unit,
-        end=OPEN_END * unit,
-    )
-    backwards = pairing_of(stereo, first, against, ways[1])
-    return [
-        pairing_of(stereo, first, along, ways[0]),
+    end, pinned = (np.inf, (True, True)) if whole else (OPEN_END * unit, (False, False))
+    ways = warpings(np.stack([table, table[:, ::-1]]), step=UNEVEN * unit, begin=end, end=end)
+    backwards = pairing_of(stereo, first, against, ways[1], pinned=pinned)
+    made = [
+        pairing_of(stereo, first, along, ways[0], pinned=pinned),
         replace(backwards, far_stations=1.0 - backwards.far_stations, reversed=True),
     ]
+    if not whole:
+        return made
+    met = [abs(differences(first, each)[[0, -1], [0, -1]]).max() for each in (along, against)]
+    return [each for each, off in zip(made, met, strict=True) if off < AT_ENDS]
 
 
 def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:

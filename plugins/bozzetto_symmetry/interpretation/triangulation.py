@@ -25,6 +25,10 @@ STRAY: Final = 0.2
 """Greatest share of places outside the box that are left out as strays; if there are more,
 the curve is meant to be there."""
 
+DOUBTFUL: Final = 0.02
+"""Uncertainty for 1 px, as a share of the box's diagonal, from which a place far outside the box
+is a stray: what is known better is meant to be there."""
+
 REACH: Final = 3
 """Matched places on either side over which the direction of the far curve is taken."""
 
@@ -64,6 +68,13 @@ class HalfInSpace:
     def share_outside(self, box: Array | None) -> float:
         """Return the trusted share of the curve outside a box (2, 3) and the room about it."""
         return float(self.trust[_outside(self.points, box, ROOM)].sum())
+
+    def doubtful(self, box: Array | None) -> Flags:
+        """Return which places the view hardly knows, (k,) bool: others are where they are."""
+        if box is None:
+            return np.zeros(len(self.points), bool)
+        size = float(np.linalg.norm(box[1] - box[0]))
+        return np.asarray(sigmas(self.covariances) > DOUBTFUL * size)
 
     def without(self, left_out: Flags) -> HalfInSpace:
         """Return the half without some of its places; itself where none is left out."""

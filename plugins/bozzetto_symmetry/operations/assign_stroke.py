@@ -113,20 +113,20 @@ def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
     fits = [
         (curve.id != state.selected, cost, curve)
         for curve, trace in known
-        if waits(curve, trace) and np.isfinite(cost := _as_pair(curve, strokes, state))
+        if waits(curve, trace) and np.isfinite(cost := _as_pair(curve, strokes, state, trace.rest))
     ]
     return min(fits, key=lambda fit: fit[:2])[2] if fits else None
 
 
 def waits(curve: Curve, trace: Trace) -> bool:
-    """Return whether a curve may still get its other side.
+    """Return whether a curve may still get its other side, or more of it.
 
-    It has one side, and nobody said what it is.
+    It has one side, and nobody said what it is; or only a part of the other one was drawn.
 
     A side alone can look like a curve across the plane, or in it.
     """
     one_sided = len(trace.views) == 1 and len(trace.views[0].sides) == 1
-    return trace.reading == "half" or (one_sided and curve.reading == "auto")
+    return trace.reading == "half" or trace.rest > 0.0 or (one_sided and curve.reading == "auto")
 
 
 def waiting_view(state: SymmetryState) -> Camera | None:
@@ -144,12 +144,22 @@ def _trace(curve: Curve, state: SymmetryState) -> Trace | None:
         return None
 
 
-def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) -> float:
-    """Return how badly new strokes fit a waiting side of the same view, px; inf: not at all."""
-    if not any(is_one_view(strokes[0].camera, stroke.camera) for stroke in curve.strokes):
+def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState, rest: float) -> float:
+    """Return how badly new strokes fit a waiting side, px; inf: not at all.
+
+    A whole side also waits for its mirror image in another view. Where only a part of a side waits,
+    they must leave less of it waiting, in its own view.
+    """
+    here = any(is_one_view(strokes[0].camera, stroke.camera) for stroke in curve.strokes)
+    if rest and not here:
         return float("inf")
     both = _trace(replace(curve, strokes=curve.strokes.extended(strokes)), state)
-    if both is None or both.reading != "pair" or both.cost > SURE_PAIR:
+    if (
+        both is None
+        or both.reading != "pair"
+        or both.cost > SURE_PAIR
+        or (rest and both.rest >= rest)
+    ):
         return float("inf")
     return both.cost
 

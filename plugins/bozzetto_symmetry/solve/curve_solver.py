@@ -15,39 +15,38 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry import Spline
 from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import remembered
 from bozzetto_symmetry.editing.replay import apply_edits
 from bozzetto_symmetry.fitting.bundle_adjustment import Controls, Sight, adjust_bundle
 from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fuse
+from bozzetto_symmetry.fitting.normal_equations import NO_PLANES
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.ink.same_view import by_view
 from bozzetto_symmetry.ink.sides import Side, sides_of
 from bozzetto_symmetry.interpretation.candidate import Read
 from bozzetto_symmetry.interpretation.reader import Reader
+from bozzetto_symmetry.interpretation.view_pairing import pair_across
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
+from bozzetto_symmetry.solve.curve_fit import Fit, sampled
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-from bozzetto_symmetry.stereo.uncertainty import LEFT, curve_sigmas
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 
-SAMPLES: Final = 200
-"""Places of a curve at which its uncertainty is given."""
-
-LOOKS: Final = 12
-"""Places of a curve whose directions a view is judged by."""
-
-NEWEST: Final = 8
-"""Curves that a view is judged by, the last ones: what is drawn next goes with these, and a
-drawing of many curves that was just opened is not solved for the sake of advice."""
-
-WAITING: Final = "One side waits for the other. Draw its mirror image in the same view."
+WAITING: Final = "One side waits for the other. Draw its mirror image, here or in another view."
 
 UNSURE: Final = "It is unclear how the strokes belong together. Draw the curve again."
+
+ON_INK: Final = 1.5
+"""Distance between ink and image (rms, px) above which a person is told: a hand strays by less."""
+
+MISSES: Final = (
+    "The curve is {:.1f} px off its ink. Draw it again in another view, or press X or C to read it "
+    "in another way."
+)
 
 MOST_MARGIN: Final = 1000.0
 """Greatest margin that is given, also where there is no other reading."""
@@ -92,6 +91,11 @@ class Trace:
         How many readings the ink allows that give a curve.
     views : tuple of View
     warnings : tuple of str
+    rest : float
+        Share of a side that waits, because only a part of the other side was drawn.
+    planes : int
+        How many planes hold a curve across the centre plane: one if it was taken to be flat, two
+        if straight.
     """
 
     reading: Literal["pair", "self", "plane", "half"]
@@ -105,6 +109,8 @@ class Trace:
     choices: int = 0
     views: tuple[View, ...] = ()
     warnings: tuple[str, ...] = ()
+    rest: float = 0.0
+    planes: int = 0
 
 
 AGREED: Final = 0.1
@@ -117,38 +123,6 @@ runs over both halves is farther from each."""
 
 EVIDENCE: Final = ("pair", "self", "plane")
 """Readings, ordered by how unlikely each is to be a mistake of a view with little ink."""
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A spline through the ink of all views.
-
-    Attributes
-    ----------
-    curve : SpaceCurve
-    rms : float
-        Distance of the ink from the images of the curve, px.
-    sights : tuple of Sight
-        The ink that was fitted to.
-    """
-
-    curve: SpaceCurve
-    rms: float
-    sights: tuple[Sight, ...]
-
-    @cached_property
-    def points(self) -> Array:
-        """Places along the curve, (k, 3) mm."""
-        return sampled(self.curve.spline)
-
-    @cached_property
-    def sigma(self) -> Array:
-        """How far each of these places may be off across the curve, (k,) mm for 1 px."""
-        spline, flat = self.curve.spline, self.curve.reading == "plane"
-        tangents = spline.derivative(np.linspace(*spline.range, len(self.points)))
-        near = [sight.stereo for sight in self.sights if sight.near]
-        far = [sight.stereo for sight in self.sights if sight.far]
-        return LEFT * curve_sigmas(near, far, self.points, tangents, flat=flat)
 
 
 AMBIGUOUS: Final = 1.5
@@ -225,6 +199,10 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
     views = views_of(curve.strokes, state, curve.reading)
     box = state.bounds
     readings = [_readings(view, curve.reading, box, len(views)) for view in views]
+    across = _across_views(views, readings, curve.reading, box)
+    if across is not None:
+        number, pair = across
+        readings[number] = (pair, *readings[number])
     main = _main(readings)
     first = _chosen(readings[main], curve.other)
     if first.reading == "half":
@@ -240,15 +218,17 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
         if same is not None:
             alike[number] = same
     fit = _fitted(views, alike, main, curve.detail)
-    rest = [r for r in readings[main] if r is not first and r.reading != "half"]
+    others = [r for r in readings[main] if r is not first]
+    rest = [r for r in others if r.reading != "half"]
     # What is taken to be in the plane may as well wait for its other side.
-    against = [r for r in readings[main] if r is not first] if first.reading == "plane" else rest
+    against = others if first.reading == "plane" else rest
     margin = min((r.cost / max(first.cost, 1e-6) for r in against), default=MOST_MARGIN)
     return Trace(
         first.reading, fit.curve, fit.points, fit.sigma,
         margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
         ghost=_ghost(views[main], rest, margin, curve.detail),
-        choices=1 + len(rest), views=views, warnings=_warnings(first, views),
+        choices=1 + len(rest), views=views, warnings=_warnings(first, views, fit),
+        rest=first.rest, planes=0 if fit.form is None else len(fit.form.planes),
     )  # fmt: skip
 
 
@@ -260,6 +240,19 @@ def _readings(view: View, asked: str, box: Array, count: int) -> tuple[Read, ...
         except UserError:
             return view.reader.read("half", box)
     return view.reader.read(asked, box)
+
+
+def _across_views(
+    views: Sequence[View], readings: Sequence[Sequence[Read]], asked: str, box: Array
+) -> tuple[int, Read] | None:
+    """Return left in one view and right in another as a pair, and the number of the first view.
+
+    None where a view shows both sides, or where each by itself explains its ink better.
+    """
+    if asked not in ("auto", "pair") or any(found[0].reading == "pair" for found in readings):
+        return None
+    seen = [(view.stereo, view.sides) for view in views]
+    return pair_across(seen, [found[0].cost for found in readings], box)
 
 
 def _main(readings: Sequence[Sequence[Read]]) -> int:
@@ -357,11 +350,14 @@ def _fitted(views: Sequence[View], alike: Mapping[int, Read], main: int, detail:
         for k, view in enumerate(views)
         if k not in alike
     ]
+    # What one view cannot say another one does.
+    form = first.form if len(views) == 1 else None
     made = adjust_bundle(
         first.reading, whole.points, whole.covariances, sights,
         closed=first.closed, ring=first.ring, controls=detail,
+        planes=NO_PLANES if form is None else form.planes,
     )  # fmt: skip
-    return Fit(made.curve, made.rms, tuple(sights))
+    return Fit(made.curve, made.rms, tuple(sights), form)
 
 
 def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
@@ -388,33 +384,13 @@ def _ghost(view: View, rest: Sequence[Read], margin: float, detail: Controls) ->
     return _fitted([view], {0: other}, 0, detail).curve
 
 
-def _warnings(first: Read, views: Sequence[View]) -> tuple[str, ...]:
-    if all(side.sure for view in views for side in view.sides):
-        return first.warnings
-    return *first.warnings, UNSURE
+def _warnings(first: Read, views: Sequence[View], fit: Fit) -> tuple[str, ...]:
+    off, sure = fit.off_ink, all(side.sure for view in views for side in view.sides)
+    misses = () if off <= ON_INK else (MISSES.format(off),)
+    return *first.warnings, *misses, *(() if sure else (UNSURE,))
 
 
 def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:
     """Return places of a changed curve, with the uncertainty of the nearest old ones."""
     points = sampled(curve.spline)
-    _, nearest = _tree(base.points).query(points)
-    return points, base.sigma[nearest]
-
-
-def sampled(spline: Spline) -> Array:
-    """Return places along a spline, both ends included."""
-    return spline.sampled(SAMPLES)
-
-
-def directions(state: SymmetryState) -> Array | None:
-    """Return tangents of the newest curves shown, (n, 3) in the model's frame; None if none."""
-    found = []
-    for curve in state.shown_curves[-NEWEST:]:
-        try:
-            made = trace_of(curve, state).curve
-        except UserError:
-            continue
-        if made is not None:
-            steps = np.diff(made.spline.sampled(LOOKS), axis=0)
-            found.append(state.plane.placement.directions(steps))
-    return np.vstack(found) if found else None
+    return points, base.sigma[_tree(base.points).query(points)[1]]

@@ -73,6 +73,9 @@ class Pairing:
         Bridged: there the epipolar lines run along the curve and say nothing.
     closed : bool
         Both sides are loops.
+    part : (float, float)
+        Share of each side that was matched at all: where only a part of the other side was
+        drawn the rest waits for it.
     """
 
     near: Array
@@ -85,6 +88,7 @@ class Pairing:
     reversed: bool
     weak: Flags
     closed: bool
+    part: tuple[float, float] = (1.0, 1.0)
 
 
 def pairing_of(

@@ -134,8 +134,8 @@ def curve_sigmas(
     """
     place = np.reshape(np.asarray(points, float), (-1, 3))
     along = np.reshape(np.asarray(tangents, float), (-1, 3))
-    rows = [_row(image_slopes(stereo, place), along) for stereo in near]
-    rows += [_row(image_slopes(stereo, place * MIRROR) * MIRROR, along) for stereo in far]
+    rows = [across_image(image_slopes(stereo, place), along) for stereo in near]
+    rows += [across_image(image_slopes(stereo, place * MIRROR) * MIRROR, along) for stereo in far]
     known = np.stack(rows, axis=1)
     if flat:
         known[:, :, 1] = 0.0
@@ -192,7 +192,7 @@ def image_slopes(stereo: Stereo, points: ArrayLike) -> Array:
     return np.asarray(np.where(known[:, None, None], slopes, 0.0))
 
 
-def _row(slopes: Array, along: Array) -> Array:
+def across_image(slopes: Array, along: Array) -> Array:
     """Return derivatives of the image across the image of a curve, (n, 3)."""
     seen = np.einsum("nij,nj->ni", slopes, along)
     length = np.linalg.norm(seen, axis=1, keepdims=True)

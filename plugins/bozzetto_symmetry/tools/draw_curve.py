@@ -13,6 +13,7 @@ from bozzetto.ink import arc_length, is_one_view, on_canvas
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, Preview, override
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view import Camera
+from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_strokes, waits
 from bozzetto_symmetry.solve.curve_solver import trace_of
@@ -139,5 +140,6 @@ def _waiting_side(state: SymmetryState, camera: Camera) -> tuple[Camera, Growing
             continue
         if waits(curve, trace):
             (view,) = (v for v in trace.views if is_one_view(camera, v.strokes[0].camera))
-            return view.strokes[0].camera, GrowingCurve(view.stereo, view.sides[0].pixels)
+            longest = max(view.sides, key=lambda side: length_of(side.pixels))
+            return view.strokes[0].camera, GrowingCurve(view.stereo, longest.pixels)
     return None

@@ -20,10 +20,14 @@ TAKEN: Final = {
 }
 """What a curve was read as."""
 
+SIMPLE: Final = {1: "A flat curve across the plane.", 2: "A straight bar across the plane."}
+"""What a curve across the plane was taken for where the rays say nothing, by `Trace.planes`."""
+
 APART: Final = "Press X to read them in another way, or rub out the wrong one."
 OR_MIRROR: Final = (
     "If it is only one side, draw its mirror image. Press X to read it in another way."
 )
+GO_ON: Final = "Draw the other side on to its end, or rub out what is too much."
 OTHERWISE: Final = (
     "Draw over it to correct it, or draw the next curve. Press X to read it in another way."
 )
@@ -56,8 +60,10 @@ def _expected(curve: Curve, trace: Trace) -> Iterator[str]:
         if any(len(view.sides) > 1 for view in trace.views):
             yield APART
         return
-    yield TAKEN[trace.reading]
-    if waits(curve, trace):
+    yield SIMPLE.get(trace.planes, TAKEN[trace.reading])
+    if trace.rest:
+        yield GO_ON
+    elif waits(curve, trace):
         yield OR_MIRROR
     else:
         yield OTHERWISE if trace.ghost is None else UNDECIDED

@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
+from bozzetto.errors import UserError
 from bozzetto.view import Camera, turn
+from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
+from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.degeneracies import CAUSES, REMEDIES, Case, special_case
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes, point_covariances, sigmas
@@ -60,6 +63,13 @@ MOST: Final = 12
 """Directions looked at; more of them change a median little."""
 
 DIAGONAL: Final = np.sqrt(0.5)
+
+LOOKS: Final = 12
+"""Places of a curve whose directions a view is judged by."""
+
+NEWEST: Final = 8
+"""Curves that a view is judged by, the last ones: what is drawn next goes with these, and a
+drawing of many curves that was just opened is not solved for the sake of advice."""
 
 USUAL: Final = np.array(
     [(1, 0, 0), (0, 0, 1), (DIAGONAL, 0, DIAGONAL), (DIAGONAL, 0, -DIAGONAL)], float
@@ -234,3 +244,17 @@ def _lines(directions: ArrayLike | None, plane: CentrePlane) -> Array:
 
 def _length(mm: float) -> str:
     return f"{mm:.1f} mm" if mm >= 1.0 else f"{mm:.2g} mm"
+
+
+def directions(state: SymmetryState) -> Array | None:
+    """Return tangents of the newest curves shown, (n, 3) in the model's frame; None if none."""
+    found = []
+    for curve in state.shown_curves[-NEWEST:]:
+        try:
+            made = trace_of(curve, state).curve
+        except UserError:
+            continue
+        if made is not None:
+            steps = np.diff(made.spline.sampled(LOOKS), axis=0)
+            found.append(state.plane.placement.directions(steps))
+    return np.vstack(found) if found else None

@@ -334,8 +334,8 @@ def test_documents_are_opened_and_everything_else_imported(session, canvas, tmp_
     assert drop(canvas, names)
     assert session.calls.made == [
         ("files.open_safely", (names[0],), {}),
-        ("files.import_file", (names[1],), {}),
-        ("files.import_file", (names[2],), {}),
+        ("exchange.import_file", (names[1],), {}),
+        ("exchange.import_file", (names[2],), {}),
     ]
 
 
@@ -346,7 +346,7 @@ def test_with_shift_pictures_go_under_the_sheet(session, canvas, tmp_path):
     assert drop(canvas, names, Qt.KeyboardModifier.ShiftModifier)
     assert session.calls.made == [
         ("pictures.take_file", (names[0],), {"under": True}),
-        ("files.import_file", (names[1],), {}),
+        ("exchange.import_file", (names[1],), {}),
     ]
 
 

@@ -40,7 +40,7 @@ def draw_sample(window, settle, modeler="bozzetto.silhouette", number=0):
     (info,) = [one for one in session.toolbox.modelers if one.id == modeler]
     session.toolbox.take_modeler(modeler)
     settle(session, window.keeper)
-    session.files.import_file(info.samples[number])
+    session.files.exchange.import_file(info.samples[number])
     settle(session, window.keeper)
     return session.drawing.document
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from PySide6.QtCore import QSize, Qt
+from PySide6.QtCore import QPoint, QSize, Qt
 from PySide6.QtGui import QColor, QContextMenuEvent, QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMenu, QPushButton, QWidget
@@ -412,6 +412,16 @@ def test_samples_and_recent_files_can_be_chosen(qtbot, strip):
     with qtbot.waitSignal(strip.recent_chosen) as recent:
         button(strip, "Lamp").click()
     assert recent.args == [Path("/drawings/Lamp.bozz")]
+
+
+def test_a_double_click_opens_one_sample(qtbot, strip):
+    chosen = []
+    strip.sample_chosen.connect(lambda *sample: chosen.append(sample))
+    card = button(strip, "Glasses")
+    qtbot.mouseClick(card, Qt.MouseButton.LeftButton, pos=QPoint(20, 20))
+    qtbot.mouseDClick(card, Qt.MouseButton.LeftButton, pos=QPoint(20, 20))
+    qtbot.mouseRelease(card, Qt.MouseButton.LeftButton, pos=QPoint(20, 20))
+    assert len(chosen) == 1
 
 
 def test_it_closes_by_drawing(qtbot, strip, fake_session):

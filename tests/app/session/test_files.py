@@ -16,7 +16,7 @@ import pytest
 from bozzetto.atomic_files import FileChanged
 from bozzetto.document.model import Model, OpaqueState, new_id
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path, holder
-from bozzetto.exchange.import_file import read_mesh
+from bozzetto.exchange.import_file import read_mesh, read_mesh_file
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
 from bozzetto_app.session import thumbnail as small_picture
@@ -187,7 +187,7 @@ def test_what_is_exported_is_closed_and_as_large_as_what_is_shown(
 ):
     session = make_session()
     draw(session, settle)
-    session.files.export(tmp_path / f"out.{ending}")
+    session.files.exchange.export(tmp_path / f"out.{ending}")
     settle(session)
     assert (tmp_path / f"out.{ending}").stat().st_size > 1000
     assert words(session, "error") == []
@@ -204,7 +204,7 @@ def test_what_is_exported_is_closed_and_as_large_as_what_is_shown(
 def test_hidden_objects_are_not_exported_and_nothing_is_an_error(session, settle, tmp_path):
     draw(session, settle)
     session.objects.set_visible(session.selection.id, False)
-    session.files.export(tmp_path / "out.stl")
+    session.files.exchange.export(tmp_path / "out.stl")
     settle(session)
     assert not (tmp_path / "out.stl").exists()
     assert len(words(session, "error")) == 1
@@ -215,7 +215,7 @@ def test_what_an_export_leaves_out_is_named(session, settle, tmp_path):
     stranger = Model(new_id(), "Stranger", "nobody.knows", OpaqueState(1, b"{}", (), ()))
     session.drawing.commit("open", session.drawing.document.with_model(stranger))
     settle(session)
-    session.files.export(tmp_path / "out.stl")
+    session.files.exchange.export(tmp_path / "out.stl")
     settle(session)
     (said,) = words(session, "error")
     assert said.startswith("Exported “out.stl”. Left out of the STL file: “Stranger” (")
@@ -233,7 +233,7 @@ def test_a_cancelled_export_writes_nothing(session, boxes, settle, qtbot, tmp_pa
         return session.registry.modeler(MODELER).shapes(state, result)
 
     well["shapes"] = slow
-    session.files.export(tmp_path / "out.stl")
+    session.files.exchange.export(tmp_path / "out.stl")
     qtbot.waitUntil(lambda: boxes.calls["shapes"] == 1)
     session.cancel_work()
     gate.set()
@@ -248,11 +248,24 @@ def test_a_cancelled_export_writes_nothing(session, boxes, settle, qtbot, tmp_pa
 def test_what_is_not_read_of_a_drawing_is_said(make_session, settle, tmp_path):
     session = make_session()
     (tmp_path / "named.svg").write_text(SVG.replace("</svg>", "<text>Front</text></svg>"))
-    session.files.import_file(tmp_path / "named.svg")
+    session.files.exchange.import_file(tmp_path / "named.svg")
     settle(session)
     (said,) = words(session, "error")
     assert "1 text of this drawing is left out" in said
     assert len(session.drawing.document) == 1
+
+
+@pytest.mark.parametrize(("head", "said"), [("", 1), ("# Bozzetto: inches, Y up\n", 0)])
+def test_how_a_mesh_is_read_is_said_unless_its_file_says_it(
+    make_session, settle, tmp_path, head, said
+):
+    session = make_session()
+    corners = "v 0 0 0\nv 10 0 0\nv 0 20 0\nv 0 0 30\n"
+    (tmp_path / "tent.obj").write_text(f"{head}{corners}f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    session.files.exchange.import_file(tmp_path / "tent.obj")
+    settle(session)
+    assert words(session, "error") == []
+    assert sum("Parameters can change both" in text for text in words(session, "info")) == said
 
 
 def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, settle, tmp_path):
@@ -260,14 +273,14 @@ def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, s
 
     session = make_session()
     (tmp_path / "square.svg").write_text(SVG)
-    session.files.import_file(tmp_path / "square.svg")
+    session.files.exchange.import_file(tmp_path / "square.svg")
     settle(session)
-    session.files.export(tmp_path / "square.stl")
+    session.files.exchange.export(tmp_path / "square.stl")
     settle(session)
-    session.files.import_file(tmp_path / "square.stl")
+    session.files.exchange.import_file(tmp_path / "square.stl")
     settle(session)
     write_png(tmp_path / "photo.png", np.full((30, 40, 4), 200, np.uint8))
-    session.files.import_file(tmp_path / "photo.png")
+    session.files.exchange.import_file(tmp_path / "photo.png")
     settle(session)
     (left_out,) = words(session, "error")  # the black of the drawing's line
     assert "the colours of 1 solid" in left_out
@@ -293,7 +306,7 @@ def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, s
 
 def test_an_import_that_ends_on_another_sheet_is_dropped(session, settle, tmp_path):
     (tmp_path / "square.svg").write_text(SVG)
-    session.files.import_file(tmp_path / "square.svg")
+    session.files.exchange.import_file(tmp_path / "square.svg")
     session.files.new()
     settle(session)
     assert len(session.drawing.document) == 0
@@ -312,7 +325,7 @@ def test_opening_a_drawing_makes_a_new_document_of_it(session, settle, tmp_path)
 def test_nonsense_is_refused_with_a_sentence(session, settle, tmp_path):
     for name, content in (("a.svg", "<svg"), ("b.stl", "solid"), ("c.png", "x"), ("d.xyz", "x")):
         (tmp_path / name).write_text(content)
-        session.files.import_file(tmp_path / name)
+        session.files.exchange.import_file(tmp_path / name)
         settle(session)
     assert len(words(session, "error")) == 4
     assert words(session, "fault") == []
@@ -644,10 +657,10 @@ def waiting_reader(monkeypatch):
 
     def wait(path, **options):
         gate.wait(60)
-        return read_mesh(path, trusted=True)
+        return read_mesh_file(path, trusted=True)
 
-    monkeypatch.setattr("bozzetto.exchange.import_file.read_mesh", wait)
-    monkeypatch.setattr("bozzetto_app.session.files.SLOW_AFTER", 0.1)
+    monkeypatch.setattr("bozzetto.exchange.import_file.read_mesh_file", wait)
+    monkeypatch.setattr("bozzetto_app.workers.channel.SLOW_AFTER", 0.1)
     yield gate
     gate.set()
 
@@ -660,7 +673,7 @@ def test_a_file_that_takes_long_is_told_as_slow_and_waited_for(
 ):
     session = make_session(MODELER, extra=[boxes.package])
     (tmp_path / "a.obj").write_text(CUBE)
-    session.files.import_file(tmp_path / "a.obj")
+    session.files.exchange.import_file(tmp_path / "a.obj")
     qtbot.waitUntil(lambda: words(session, "slow") != [], timeout=10_000)
     waiting_reader.set()
     settle(session)
@@ -674,10 +687,34 @@ def test_a_file_that_takes_long_can_be_stopped(
 ):
     session = make_session(MODELER, extra=[boxes.package])
     (tmp_path / "a.obj").write_text(CUBE)
-    session.files.import_file(tmp_path / "a.obj")
+    session.files.exchange.import_file(tmp_path / "a.obj")
     qtbot.waitUntil(lambda: words(session, "slow") != [], timeout=10_000)
     session.cancel_work()
     settle(session)
     assert len(session.drawing.document) == 0
     assert words(session, "info") == ["Stopped. Nothing was changed."]
     assert words(session, "fault") == words(session, "error") == []
+
+
+# -- turntables ------------------------------------------------------------------------------------
+
+
+def test_a_turntable_is_written_and_never_over_pictures_that_are_there(
+    make_session, settle, tmp_path
+):
+    session = make_session()
+    (tmp_path / "a.obj").write_text(CUBE)
+    session.files.exchange.import_file(tmp_path / "a.obj")
+    settle(session)
+    before = session.drawing.document
+    session.files.exchange.films.turn(tmp_path / "turn.gif", 0.3)
+    session.files.exchange.films.turn(tmp_path / "row.png", 0.3)
+    settle(session)
+    assert (tmp_path / "turn.gif").read_bytes()[:4] == b"GIF8"
+    assert len(list(tmp_path.glob("row-*.png"))) == 4
+    assert words(session, "error") == []
+    (tmp_path / "row-3.png").write_bytes(b"mine")
+    session.files.exchange.films.turn(tmp_path / "row.png", 0.3)
+    settle(session)
+    assert (tmp_path / "row-3.png").read_bytes() == b"mine"
+    assert session.drawing.document is before

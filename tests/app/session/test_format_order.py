@@ -28,7 +28,7 @@ def test_curves_are_offered_to_cad_first_and_solids_to_printers(
 ):
     session = make_session(modeler)
     (info,) = [one for one in session.toolbox.modelers if one.id == modeler]
-    session.files.import_file(info.samples[-1])
+    session.files.exchange.import_file(info.samples[-1])
     settle(session)
     offered = offered_formats(session)
     assert first in offered[0].holds
@@ -41,7 +41,7 @@ def test_an_empty_or_mixed_sheet_is_offered_meshes_first(make_session, settle):
     assert offered_formats(session)[0].id == "stl"
     for info in session.toolbox.modelers[:2]:
         session.toolbox.take_modeler(info.id)
-        session.files.import_file(info.samples[-1])
+        session.files.exchange.import_file(info.samples[-1])
         settle(session)
     assert len({model.modeler for model in session.drawing.document}) == 2
     assert offered_formats(session)[0].id == "stl"

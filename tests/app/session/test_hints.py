@@ -95,7 +95,7 @@ def test_after_a_drag_of_a_handle_the_tool_in_the_hand_still_speaks(make_window,
     """A joint's drag goes to *Arrange*, whatever tool is in the hand."""
     window = make_window()
     session = window.session
-    session.files.import_file(session.toolbox.modelers[0].samples[1])
+    session.files.exchange.import_file(session.toolbox.modelers[0].samples[1])
     settle(session, window.keeper)
     session.objects.set_parameter("posing", True)
     settle(session, window.keeper)

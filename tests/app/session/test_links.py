@@ -223,7 +223,7 @@ def test_a_source_that_is_deleted_meanwhile_is_not_followed(session, settle):
 def test_parts_are_copied_and_the_whole_is_followed(make_session, settle):
     session = make_session("bozzetto.symmetry")
     samples = session.registry.info("bozzetto.symmetry").samples
-    session.files.import_file(next(path for path in samples if path.stem == "boat"))
+    session.files.exchange.import_file(next(path for path in samples if path.stem == "boat"))
     settle(session)
     boat = session.selection.model
     part = session.parts.of(boat.id).parts[0].id

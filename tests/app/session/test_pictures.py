@@ -44,7 +44,7 @@ def steps(session):
 
 
 def test_a_picture_with_nothing_selected_makes_a_model(session, settle, page):
-    session.files.import_file(page)
+    session.files.exchange.import_file(page)
     settle(session)
     (model,) = session.drawing.document
     assert (model.name, model.modeler) == ("page", MODELER)
@@ -58,10 +58,10 @@ def test_a_picture_with_nothing_selected_makes_a_model(session, settle, page):
 
 
 def test_a_further_one_goes_to_the_selected_model_as_one_step(session, settle, page, tmp_path):
-    session.files.import_file(page)
+    session.files.exchange.import_file(page)
     settle(session)
     write_png(tmp_path / "rear.png", drawn_car(90, 60))
-    session.files.import_file(tmp_path / "rear.png")
+    session.files.exchange.import_file(tmp_path / "rear.png")
     settle(session)
     assert pictures(session) == ["page", "rear"]
     assert (len(session.drawing.document), steps(session)) == (1, 2)
@@ -69,18 +69,18 @@ def test_a_further_one_goes_to_the_selected_model_as_one_step(session, settle, p
 
 def test_two_at_once_both_arrive(session, settle, page, tmp_path):
     """The second finds the model as the first one left it."""
-    session.files.import_file(page)
+    session.files.exchange.import_file(page)
     settle(session)
     for name in ("a.png", "b.png"):
         write_png(tmp_path / name, drawn_car(30, 20))
-        session.files.import_file(tmp_path / name)
+        session.files.exchange.import_file(tmp_path / name)
     settle(session)
     assert pictures(session) == ["page", "a", "b"]
 
 
 def test_a_refusal_is_told_and_changes_nothing(session, settle, page):
     for _ in range(4):
-        session.files.import_file(page)
+        session.files.exchange.import_file(page)
         settle(session)
     assert len(pictures(session)) == 3
     assert "Three sketches are enough" in session.heard[-1].text
@@ -88,7 +88,7 @@ def test_a_refusal_is_told_and_changes_nothing(session, settle, page):
 
 def test_a_fault_leaves_the_document(session, settle, page, sketches):
     sketches.take = lambda state, picture: 1 / 0
-    session.files.import_file(page)
+    session.files.exchange.import_file(page)
     settle(session)
     assert len(session.drawing.document) == 0
     assert session.heard[-1].kind == "fault"
@@ -109,11 +109,11 @@ def test_all_others_lie_under_the_sheet_as_ever(session, settle, page, how):
         session.toolbox.take_modeler("bozzetto.silhouette")
         settle(session)
     else:
-        session.files.import_file(page)
+        session.files.exchange.import_file(page)
         settle(session)
         change = session.objects.set_locked if how == "locked" else session.objects.set_visible
         change(session.selection.id, how == "locked")
-    session.files.import_file(page)
+    session.files.exchange.import_file(page)
     settle(session)
     assert len(session.drawing.document.underlays) == 1
     assert len(session.drawing.document) == (0 if how == "other modeler" else 1)
@@ -127,13 +127,13 @@ def test_a_selected_model_of_another_modeler_comes_before_the_active_one(session
     settle(session)
     session.toolbox.take_modeler(MODELER)
     settle(session)
-    session.files.import_file(page)
+    session.files.exchange.import_file(page)
     settle(session)
     assert len(session.drawing.document.underlays) == 1
 
 
 def test_another_document_gets_nothing(session, settle, page):
-    session.files.import_file(page)
+    session.files.exchange.import_file(page)
     session.files.new()
     settle(session)
     assert len(session.drawing.document) == 0
@@ -142,7 +142,7 @@ def test_another_document_gets_nothing(session, settle, page):
 
 def test_broken_files_are_told(session, settle, tmp_path):
     (tmp_path / "x.png").write_bytes(b"words")
-    session.files.import_file(tmp_path / "x.png")
+    session.files.exchange.import_file(tmp_path / "x.png")
     settle(session)
     assert "x.png" in session.heard[-1].text
     assert len(session.drawing.document) == 0
@@ -156,7 +156,7 @@ def test_a_file_of_facts_goes_to_the_modeler_that_is_meant(session, settle, page
     marks.write_text(json.dumps({"template": "sedan", "image": {"file": "page.png"}}))
     session.toolbox.take_modeler("bozzetto.silhouette")
     settle(session)
-    session.files.import_file(marks)
+    session.files.exchange.import_file(marks)
     settle(session)
     (model,) = session.drawing.document
     assert (model.modeler, model.state.template) == (MODELER, "sedan")
@@ -167,7 +167,7 @@ def test_a_file_of_facts_goes_to_the_modeler_that_is_meant(session, settle, page
 def test_facts_of_nobody_go_to_the_active_modeler(session, settle, tmp_path):
     path = tmp_path / "x.json"
     path.write_text('{"marks": []}')
-    session.files.import_file(path)
+    session.files.exchange.import_file(path)
     settle(session)
     assert "names no template" in session.heard[-1].text
 
@@ -243,7 +243,7 @@ def test_a_document_is_saved_with_its_pictures_and_a_small_one_of_what_is_seen(
     window, settle, page, tmp_path, sketches
 ):
     session = window.session
-    session.files.import_file(page)
+    session.files.exchange.import_file(page)
     settle(session)
 
     def advise(state, camera):
@@ -267,7 +267,7 @@ def test_a_modeler_that_hangs_over_advice_does_not_hold_up_a_save(
     window, settle, page, tmp_path, sketches, monkeypatch, qtbot
 ):
     session = window.session
-    session.files.import_file(page)
+    session.files.exchange.import_file(page)
     settle(session)
     gate = threading.Event()
     monkeypatch.setattr("bozzetto_app.session.thumbnail.PATIENCE", 0.05)
@@ -285,7 +285,7 @@ def test_a_modeler_that_hangs_over_advice_does_not_hold_up_a_save(
 
 @pytest.fixture
 def pinned(window, settle, page):
-    window.session.files.import_file(page)
+    window.session.files.exchange.import_file(page)
     settle(window.session)
     return window
 

@@ -10,6 +10,7 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto_app.session.replay import Replay, Replays
 from tests.app.tablet import Stylus, circle, stroke_of
 from tests.app.troublemaker import MODELER
+from tests.sizes import sized
 
 pytestmark = pytest.mark.slow
 
@@ -88,7 +89,7 @@ def test_every_sample_drawing_makes_sound_solids_when_watched(make_window, settl
     window = make_window()
     session = window.session
     for info in session.toolbox.modelers:
-        for sample in info.samples:
+        for sample in info.samples[: sized(2, len(info.samples))]:
             window.replays.speed = FAST
             window.watch(info.id, sample)
             if (

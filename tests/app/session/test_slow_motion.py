@@ -7,7 +7,9 @@ import struct
 
 from PIL import Image
 
+from bozzetto_app.paths import recovery_folder
 from tests.app.session.test_motion import hang_a_ball, pulled
+from tests.app.test_main_window import answer, question
 from tests.spring import MODELER
 
 
@@ -39,7 +41,7 @@ def test_a_film_is_made_of_the_next_seconds_and_changes_nothing(
     settle(session)
     before, steps = session.drawing.document, len(session.drawing.history.entries)
     for ending in ("glb", "gif"):
-        session.files.films.make(tmp_path / f"ball.{ending}", 0.4)
+        session.files.exchange.films.make(tmp_path / f"ball.{ending}", 0.4)
     settle(session)
     data = (tmp_path / "ball.glb").read_bytes()
     (length,) = struct.unpack_from("<I", data, 12)
@@ -57,7 +59,24 @@ def test_a_film_that_never_ends_is_refused_with_a_sentence(
     hang_a_ball(session, settle)
     said = []
     monkeypatch.setattr(session.notices, "complain", said.append)
-    session.files.films.make(tmp_path / "ball.glb", 1e6)
+    session.files.exchange.films.make(tmp_path / "ball.glb", 1e6)
     settle(session)
     assert not (tmp_path / "ball.glb").exists()
     assert "frames" in said[0].message
+
+
+def test_a_window_closed_while_something_plays_leaves_nothing_to_recover(
+    make_window, springs, settle, qtbot
+):
+    window = make_window(MODELER, extra=[springs.package])
+    session = window.session
+    hang_a_ball(session, settle)
+    session.gestures.motion.play()
+    steps = len(springs.seen)
+    qtbot.waitUntil(lambda: len(springs.seen) > steps + 5, timeout=30_000)
+    window.close()
+    qtbot.waitUntil(lambda: question(window) is not None)
+    assert not session.gestures.motion.is_playing
+    answer(window, "Don’t save")
+    qtbot.waitUntil(lambda: not window.isVisible())
+    assert not list(recovery_folder().glob("*/*"))

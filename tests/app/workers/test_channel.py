@@ -11,6 +11,7 @@ from shiboken6 import delete
 
 from bozzetto.errors import Cancelled
 from bozzetto_app.workers.channel import Channel, Hung, Request
+from bozzetto_app.workers.main_thread import call_on_main_thread
 
 
 class Heard:
@@ -228,3 +229,27 @@ def test_work_in_a_queue_gets_what_the_window_has_when_its_turn_comes(qtbot, hea
     qtbot.waitUntil(lambda: len(heard.answers) == 3)
     assert heard.answers == [1, 11, 21]
     assert set(threads) == {threading.get_ident()}
+
+
+def test_what_work_held_ends_on_the_windows_thread(qtbot, heard, monkeypatch):
+    """Qt objects that a worker lets go of last would be destroyed there."""
+    ended = []
+
+    class Held:
+        def __del__(self):
+            ended.append(threading.get_ident())
+
+    def slowly(*arguments, **options):
+        call_on_main_thread(*arguments, **options)
+        time.sleep(0.2)  # the window has long forgotten the answer when the worker goes on
+
+    monkeypatch.setattr("bozzetto_app.workers.channel.call_on_main_thread", slowly)
+    channel = Channel("test")
+    for _ in range(2):
+        held = Held()
+        channel.submit(heard.request(lambda job, held=held: type(held).__name__))
+        del held
+        qtbot.waitUntil(lambda: not channel.busy)
+    qtbot.waitUntil(lambda: len(ended) == 2)
+    assert ended == [threading.get_ident()] * 2
+    assert heard.answers == ["Held", "Held"]

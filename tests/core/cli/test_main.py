@@ -201,7 +201,8 @@ def test_a_document_is_exported_and_rendered(bozzetto, square, tmp_path):
         (("info", "."), "folder"),
         (("build", "silhouette", "empty.svg", "-o", "x.stl"), "empty"),
         (("build", "silhouette", "bad.json", "-o", "x.stl"), "bad.json"),
-        (("export", "square.svg", "-o", "x.stl"), ""),
+        (("export", "square.svg", "-o", "x.stl"), "build MODELER square.svg"),
+        (("export", "square.stl", "-o", "x.glb"), "build mesh square.stl"),
         (("export", "bad.bozz", "-o", "x.stl"), ""),
         (("render", "bad.bozz", "-o", "x.png"), ""),
         (("render", "square.svg", "-o", "x.png"), ""),
@@ -428,3 +429,17 @@ def test_waiting_ink_is_told_by_info_and_left_out_of_shapes_with_a_note(bozzetto
     copied = bozzetto("export", "b.bozz", "-o", "c.bozz")
     assert (copied.returncode, copied.stderr) == (0, "")
     assert len(read_document("c.bozz", Registry())[0].waiting) == 1
+
+
+def test_a_turntable_is_a_gif_or_a_row_of_pictures(bozzetto, square, tmp_path):
+    bozzetto("build", "silhouette", "square.svg", "-o", "doc.bozz")
+    words = ("render", "doc.bozz", "--turntable", "3", "--size", "64x48", "-o")
+    assert bozzetto(*words, "turn.gif").returncode == 0
+    assert bozzetto(*words, "row.png").returncode == 0
+    assert (tmp_path / "turn.gif").read_bytes()[:4] == b"GIF8"
+    assert sorted(path.name for path in tmp_path.glob("row*")) == [
+        f"row-{number}.png" for number in (1, 2, 3)
+    ]
+    refused = bozzetto(*words, "turn.mp4")
+    assert refused.returncode != 0
+    assert ".gif" in refused.stderr

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -30,8 +32,11 @@ def tube(rows=40, round_=16, length=60.0, radius=5.0):
     return Mesh(mesh.vertices, mesh.faces, mesh.vertex_normals())
 
 
-def skinned(joints=7, pose=None, name="worm", roots=(0,), texture=False):
-    """A tube on a row of joints, smoothly weighted; `pose` turns joint 2 about z, degrees."""
+def skinned(joints=7, pose=None, name="worm", roots=(0,), texture=False, turned=False):
+    """A tube on a row of joints, smoothly weighted; `pose` turns joint 2 about z, degrees.
+
+    `turned` gives every joint axes of its own.
+    """
     mesh = tube()
     places = np.column_stack((np.linspace(0, 60, joints), np.zeros((joints, 2))))
     turns = None
@@ -42,6 +47,9 @@ def skinned(joints=7, pose=None, name="worm", roots=(0,), texture=False):
     parents = [-1 if k in roots else k - 1 for k in range(joints)]
     names = tuple(f"{name} {k}" for k in range(joints))
     rig = Rig(places, parents, names, turns, cuts=[[0, joints - 1]])
+    if turned:
+        axes = Rotation.random(joints, random_state=5).as_matrix()
+        rig = replace(rig, axes=axes)
     at = np.clip(mesh.vertices[:, 0] / 60.0 * (joints - 1), 0, joints - 1 - 1e-6)
     low = at.astype(int)
     share = at - low

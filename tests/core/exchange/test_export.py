@@ -116,8 +116,9 @@ def test_every_format_has_the_functions_that_it_promises():
 
 
 def test_ids_and_endings_are_unique():
-    endings = [ending for one in formats.FORMATS for ending in one.endings]
-    assert len(set(endings)) == len(endings)
+    for some in (formats.writers(), formats.readers()):
+        endings = [ending for one in some for ending in one.endings]
+        assert len(set(endings)) == len(endings)
     assert all(e == e.lower() and e.startswith(".") for e in endings)
     assert len({one.id for one in formats.FORMATS}) == len(formats.FORMATS)
 

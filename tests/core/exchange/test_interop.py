@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ import pytest
 
 from bozzetto.exchange.export import export
 from bozzetto.exchange.import_file import read_mesh
-from bozzetto.geometry import Mesh, Shapes, Solid, Surface
+from bozzetto.geometry import FaceGroup, Mesh, Shapes, Solid, Surface
 from tests.core.exchange.skinned import skinned
 
 pytestmark = pytest.mark.interop
@@ -73,7 +74,7 @@ def test_trimesh_reads_every_format(tmp_path):
         assert mesh.is_winding_consistent, ending
         assert mesh.volume * scale**3 == pytest.approx(VOLUME, rel=1e-5), ending
         low, high = mesh.bounds * scale
-        if ending == "glb":  # back from Y up
+        if ending in ("glb", "obj"):  # back from Y up
             (low, high) = (np.array([b[0], s * b[2], b[1]]) for b, s in ((low, -1), (high, -1)))
             low, high = np.minimum(low, high), np.maximum(low, high)
         both = np.vstack((RING.vertices, SMALL.vertices))
@@ -91,7 +92,13 @@ def test_trimesh_sees_the_colours(tmp_path, ending):
     export(Shapes(solids=(SHAPES.solids[0],)), path)
     (mesh,) = trimesh.load_scene(path, process=False).geometry.values()
     visual = mesh.visual
-    colors = visual.vertex_attributes["color"] if ending == "glb" else visual.vertex_colors
+    match ending:
+        case "glb":
+            colors = visual.vertex_attributes["color"]
+        case "obj":  # beside its material
+            colors = 255.0 * mesh.vertex_attributes["color"]
+        case _:
+            colors = visual.vertex_colors
     seen = np.asarray(colors)[:, :3].astype(float)
     expected = RING.colors[:, :3].astype(float)
     if ending == "glb":  # linear light in the file
@@ -147,6 +154,16 @@ def test_lib3mf_accepts_our_3mf_strictly(tmp_path, shapes):
     assert items.Count() == len(seen)
 
 
+def of_all_finishes(mesh):
+    """A solid whose triangles are matt, of gloss, rubber, metal and glass."""
+    names = ("matt", "gloss", "rubber", "metal", "glass")
+    counts = np.diff(np.linspace(0, len(mesh.faces), len(names) + 1).astype(int)).tolist()
+    groups = [
+        FaceGroup(name, n, (200, 90, 60), name) for name, n in zip(names, counts, strict=True)
+    ]
+    return Solid(replace(mesh, colors=None), "finishes", groups=tuple(groups))
+
+
 VALIDATE = """
 const validator = require(process.argv[1]);
 const bytes = new Uint8Array(require('fs').readFileSync(process.argv[2]));
@@ -162,8 +179,9 @@ validator.validateBytes(bytes).then(report => console.log(JSON.stringify(report)
         Shapes(solids=(skinned(7),)),
         SHAPES + Shapes(solids=(skinned(300, 90.0), skinned(5, roots=(0, 2)))),
         Shapes(solids=(skinned(7, 60.0, texture=True),)),
+        Shapes(solids=(of_all_finishes(RING),)),
     ],
-    ids=["solids", "skin", "rig", "pose", "texture"],
+    ids=["solids", "skin", "rig", "pose", "texture", "finishes"],
 )
 def test_the_khronos_validator_finds_nothing(tmp_path, shapes):
     folder = os.environ.get("BOZZETTO_GLTF_VALIDATOR")
@@ -199,9 +217,11 @@ def test_trimesh_reads_a_skinned_solid(tmp_path):
 
 @pytest.mark.skipif(not shutil.which("prusa-slicer"), reason="prusa-slicer is not here")
 @pytest.mark.parametrize("ending", ["stl", "3mf", "obj"])
-def test_prusa_slicer_finds_a_manifold(tmp_path, ending):
+@pytest.mark.parametrize("solid", ["plain", "finishes"])
+def test_prusa_slicer_finds_a_manifold(tmp_path, ending, solid):
     path = tmp_path / f"a.{ending}"
-    export(Shapes(solids=(SHAPES.solids[0],)), path)
+    shown = SHAPES.solids[0] if solid == "plain" else of_all_finishes(RING)
+    export(Shapes(solids=(shown,)), path)
     done = subprocess.run(
         ["prusa-slicer", "--info", str(path)], capture_output=True, text=True, check=True
     )

@@ -181,7 +181,7 @@ l 1 2
 @pytest.mark.parametrize("newline", ["\n", "\r\n"])
 def test_obj_of_quads_with_every_kind_of_index(tmp_path, newline):
     shapes = written(tmp_path, "box.obj", QUAD_BOX.replace("\n", newline))
-    assert [s.name for s in shapes.solids] == ["box"]
+    assert [s.name for s in shapes.solids] == ["thing"]
     assert volume(shapes.solids[0].mesh) == pytest.approx(1)
 
 
@@ -329,7 +329,7 @@ def broken(change):
     ("change", "said"),
     [
         (lambda d: d.update(extensionsRequired=["KHR_draco_mesh_compression"]), "draco"),
-        (lambda d: d["buffers"][0].update(uri="data.bin"), "another file"),
+        (lambda d: d["buffers"][0].update(uri="data.bin"), "not there"),
         (lambda d: d["accessors"][0].update(count=5), "cut short"),
         (lambda d: d["accessors"][0].update(count=-1), "below zero"),
         (lambda d: d["accessors"][0].update(count=10**18), "more than"),

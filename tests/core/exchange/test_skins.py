@@ -66,8 +66,9 @@ def shown(data, mesh_node):
 
 @pytest.mark.parametrize("joints", [3, 7, 300])
 @pytest.mark.parametrize("pose", [None, 90.0])
-def test_a_viewer_sees_the_mesh_as_it_was_posed(joints, pose):
-    solid = skinned(joints, pose)
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_viewer_sees_the_mesh_as_it_was_posed(joints, pose, turned):
+    solid = skinned(joints, pose, turned=turned)
     data = encode_shapes(Shapes(solids=(solid,)), "a.glb")
     np.testing.assert_allclose(shown(data, 0), solid.mesh.vertices, atol=1e-4)
 
@@ -83,6 +84,16 @@ def test_the_file_holds_the_mesh_at_rest_and_joints_that_were_only_moved():
     assert [gltf["nodes"][k]["name"] for k in gltf["skins"][0]["joints"]] == list(
         solid.skin.rig.names
     )
+
+
+def test_joints_with_axes_stand_in_the_file_as_they_are():
+    rig = skinned(7, turned=True).skin.rig
+    gltf, values = opened(encode_shapes(Shapes(solids=(skinned(7, turned=True),)), "a.glb"))
+    binds = values(gltf["skins"][0]["inverseBindMatrices"]).reshape(-1, 4, 4).transpose(0, 2, 1)
+    at_rest = np.linalg.inv(binds)
+    to_file = TO_FILE * 1000.0
+    np.testing.assert_allclose(at_rest[:, :3, :3], to_file @ rig.axes, atol=1e-6)
+    np.testing.assert_allclose(at_rest[:, :3, 3], rig.joints @ TO_FILE.T, atol=1e-7)
 
 
 def test_a_cut_loop_is_told_on_both_of_its_joints():

@@ -358,7 +358,8 @@ def test_mesh_formats_hold_triangles_that_close_along_every_edge(tmp_path, endin
     np.testing.assert_allclose(part.mesh.bounds, extent(CAR.nets), atol=6.0)
     if ending == "glb":
         assert part.name == "Car"
-        assert part.color == CAR.color
+        assert {group.color for group in part.groups} == {CAR.color}
+        assert [group.name for group in part.groups] == list(CAR.patch_names)
 
 
 def test_the_command_line_hands_a_skin_over(tmp_path):

@@ -156,3 +156,21 @@ def test_a_skin_of_another_mesh_is_refused():
         Solid(Mesh(mesh.vertices[:50], mesh.faces), skin=skin)
     with pytest.raises(ValueError, match="as many vertices"):
         Skin(POSE, skin.joints, skin.weights, rest=Mesh(mesh.vertices[:50], mesh.faces))
+
+
+def test_a_mirror_turns_axes_over_and_leaves_them_right_handed():
+    axes = Rotation.random(4, random_state=2).as_matrix()
+    rig = Rig(REST, PARENTS, NAMES, axes=axes)
+    mirror = Placement((-1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
+    over = rig.placed(mirror)
+    np.testing.assert_allclose(np.linalg.det(over.axes), 1.0)
+    np.testing.assert_allclose(over.axes[:, :, 1:], np.diag([-1, 1, 1]) @ axes[:, :, 1:])
+    np.testing.assert_allclose(over.placed(mirror).axes, axes, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "axes", [np.zeros((4, 3, 3)), np.eye(3)[None], -np.tile(np.eye(3), (4, 1, 1))]
+)
+def test_axes_that_are_no_frames_are_refused(axes):
+    with pytest.raises(ValueError, match="frame"):
+        Rig(REST, PARENTS, NAMES, axes=axes)

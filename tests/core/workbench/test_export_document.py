@@ -20,7 +20,7 @@ from bozzetto.workbench.export_document import (
     ObjectShapes,
     chosen_models,
     object_shapes,
-    prepared_file,
+    prepared_files,
 )
 from bozzetto.workbench.workbench import Workbench
 
@@ -28,6 +28,10 @@ TETRA = Mesh(
     [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
 )
 MESH = "bozzetto.mesh"
+
+
+def prepared_file(objects, path, camera, **more):
+    return prepared_files(objects, [path], camera, **more)[0]
 
 
 def bench_without(*plugins):

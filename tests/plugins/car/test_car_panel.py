@@ -99,7 +99,7 @@ def test_the_view_that_would_help_most_is_named(twelve):
     advice = guide_of(twelve).advice
     assert advice.startswith("Would help most: a ")
     now, then = (float(figure) for figure in re.findall(r"(\d+)(?= →| mm)", advice))
-    assert now >= then > 0.0  # of the template itself little is unknown, to a millimetre
+    assert now > then > 0.0
     assert guide_of(blank()).advice == ""
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from bozzetto.document.storage.state_codec import decode_state, encode_state
 from bozzetto.geometry import Mesh, Placement, Shapes, Solid, Surface, cylinder, ruled_surface
@@ -16,6 +19,11 @@ def _block(size: float) -> Mesh:
     """A tetrahedron."""
     corners = size * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], np.float32)
     return Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], np.int32))
+
+
+def _volume(mesh: Mesh) -> float:
+    a, b, c = mesh.vertices[mesh.faces].astype(float).transpose(1, 0, 2)
+    return float(np.einsum("nk,nk->", a, np.cross(b, c)) / 6.0)
 
 
 def _sheet() -> Mesh:
@@ -68,3 +76,17 @@ def test_every_mesh_is_shown() -> None:
 def test_nothing_from_nothing() -> None:
     assert ImportedMesh().read_shapes(Shapes()) == MeshState()
     assert not ImportedMesh().shapes(MeshState(), MeshState())
+
+
+def test_the_axis_and_the_unit_of_a_file_can_be_told_afterwards() -> None:
+    block = Mesh(_block(1.0).vertices * np.array((1.0, 2.0, 3.0), np.float32), _block(1.0).faces)
+    state = ImportedMesh().read_shapes(Shapes(solids=(Solid(block),)))
+    told = replace(state, up="y", unit="in")
+    (solid,) = ImportedMesh().shapes(told, ImportedMesh().solve(told, Job())).solids
+    np.testing.assert_allclose(np.ptp(solid.mesh.vertices, axis=0), (25.4, 76.2, 50.8), rtol=1e-6)
+    assert solid.mesh.vertices[:, 2].min() == 0.0  # what pointed up points up
+    assert _volume(solid.mesh) == pytest.approx(25.4**3 * 1.0)  # and nothing is mirrored
+    ((_, shown),) = ImportedMesh().scene(told, None).items()
+    assert isinstance(shown, Shaded)
+    assert same(shown.mesh, solid.mesh)
+    assert same(ImportedMesh().solve(state, Job()).meshes, state.meshes)

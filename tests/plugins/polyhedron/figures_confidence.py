@@ -1,7 +1,7 @@
 """How far the confidence of first answers is from how often they are right.
 
 ``python -m tests.plugins.polyhedron.figures_confidence [drawings] [first seed]`` prints a Markdown
-table; seeds from 50,000 on, to which nothing is fitted. The drawings are those of
+table; seeds from 70,000 on, to which nothing is fitted. The drawings are those of
 ``fit_confidence``. Unmarked answers are said 2 % lower by the program, for the side from which they
 are seen; that is not in these figures.
 """
@@ -13,10 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from bozzetto_polyhedron.reconstruction.confidence_tables import CONFIDENCES, SHARES
+from bozzetto_polyhedron.reconstruction.ranking import confidence_of_first
 from tests.plugins.polyhedron.fit_confidence import Outcome, outcome
 
-FIRST_SEED = 50_000
+FIRST_SEED = 70_000
 BINS = (0.0, 0.5, 0.7, 0.85, 0.95, 1.01)
 ASKED = 5.0
 """Points."""
@@ -30,7 +30,7 @@ NAMES = {
 
 def said(each: Outcome) -> float:
     """Return the confidence of a first reading."""
-    return float(np.interp(each.share, SHARES, CONFIDENCES[each.evidence]))
+    return confidence_of_first(each.lead, each.evidence, each.traits)
 
 
 def rows(name: str, every: list[Outcome]) -> None:
@@ -53,6 +53,7 @@ def main(count: int, first: int) -> None:
     every = [each for seed in range(first, first + count) if (each := outcome(seed)) is not None]
     print(f"| drawings | said | right | difference | at most {ASKED:g} points |")
     print("| --- | --- | --- | --- | --- |")
+    rows("all drawings", every)
     for evidence, name in NAMES.items():
         rows(name, [each for each in every if each.evidence == evidence])
 

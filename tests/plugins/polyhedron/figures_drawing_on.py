@@ -211,7 +211,11 @@ def loop_over_border(body: PlanarBody, rng: np.random.Generator) -> tuple[Planar
 
 
 def loop_from_corner(body: PlanarBody, rng: np.random.Generator) -> tuple[PlanarBody, float, bool]:
-    """Push a loop with one corner in a corner of its face, and the others inside."""
+    """Push a loop with one corner in a corner of its face, and the others inside, in or out.
+
+    Pushed in where the edge at the corner is square to the face, its wall would have no thickness
+    along that edge: that has to be refused.
+    """
     _, face, inner, radius = random_view(body, rng)
     ring = body.vertices[list(body.faces[face][0])]
     corner = ring[int(np.argmin(np.linalg.norm(ring - inner, axis=1)))]
@@ -220,7 +224,7 @@ def loop_from_corner(body: PlanarBody, rng: np.random.Generator) -> tuple[Planar
     middle = 0.5 * (corner + inner)
     wide = 0.2 * radius
     loop = np.array((corner, middle - wide * across, inner, middle + wide * across))
-    return _checked_push(body, face, loop, -0.3 * radius)
+    return _checked_push(body, face, loop, 0.3 * radius * rng.choice((-1.0, 1.0)))
 
 
 def _pushed_loop(

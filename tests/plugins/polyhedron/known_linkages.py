@@ -43,6 +43,8 @@ class Linkage:
         Of the motor; see `bozzetto_polyhedron.model.fittings.Driven`.
     more : tuple of (str, dict)
         Further bars that are turned, and how.
+    links : tuple of str
+        Bars without mass between the drawings that no other bar joins.
     """
 
     corners: Corners
@@ -54,6 +56,19 @@ class Linkage:
     guided: str = ""
     drive: dict[str, object] = field(default_factory=lambda: {"speed": 180.0})
     more: tuple[tuple[str, dict[str, object]], ...] = ()
+    links: tuple[str, ...] = ()
+
+    def drawings(self) -> list[tuple[str, ...]]:
+        """Return the bars that hang together at corners or pins, group by group, in their order."""
+        found: list[set[str]] = []
+        joints = [{bar for bar in self.bars if name in bar} for name in self.corners]
+        for joint in (*joints, *map(set, self.pins)):
+            near = [each for each in found if each & joint]
+            found = [each for each in found if each not in near] + [joint.union(*near)]
+        return sorted(
+            (tuple(bar for bar in self.bars if bar in each) for each in found),
+            key=lambda bars: self.bars.index(bars[0]),
+        )
 
 
 def meeting(one: np.ndarray, first: float, other: np.ndarray, second: float) -> np.ndarray:
@@ -111,12 +126,13 @@ def jansen() -> Linkage:
 def as_rods(known: Linkage) -> tuple[Assembly, Motion, dict[str, tuple[int, np.ndarray]]]:
     """Return rigid rods in the plane y = 0, m, one for each bar; and who carries each corner."""
     places = {name: np.array([x, 0.0, z]) / 1e3 for name, (x, z) in known.corners.items()}
-    ends = [(places[one], places[other]) for one, other in known.bars]
+    bars = (*known.bars, *known.links)
+    ends = [(places[one], places[other]) for one, other in bars]
     motion = Motion.at_rest(np.array([0.5 * (a + b) for a, b in ends]))
     lengths = np.array([np.linalg.norm(b - a) for a, b in ends])
     inertias = np.eye(3) * (lengths**2 / 12)[:, None, None]
     joints, carriers = no_joints(), {}
-    for number, bar in enumerate(known.bars):
+    for number, bar in enumerate(bars):
         for name in bar:
             if name in carriers:
                 joints += spherical(motion, number, carriers[name][0], places[name])
@@ -125,50 +141,57 @@ def as_rods(known: Linkage) -> tuple[Assembly, Motion, dict[str, tuple[int, np.n
                 if name in known.held:
                     joints += spherical(motion, number, GROUND, places[name])
     planar = np.array([0.0, 1.0, 0.0])
-    count = len(known.bars)
+    count = len(bars)
     made = Assembly(np.ones(count), inertias, joints, gravity=np.zeros(3), planar=planar)
     return made, motion, carriers
 
 
-LEGS = ("tlhkf", "TLHKF", "abcde", "ABCDE")
-"""Corners of the legs of a walker; those that are written large are its right ones."""
+APART: float = 230.0
+"""Distance of the two pairs of legs of a walker, mm."""
+
+PAIRS = (("zxyY", "tlhkfTLHKF", 2.3), ("owuU", "abcdeABCDE", 2.3 + np.pi))
+"""Of each pair the axis, its crank and its two pivots; the corners of both legs; the turn."""
 
 
 def walker() -> Linkage:
-    """Four of Jansen's legs on two cranks that are half a turn apart."""
-    corners = {"z": np.zeros(2), "y": np.array([-38.0, -7.8]), "Y": np.array([38.0, -7.8])}
-    bars = ["zy", "zY", "yY", "zx", "zw"]
-    for number, leg in enumerate(LEGS):
-        name = "xw"[number // 2]
-        turn = 0.2 + np.pi * (number // 2)
-        corners[name] = 15.0 * np.array([np.cos(turn), np.sin(turn)])
-        mirrored = np.array([-1.0 if leg.isupper() else 1.0, 1.0])
-        pivot = "Y" if leg.isupper() else "y"
-        t, e, h, k, f = leg
-        crank, base = corners[name] * mirrored, corners[pivot] * mirrored
-        top, low = meeting(base, 41.5, crank, 50.0), meeting(crank, 61.9, base, 39.3)
-        heel = meeting(base, 40.1, top, 55.8)
-        knee = meeting(low, 36.7, heel, 39.4)
-        places = (top, low, heel, knee, meeting(low, 49.0, knee, 65.7))
-        corners |= {each: place * mirrored for each, place in zip(leg, places, strict=True)}
-        bars += [name + t, name + e, pivot + t, pivot + e, t + h, pivot + h, h + k, e + k, k + f]
-        bars.append(e + f)
-    return Linkage(corners, tuple(bars), "", "zx", "z")
+    """Two pairs of Jansen's legs under one beam, on cranks that are half a turn apart."""
+    corners: Corners = {}
+    bars: list[str] = []
+    for number, ((axis, pin, *pivots), legs, turn) in enumerate(PAIRS):
+        middle = np.array([APART * number, 0.0])
+        crank = 15.0 * np.array([np.cos(turn), np.sin(turn)])
+        corners |= {axis: middle, pin: middle + crank}
+        bars += [axis + pivots[0], axis + pivots[1], pivots[0] + pivots[1], axis + pin]
+        for pivot, leg, side in zip(pivots, (legs[:5], legs[5:]), (1.0, -1.0), strict=True):
+            mirrored = np.array([side, 1.0])
+            base, end = np.array([-38.0, -7.8]), crank * mirrored
+            top, low = meeting(base, 41.5, end, 50.0), meeting(end, 61.9, base, 39.3)
+            heel = meeting(base, 40.1, top, 55.8)
+            knee = meeting(low, 36.7, heel, 39.4)
+            found = (top, low, heel, knee, meeting(low, 49.0, knee, 65.7))
+            corners[pivot] = middle + base * mirrored
+            corners |= {n: middle + at * mirrored for n, at in zip(leg, found, strict=True)}
+            t, e, h, k, f = leg
+            bars += [pin + t, pin + e, pivot + t, pivot + e, t + h, pivot + h, h + k, e + k]
+            bars += [k + f, e + f]
+    more = (("ow", {"speed": 180.0}),)
+    links = ("zo", "Yu", "zu")
+    return Linkage(corners, tuple(bars), "", "zx", "z", more=more, links=links)
 
 
 def walking(friction: float, rate: float) -> tuple[Assembly, Motion]:
     """Return the walker as rods with its feet on the ground, its cranks driven in its frame."""
     known = walker()
     assembly, motion, carriers = as_rods(known)
-    joints, frame = assembly.joints, known.bars.index("zy")
-    axis = np.array([0.0, 1.0, 0.0])
-    for bar in ("zx", "zw"):
-        joints += motor(motion, known.bars.index(bar), frame, axis, rate)
-    feet = [carriers[leg[4]] for leg in LEGS]
+    joints, axis = assembly.joints, np.array([0.0, 1.0, 0.0])
+    for bar, frame in (("zx", "zy"), ("ow", "ou")):
+        turned, against = known.bars.index(bar), known.bars.index(frame)
+        joints += motor(motion, turned, against, axis, rate)
+    feet = [carriers[name] for name in "fFeE"]
     ground = Ground(
         np.array([rod for rod, _ in feet]),
         np.array([arm for _, arm in feet]),
-        min(float(known.corners[leg[4]][1]) for leg in LEGS) / 1e3,
+        min(float(known.corners[name][1]) for name in "fFeE") / 1e3,
     )
     gravity = np.array([0.0, 0.0, -9.81])
     return replace(

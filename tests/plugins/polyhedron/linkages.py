@@ -23,9 +23,9 @@ FOUR_BAR: Corners = {"a": (400, 600), "b": (430, 540), "c": (700, 420), "d": (78
 FOUR_BAR_LINES = ("ab", "bc", "cd")
 
 
-def straight(begin: Sequence[float], end: Sequence[float]) -> Stroke:
+def straight(begin: Sequence[float], end: Sequence[float], camera: Camera = SHEET) -> Stroke:
     way = np.linspace(begin, end, 30)
-    return Stroke(way[:, 0], way[:, 1], SHEET)
+    return Stroke(way[:, 0], way[:, 1], camera)
 
 
 def linkage(corners: Corners, lines: Sequence[str], held: str = "") -> PolyhedronState:

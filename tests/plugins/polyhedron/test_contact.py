@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto_polyhedron.mechanism.assembly import Motion
-from bozzetto_polyhedron.mechanism.contact import contact_impulses, in_cones
+from bozzetto_polyhedron.mechanism.contact import contact_impulses, in_cones, least_impulses
 from bozzetto_polyhedron.mechanism.rotations import rotations_by
 from bozzetto_polyhedron.mechanism.stepper import Stepper
 from tests.plugins.polyhedron.known_linkages import walking
@@ -97,3 +97,19 @@ def test_a_walker_walks_by_friction_alone_and_turns_back_with_its_motor():
     assert min(abs(forth), abs(back)) > 0.06
     assert forth * back < 0.0
     assert abs(walked(0.0, -4.0)) < 0.05 * abs(forth)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_impulses_of_least_energy_leave_nothing_to_gain(seed):
+    """Speeds lie in the dual cones and do no work, also where some places carry the same."""
+    rng = np.random.default_rng(seed)
+    count, friction = int(rng.integers(1, 9)), float(rng.uniform(0.05, 1.0))
+    half = rng.normal(size=(3 * count, int(rng.integers(2, 3 * count + 1))))
+    response = half @ half.T
+    speeds = (half @ rng.normal(size=half.shape[1])).reshape(-1, 3)
+    found = least_impulses(response, speeds, friction, np.zeros_like(speeds))
+    after = speeds + (response @ found.ravel()).reshape(-1, 3)
+    assert np.abs(in_cones(found, friction) - found).max() <= 1e-12 * (1.0 + np.abs(found).max())
+    size = float(np.abs(speeds).max())
+    assert (after[:, 2] - friction * np.hypot(after[:, 0], after[:, 1]) >= -1e-3 * size).all()
+    assert abs(float((found * after).sum())) <= 1e-3 * size * float(np.abs(found).sum() + 1e-9)

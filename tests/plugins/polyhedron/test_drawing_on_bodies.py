@@ -179,6 +179,44 @@ def test_a_pushed_loop_changes_the_volume_by_its_prism(name, depth):
         assert volume_of(after) - volume_of(body) == pytest.approx(prism_volume, rel=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(3020, 3024))
+def test_a_loop_may_touch_a_corner_of_its_face(seed):
+    """Rings of the face then touch in the corner; pushed in, a wall would have no thickness."""
+    turn, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    turn *= np.sign(np.linalg.det(turn))
+    body = block(turn)
+    loop = np.array([(0, 0, 50), (40, 20, 50), (50, 50, 50), (20, 40, 50)], float) @ turn.T
+    after = pushed(body, 1, loop, 12.0)
+    area = float(np.linalg.norm(area_vector(loop)))
+    assert volume_of(after) - volume_of(body) == pytest.approx(12.0 * area, rel=1e-9)
+    assert off_planes(after) < 1e-9
+    assert genus_of(after) == 0
+    assert len(after.faces) == len(body.faces) + 5
+    (top,) = (face for face in after.faces if len(face) == 2)
+    assert len(set(top[0]) & set(top[1])) == 1
+    brep = brep_with_cylinders(after, [])
+    assert brep.is_closed
+    assert len(brep_mesh(brep).faces) > 0
+    with pytest.raises(UserError, match="touch so closely"):
+        pushed(body, 1, loop, -12.0)
+
+
+@pytest.mark.parametrize("name", ["frustum3", "pyramid4"])
+def test_a_pocket_from_a_slanted_corner_has_walls(name):
+    body = solid(name)
+    face = min(range(len(body.faces)), key=lambda k: body.normals[k][2])
+    ring = body.vertices[list(body.faces[face][0])]
+    middle = ring.mean(axis=0)
+    across = 0.1 * (ring[1] - ring[-1])
+    loop = np.array((ring[0], 0.5 * (ring[0] + middle) + across, middle,
+                     0.5 * (ring[0] + middle) - across))  # fmt: skip
+    after = pushed(body, face, loop, 3.0)
+    assert off_planes(after) < 1e-9
+    assert genus_of(after) == 0
+    added = 3.0 * float(np.linalg.norm(area_vector(loop)))
+    assert volume_of(after) - volume_of(body) == pytest.approx(added, rel=1e-6)
+
+
 @pytest.mark.parametrize("seed", range(3010, 3013))
 def test_a_tunnel_both_ways_has_one_volume(seed):
     """Cut through by a loop; and drawn with a loop on either side and lines between (Masry)."""

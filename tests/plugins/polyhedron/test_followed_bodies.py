@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+import json
+import struct
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from manifold3d import Manifold
 
+from bozzetto.cli.main import main
 from bozzetto.document.links import resolved
 from bozzetto.document.model import Document
 from bozzetto.errors import UserError
-from bozzetto.geometry import Curve, Placement, Shapes, Solid, Surface
+from bozzetto.geometry import Curve, FaceGroup, Mesh, Placement, Shapes, Solid, Surface
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag, Ink, Job, Tap
 from bozzetto.testing import Shell
 from bozzetto.view import Camera
+from bozzetto_polyhedron.commands.pieces import put_together, take_apart
 from bozzetto_polyhedron.model.fittings import Hinge
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.modeler import PolyhedronModeler
+from bozzetto_polyhedron.solve.followed_pieces import divided, is_closed
 from bozzetto_polyhedron.solve.moving import moving
 from bozzetto_polyhedron.tools.fittings import DrawHinge
 from bozzetto_polyhedron.tools.move import Move
+from bozzetto_polyhedron.tools.pieces import FreePiece
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
 from tests.plugins.polyhedron.objects import OBJECTS
 from tests.plugins.polyhedron.solid_pieces import mesh_of
@@ -172,3 +178,174 @@ def test_sources_are_in_the_frame_of_the_model(linked):
     assert corners_of(after) - corners_of(before) == pytest.approx(
         np.tile([7.0, 0.0, 0.0], (24, 1)), abs=1e-9
     )
+
+
+ARM = Manifold.cylinder(60, 6, 6, 32).rotate((0, 90, 0)).translate((45, 0, 50))
+TRUNK = Manifold.cube((100, 30, 20)).translate((-50, -15, 40))
+
+
+def in_groups(whole: Manifold, *names: str) -> Solid:
+    """One solid whose triangles are grouped by the body that they were of."""
+    mesh = whole.to_mesh()
+    runs = np.diff(np.asarray(mesh.run_index)) // 3
+    groups = tuple(FaceGroup(n, int(k)) for n, k in zip(names, runs, strict=True))
+    return Solid(mesh_of(whole), "creature", groups=groups)
+
+
+CREATURE = in_groups(TRUNK.as_original() + ARM.as_original(), "trunk", "arm")
+ONE = {"one": Shapes(solids=(CREATURE,))}
+
+
+def masses_of(state, given) -> dict[str, float]:
+    made = moving(state, given)
+    return {
+        state.node(k).name: float(made.machine.assembly.masses[made.machine.holders[n][0]])
+        for k, n in made.numbers.items()
+    }
+
+
+def test_a_touch_frees_a_piece_and_another_one_takes_it_back():
+    state = MODELER.follow(ONE)
+    whole = masses_of(state, ONE)
+    (name,) = whole
+    tap = Tap(*at(90.0, -6.0, 50.0), FRONT)
+    state = FreePiece().tap(state, tap, Context(sources=ONE))
+    masses = masses_of(state, ONE)
+    assert [each[:3] for each in masses] == [name[:3], "arm"]
+    assert sum(masses.values()) == pytest.approx(whole[name], rel=1e-6)
+    assert masses["arm"] == pytest.approx(1240e-9 * 55 * np.pi * 36 * 0.994, rel=2e-3)
+    assert all(shape.solid for shape in moving(state, ONE).machine.shapes)
+    state = FreePiece().tap(state, tap, Context(sources=ONE))
+    assert masses_of(state, ONE) == whole
+
+
+def test_a_free_arm_swings_on_a_hinge_that_is_drawn_on_it():
+    state = MODELER.follow(ONE)
+    state = take_apart(state, Context(sources=ONE))
+    trunk, arm = (part.id for part in state.of_kind(Followed))
+    across = stroke(at(52.0, -6.0, 44.5), at(52.0, -6.0, 55.5))
+    state = DrawHinge().draw(state, Ink((across,)), Context(sources=ONE))
+    (hinge,) = state.of_kind(Hinge)
+    assert {hinge.begin.body, hinge.second} == {trunk, arm}
+    state = with_steady_motor(state)
+    state = Move().tap(state, Tap(*at(-49.0, -15.0, 59.0), FRONT), Context(sources=ONE))
+    for _ in range(60):
+        state = Move().step(state, None, FRAME, Context(sources=ONE))
+    made = moving(state, ONE)
+    motion = made.motion(state.moved)
+    assert made.stepper.largest_gap(motion) < 1e-5
+    turns = motion.turns[[int(made.machine.holders[made.numbers[k]][0]) for k in (trunk, arm)]]
+    angle = np.degrees(np.arccos((np.trace(turns[0].T @ turns[1]) - 1.0) / 2.0))
+    assert angle == pytest.approx(90.0, abs=1.0)
+    gone = FreePiece().tap(
+        replace(state, moved=None), Tap(*at(90.0, -6.0, 50.0), FRONT), Context(sources=ONE)
+    )
+    assert not gone.of_kind(Hinge)
+
+
+def test_pieces_come_apart_and_together_by_commands():
+    state = take_apart(MODELER.follow(ONE), Context(sources=ONE))
+    assert [part.piece for part in state.of_kind(Followed)] == ["", "arm"]
+    assert take_apart(state, Context(sources=ONE)).of_kind(Followed) == state.of_kind(Followed)
+    state = put_together(state, Context(sources=ONE))
+    assert [part.piece for part in state.of_kind(Followed)] == [""]
+    with pytest.raises(UserError, match="is together"):
+        put_together(state, Context(sources=ONE))
+    with pytest.raises(UserError, match="is one piece"):
+        take_apart(MODELER.follow({"two": GIVEN["two"]}), Context(sources={"two": GIVEN["two"]}))
+
+
+def test_what_hangs_apart_is_a_piece_without_groups_and_panels_of_a_skin_are_sheets():
+    both = TRUNK + Manifold.cube((10, 10, 10)).translate((80, 0, 0))
+    given = {"one": Shapes(solids=(Solid(mesh_of(both), "blocks"),))}
+    state = take_apart(MODELER.follow(given), Context(sources=given))
+    assert sorted(masses_of(state, given).values()) == pytest.approx(
+        [1240e-9 * 1000, 1240e-9 * 60000], rel=1e-5
+    )
+    skin = Surface(
+        Mesh(9.0 * np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), [[0, 1, 2], [0, 2, 3]]),
+        "car",
+        groups=(FaceGroup("door", 1), FaceGroup("roof", 1)),
+    )  # fmt: skip
+    given = {"one": Shapes(surfaces=(skin,))}
+    state = take_apart(MODELER.follow(given), Context(sources=given))
+    assert list(masses_of(state, given).values()) == pytest.approx(
+        [1240e-9 * 2.0 * 40.5] * 2, rel=1e-3
+    )
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_pieces_of_any_division_weigh_what_the_whole_weighs(seed):
+    """Whatever triangles are grouped: caps of both sides are the same."""
+    random = np.random.default_rng(seed)
+    ball = Manifold.sphere(20, 24)
+    middles = np.asarray(mesh_of(ball).vertices)[mesh_of(ball).faces].mean(axis=1)
+    side = (middles @ random.normal(size=3) > random.uniform(-8, 8)).astype(int)
+    faces = mesh_of(ball).faces[np.argsort(side, kind="stable")]
+    counts = np.bincount(side, minlength=2)
+    solid = Solid(
+        replace(mesh_of(ball), faces=faces), "ball",
+        groups=(FaceGroup("a", int(counts[0])), FaceGroup("b", int(counts[1]))),
+    )  # fmt: skip
+    whole = divided([solid], "ball")
+    pieces = [whole.taken((k,)) for k in range(len(whole.names))]
+    volumes = [abs(solid_volume(piece)) for piece in pieces]
+    assert all(is_closed(piece) for piece in pieces)
+    assert sum(volumes) == pytest.approx(solid_volume(whole.mesh), rel=1e-6)
+
+
+def solid_volume(mesh: Mesh) -> float:
+    a, b, c = (np.asarray(mesh.vertices, float)[mesh.faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+
+def ellipse(x: float, z: float, width: float, height: float) -> Stroke:
+    turn = np.linspace(0.0, 2.0 * np.pi, 120)
+    ring = np.column_stack((x + width * np.cos(turn), 0.0 * turn, z + height * np.sin(turn)))
+    places = FRONT.project(ring)[0]
+    return Stroke(places[:, 0], places[:, 1], FRONT)
+
+
+@pytest.fixture
+def puppet(shell: Shell) -> Shell:
+    """A silhouette of a trunk and an arm that melts into it, and a mechanism that follows it."""
+    shell.open("bozzetto.silhouette")
+    shell.camera = FRONT
+    shell.draw(ellipse(0.0, 40.0, 30.0, 45.0))
+    shell.draw(ellipse(55.0, 50.0, 40.0, 9.0))
+    shell.set(operation="merge", blend=0.3)
+    shell.use("bozzetto.polyhedron")
+    shell.run("take-apart")
+    return shell
+
+
+def test_parts_of_a_silhouette_are_bodies_that_hinges_hold_and_films_show(puppet, tmp_path):
+    source = puppet.context().sources[puppet.model.sources[0]]
+    (solid,) = source.solids
+    assert [group.name for group in solid.groups] == ["Part 1", "Part 2"]
+    masses = masses_of(puppet.state, puppet.context().sources)
+    whole = 1240e-9 * solid_volume(solid.mesh)
+    assert sum(masses.values()) == pytest.approx(whole, rel=1e-3)
+    assert 0.02 < min(masses.values()) / whole < 0.2
+    axis = stroke(at(30.0, 0.0, 44.0), at(30.0, 0.0, 56.0))
+    puppet.draw(axis, tool="hinge")
+    (hinge,) = puppet.state.of_kind(Hinge)
+    assert {hinge.begin.body, hinge.second} == {p.id for p in puppet.state.of_kind(Followed)}
+    puppet.tap(*at(-10.0, 0.0, 60.0), tool="move")
+    puppet.put(with_steady_motor(puppet.state))
+    puppet.reopen()
+    film = tmp_path / "film.glb"
+    words = ["simulate", str(puppet.save()), "-o", str(film), "--seconds", "0.5", "--rate", "10"]
+    assert main(words) == 0
+    data = film.read_bytes()
+    said = json.loads(data[20 : 20 + struct.unpack("<I", data[12:16])[0]])
+    moving_nodes = {each["target"]["node"] for each in said["animations"][0]["channels"]}
+    assert "Part 2" in [said["nodes"][k]["name"] for k in moving_nodes]
+
+
+def with_steady_motor(state):
+    nodes = tuple(
+        replace(node, drive="steady", speed=90.0) if isinstance(node, Hinge) else node
+        for node in state.nodes
+    )
+    return replace(state, nodes=nodes)

@@ -2,46 +2,67 @@
 
 from __future__ import annotations
 
+import ast
+
 import numpy as np
 import pytest
 
-from bozzetto_polyhedron.reconstruction.confidence_tables import CONFIDENCES, SHARES
-from bozzetto_polyhedron.reconstruction.ranking import FEATURES, confidences, scores
+from bozzetto_polyhedron.reconstruction.confidence_tables import LEADS, LOG_ODDS, TRAITS
+from bozzetto_polyhedron.reconstruction.ranking import (
+    DRAWN,
+    FEATURES,
+    confidence_of_first,
+    confidences,
+    scores,
+)
 from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
-from tests.plugins.polyhedron.fit_confidence import SHARES as KNOTS
-from tests.plugins.polyhedron.fit_confidence import table
+from tests.plugins.polyhedron.fit_confidence import EVIDENCE, KNOTS, Outcome, text_of
+from tests.plugins.polyhedron.fit_confidence import fitted as fitted_confidence
 from tests.plugins.polyhedron.fit_ranking import Example, fitted
 
+TYPICAL = np.array([0.5 * (low + high) for low, high, _ in TRAITS.values()])
+"""Traits in the middle of all."""
 
-@pytest.mark.parametrize("evidence", CONFIDENCES)
+
+@pytest.mark.parametrize("evidence", LOG_ODDS)
 def test_a_larger_lead_is_more_certain(evidence) -> None:
     leads = np.linspace(0.0, 8.0, 30)
-    first = [confidences(np.array((lead, 0.0, -1.0)), evidence)[0] for lead in leads]
+    first = [confidences(np.array((lead, 0.0, -1.0)), evidence, TYPICAL)[0] for lead in leads]
     assert (np.diff(first) >= 0.0).all()
     assert first[0] < 0.8 < first[-1]
 
 
-@pytest.mark.parametrize("evidence", CONFIDENCES)
+@pytest.mark.parametrize("evidence", LOG_ODDS)
 def test_probabilities_fall_and_sum_to_one_at_most(evidence) -> None:
     rng = np.random.default_rng(5)
     for count in (1, 2, 8):
         values = np.sort(rng.normal(0.0, 3.0, count))[::-1]
-        found = confidences(values, evidence)
+        found = confidences(values, evidence, TYPICAL)
         assert found.shape == (count,)
         assert (np.diff(found) <= 0.0).all()
         assert found.sum() <= 1.0 + 1e-12
-    assert len(confidences(np.zeros(0), evidence)) == 0
+    assert len(confidences(np.zeros(0), evidence, TYPICAL)) == 0
 
 
 def test_scores_far_apart_do_not_overflow() -> None:
-    assert np.isfinite(confidences(np.array((1e6, 0.0, -1e6)), "plain")).all()
+    assert np.isfinite(confidences(np.array((1e6, 0.0, -1e6)), "plain", TYPICAL)).all()
 
 
 def test_every_measure_has_a_weight() -> None:
     assert set(WEIGHTS) == set(FEATURES)
     assert np.allclose(scores(np.eye(len(FEATURES))), list(WEIGHTS.values()))
-    assert {len(row) for row in CONFIDENCES.values()} == {len(SHARES)}
-    assert SHARES == KNOTS
+    assert tuple(LOG_ODDS) == EVIDENCE
+    assert {len(row) for row in LOG_ODDS.values()} == {len(LEADS)}
+    assert LEADS == KNOTS
+    assert tuple(TRAITS) == (*FEATURES, *DRAWN)
+
+
+def test_what_no_drawing_had_is_no_more_certain_than_the_farthest_that_one_had() -> None:
+    for number, (low, high, _) in enumerate(TRAITS.values()):
+        for limit, beyond in ((low, -1e9), (high, 1e9)):
+            near, far = TYPICAL.copy(), TYPICAL.copy()
+            near[number], far[number] = limit, beyond
+            assert confidence_of_first(1.0, "plain", near) == confidence_of_first(1.0, "plain", far)
 
 
 def test_the_fit_finds_the_measure_that_tells_right_from_wrong() -> None:
@@ -58,13 +79,24 @@ def test_the_fit_finds_the_measure_that_tells_right_from_wrong() -> None:
     assert np.mean(hits) > 0.8
 
 
-def test_the_table_is_how_often_it_was_right_and_never_falls() -> None:
+def test_the_fit_says_how_often_it_was_right_by_lead_and_traits() -> None:
     rng = np.random.default_rng(8)
-    shares = rng.uniform(0.0, 1.0, 3000)
-    true = np.interp(shares, (0.0, 0.4, 1.0), (0.3, 0.8, 0.9))
-    found = table(shares, (rng.uniform(0.0, 1.0, 3000) < true).astype(float))
-    assert (np.diff(found) >= 0.0).all()
-    said = np.interp(shares, KNOTS, found)
-    for low, high in ((0.1, 0.3), (0.4, 0.6), (0.7, 0.95)):
-        some = (shares > low) & (shares < high)
+    every, true = [], []
+    for _ in range(4000):
+        traits, lead = rng.normal(0.0, 1.0, len(TRAITS)), float(rng.uniform(-3.0, 5.0))
+        true.append(1.0 / (1.0 + np.exp(-(0.7 * lead - 0.4 + 1.1 * traits[4]))))
+        every.append(Outcome("loose", lead, traits, bool(rng.uniform() < true[-1])))
+    found = fitted_confidence(every)
+    assert (np.diff(found.odds, axis=1) >= 0.0).all()
+    odds = np.array([np.interp(each.lead, KNOTS, found.odds[1]) for each in every])
+    low, high, weights = found.traits.T
+    odds += np.clip([each.traits for each in every], low, high) @ weights
+    said, true = 1.0 / (1.0 + np.exp(-odds)), np.array(true)
+    assert np.abs(said - true).mean() < 0.04
+    for least in np.arange(0.0, 1.0, 0.2):
+        some = (said >= least) & (said < least + 0.2)
         assert said[some].mean() == pytest.approx(true[some].mean(), abs=0.05)
+    rows = [row for row in ast.parse(text_of(found)).body if isinstance(row, ast.AnnAssign)]
+    kept = {ast.unparse(row.target): ast.literal_eval(row.value) for row in rows}
+    assert kept["LEADS"] == KNOTS
+    assert list(kept["TRAITS"]) == list(TRAITS)

@@ -9,6 +9,7 @@ import struct
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -16,9 +17,13 @@ from bozzetto.cli.main import main
 from bozzetto.document.model import Document, Model
 from bozzetto.document.storage.bozz_file import read_document, write_document
 from bozzetto.plugin.host.registry import Registry
-from bozzetto_polyhedron.model.state import PolyhedronState
+from bozzetto.workbench.films import frames
+from bozzetto.workbench.workbench import Workbench
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.modeler import PolyhedronModeler
+from bozzetto_polyhedron.solve.moving import moving
 from tests.plugins.polyhedron.linkages import FOUR_BAR, FOUR_BAR_LINES, linkage, traced, with_motor
+from tests.plugins.polyhedron.write_samples import FOLDER
 
 VALIDATE = (
     "const v=require(process.argv[1]);const fs=require('fs');"
@@ -74,6 +79,36 @@ def test_what_does_not_move_is_refused(tmp_path, capsys):
     assert "nothing to move" in capsys.readouterr().err
     assert main(["simulate", str(empty), "-o", str(tmp_path / "a.glb"), "--rate", "1e9"]) == 2
     assert "frames" in capsys.readouterr().err
+
+
+def test_the_walker_among_the_samples_walks_upright_on_the_ground(tmp_path):
+    """A shaft that turned half round has taken a step; nothing holds it but its feet."""
+    target = tmp_path / "walker.bozz"
+    words = ["build", "polyhedron", str(FOLDER / "walker.json"), "-o", str(target)]
+    assert main(words) == 0
+    (model,) = read_document(target, Registry())[0]
+    assert not any(body.anchors for body in model.state.of_kind(Body))
+    made = moving(model.state)
+    masses = made.machine.assembly.masses
+    *_, end = frames(Workbench(Registry()), Document((model,)), 1.0, 30.0)
+    (walked,) = end
+    motion = made.motion(walked.state.moved)
+    way = 1e3 * masses @ (motion.places - made.machine.rest.places) / masses.sum()
+    assert 20.0 < way[0] < 80.0
+    assert abs(way[1]) < 1e-6
+    assert abs(way[2]) < 5.0
+    beam = motion.turns[made.machine.bar_between(0, *axle(made))]
+    assert np.degrees(np.arccos(beam[0, 0])) < 10.0
+    assert made.stepper.largest_gap(motion) < 1e-6
+
+
+def axle(made) -> np.ndarray:
+    """Return both ends of the longest level bar of the first body: one of its frame, mm."""
+    shape = made.machine.shapes[0]
+    ends = shape.vertices[shape.edges]
+    span = ends[:, 1] - ends[:, 0]
+    level = np.where(np.abs(span[:, 2]) < 0.1 * np.abs(span[:, 0]), np.abs(span[:, 0]), 0.0)
+    return ends[int(np.argmax(level))]
 
 
 @pytest.mark.interop

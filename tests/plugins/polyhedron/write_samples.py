@@ -115,6 +115,50 @@ def folding_screen() -> Polyhedron:
     return Polyhedron(corners, edges_of(faces), faces, "folding-screen")
 
 
+def folding_box(
+    size: Sequence[float] = (1.9, 1.4, 1.1),
+    flap: float = 0.6,
+    lean: float = 60.0,
+    sides: Sequence[int] = (0, 1, 2, 3),
+) -> Polyhedron:
+    """An open box with flaps at its rim, so many degrees above level; from the front round."""
+    wide, deep, high = size
+    rings = [[(0.0, 0.0), (wide, 0.0), (wide, deep), (0.0, deep)]] * 2
+    corners = [(x, y, z) for ring, z in zip(rings, (0.0, high), strict=True) for x, y in ring]
+    faces: list[Face] = [
+        ((3, 2, 1, 0),),
+        *(((k, (k + 1) % 4, (k + 1) % 4 + 4, k + 4),) for k in range(4)),
+    ]
+    aside, up = flap * np.cos(np.radians(lean)), flap * np.sin(np.radians(lean))
+    for side in sides:
+        one, other = 4 + side, 4 + (side + 1) % 4
+        x, y = ((0, -1), (1, 0), (0, 1), (-1, 0))[side]
+        faces.append(((one, other, len(corners), len(corners) + 1),))
+        corners += [
+            (corners[k][0] + x * aside, corners[k][1] + y * aside, high + up) for k in (other, one)
+        ]
+    return Polyhedron(np.array(corners), edges_of(faces), tuple(faces), "folding-box")
+
+
+def folded(solid: Polyhedron, camera: Camera, strokes: list[Stroke]) -> list[dict[str, object]]:
+    """Return the steps after which a box is held and motors open and shut its flaps."""
+    places = camera.project(fitted(solid, 110.0, (0.0, 0.0, 45.0)))[0].round(1)
+    drive = {"drive": "swing", "angle": -65.0, "period": 4.0}
+    steps: list[dict[str, object]] = [
+        {"tool": "draw", "strokes": list(range(len(strokes)))},
+        {"tool": "turn", "tap": places[0].tolist()},
+        {"set": {"moves": "plates"}},
+        *({"tool": "move", "tap": places[corner].tolist()} for corner in (0, 1, 2)),
+    ]
+    for side in range(4):
+        steps += [{"tool": "hinge", "strokes": [len(strokes)]}, {"set": drive}]
+        way = np.linspace(places[4 + side], places[4 + (side + 1) % 4], 30)
+        strokes.append(
+            Stroke(way[:, 0], way[:, 1], camera, pressure=np.ones(30), t=way[:, 0] * 0.0)
+        )
+    return steps
+
+
 def swung(solid: Polyhedron, camera: Camera, count: int) -> list[dict[str, object]]:
     """Return the steps after which the first panel of a screen is held and the others swing."""
     places = camera.project(fitted(solid, 110.0, (0.0, 0.0, 45.0)))[0].round(1).tolist()
@@ -205,6 +249,11 @@ def main() -> None:
     text = drawing(strokes, camera, swung(screen, camera, len(strokes)))
     (FOLDER / f"{screen.name}.json").write_text(text, encoding="utf-8")
     print(f"wrote {screen.name}.json with {len(strokes)} strokes")
+    package, camera = folding_box(), from_side(40.0, 20.0)
+    strokes = by_hand(package, camera, len(made) + 1)
+    steps = folded(package, camera, strokes)
+    (FOLDER / f"{package.name}.json").write_text(drawing(strokes, camera, steps), encoding="utf-8")
+    print(f"wrote {package.name}.json with {len(strokes)} strokes")
 
 
 if __name__ == "__main__":

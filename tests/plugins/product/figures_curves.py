@@ -14,7 +14,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry import Spline
+from bozzetto.geometry import Spline, closest_on_mesh
 from bozzetto.ink import (
     distances_to_polyline,
     merge_strokes,
@@ -133,12 +133,13 @@ def _wave(seed: int) -> Array:
 
 
 def image_rows(first: int, count: int) -> Iterator[Row]:
-    """How far images of curves on rough shapes are from their ink."""
+    """How far images of curves on rough shapes are from their ink, and they from the shapes."""
     eye = Camera(eye=(260.0, -380.0, 240.0), fov_y=30.0)
     for kind in ("box", "cylinder", "sphere", "wedge", "mouse", "bottle", "shoe last"):
         size = {"bottle": (90.0, 90.0, 180.0), "shoe last": (190.0, 80.0, 90.0)}.get(kind, None)
-        scene = on_canvas(rough(kind, size) if size else rough(kind))
-        image, ink, said = [], [], 0
+        shape = rough(kind, size) if size else rough(kind)
+        scene = on_canvas(shape)
+        image, ink, away, said = [], [], [0.0], 0
         for seed in range(first, first + count):
             course = _wave(seed)
             if np.linalg.norm(np.ptp(course, axis=0)) < 60.0:
@@ -148,9 +149,12 @@ def image_rows(first: int, count: int) -> Iterator[Row]:
             image.append(got.image_error)
             ink.append(worst_distance(seen, course))
             said += bool(got.warnings)
+            if not got.warnings:
+                away.append(float(closest_on_mesh(shape, got.spline.sampled(200)).distances.max()))
         text = (
             f"image {np.max(image):.2f} px worst, {np.percentile(ink, 95):.2f} p95 from the ink "
-            f"({len(image)} strokes, {said} with a warning)"
+            f"({len(image)} strokes, {said} with a warning); the others at most "
+            f"{np.max(away):.2f} mm from it"
         )
         yield f"Curves on the {kind}", text, "≤ 1.5 px", bool(np.max(image) <= 1.5)
 

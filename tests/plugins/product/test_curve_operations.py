@@ -11,7 +11,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import distances_to_polyline
 from bozzetto_product.loops.boundaries import loop_of
-from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.curves import Curve, LaidPlaces
 from bozzetto_product.model.joints import Joint, Meeting, Run
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.planes import Plane
@@ -249,6 +249,17 @@ def test_a_curve_turned_round_twice_is_as_before(network: ProductState) -> None:
     assert np.allclose(
         splines_of(twice)["a"].control_points, splines_of(network)["a"].control_points
     )
+
+
+def test_a_curve_that_follows_a_surface_follows_it_turned_round_as_well() -> None:
+    spline = _bent((-50, 4, 0), (50, 5, 0), 1)
+    places = spline.sampled(60)
+    laid = LaidPlaces("s", 60, np.arange(60), np.eye(3)[np.zeros(60, int)], places)
+    state = ProductState(nodes=(Curve(id="a", spline=spline, laid=laid),))
+    (turned,) = turn_curve(state, "a").of_kind(Curve)
+    assert turned.laid is not None
+    np.testing.assert_allclose(turned.laid.points, turned.spline.sampled(60), atol=1e-9)
+    assert turned.laid.faces.tolist() == list(range(59, -1, -1))
 
 
 def test_straight_planar_and_moved(network: ProductState) -> None:

@@ -15,6 +15,7 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.view import Camera
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.tools.detail import with_detail_drawn
 from tests.plugins.product.detail_kit import RADIUS, ball, solved
 
@@ -118,7 +119,8 @@ def test_without_a_surface_the_pen_is_told_to_make_one():
 
 
 def test_details_are_kept_in_documents_to_the_last_bit():
-    made = Model("m", "Ball", "bozzetto.product", drawn(stroke(square(50.0))))
+    state, version = drawn(stroke(square(50.0))), ProductModeler.state_version
+    made = Model("m", "Ball", "bozzetto.product", state, state_version=version)
     content = encode_document(Document((made,)))
     (again,) = decode_document(content, Registry())[0].models
     assert encode_document(Document((again,))) == content

@@ -164,6 +164,58 @@ def test_an_end_near_the_mirror_plane_ends_in_it() -> None:
     assert splines_of(state)["c0"].control_points[0, 1] == 0.0
 
 
+def _ring() -> Spline:
+    turn = 2.0 * np.pi * (np.arange(12) + 0.3) / 12.0
+    places = np.stack((40.0 * np.cos(turn), 30.0 * np.sin(turn) + 2.0, 0.0 * turn), axis=1)
+    return Spline.uniform(places, closed=True)
+
+
+def test_a_plane_without_mirror_images_is_a_plane_like_any_other() -> None:
+    """A post that stands in the symmetry plane by chance is joined to what does not cross it."""
+    beside = _curves(_line((0, 0, 0), (0, 0, 30)), _line((-20, 0.4, 0), (20, 0.3, 0.1)))
+    done = trim(beside, gap=1.0).state
+    (joint,) = done.joints
+    assert not joint.in_plane
+    assert misses(done) <= 1e-12
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_an_end_in_the_plane_is_joined_where_a_curve_crosses_it(mirror: bool, side: float) -> None:
+    place = _ring().sampled(40001)
+    place = place[np.argmin(np.abs(place[:, 1]) - side * place[:, 0])]
+    state = _curves(_ring(), _line((place[0] + 0.5, 0.0, 0.3), (place[0], 0.0, 30.0)))
+    done = trim(replace(state, mirror=mirror), gap=1.5).state
+    (joint,) = done.joints
+    assert {meet.curve for meet in joint.meetings} == {"c0", "c1"}
+    assert misses(done) <= 1e-12
+    end = splines_of(done)["c1"].control_points[0]
+    assert np.linalg.norm(end - place) < (1e-3 if mirror else 0.6)
+    assert joint.in_plane is mirror
+    assert not mirror or end[1] == 0.0
+    net = net_of(done.of_kind(Curve), done.joints, done.symmetry)
+    assert [edge.start for edge in net.edges if edge.curve == "c0"] == [
+        edge.start for edge in net.edges if edge.curve == "c1"
+    ]
+
+
+@pytest.mark.parametrize("past", [0.9, 1.4, 1.9])
+def test_a_tail_past_a_joint_is_not_joined_to_it_by_a_later_curve(past: float) -> None:
+    """A short curve does not reach the end of the tail; a long one that comes later does."""
+    crossed = _line((0, 0, -past), (0, 0, 80))
+    short = _line((0.2, 0, 0), (3.0, 0, 0))
+    state = trim(_curves(crossed, short), gap=2.5).state
+    (first,) = state.joints
+    assert len(first.meetings) == 2
+    later = Curve(id="later", spline=_line((0.3, 0.2, 0.1), (0, 70, 0)))
+    done = trim(state.with_node(later), gap=2.5)
+    (joint,) = done.state.joints
+    assert sorted(meet.curve for meet in joint.meetings) == ["c0", "c1", "later"]
+    assert misses(done.state) <= 1e-12
+    assert max(largest_move(state, done.state).values()) <= 1e-9
+    assert not done.proposals
+
+
 def test_the_mirror_image_of_an_end_is_met() -> None:
     """A curve across the plane without an image meets a curve and its mirror image."""
     state = _curves(_line((0, -30.2, 0), (0, 30.1, 0)))

@@ -14,8 +14,8 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
 from bozzetto.testing import same
 from bozzetto.workbench.workbench import Workbench
-from bozzetto_symmetry.solve import curve_solver as trace
 from bozzetto_symmetry.solve.curve_solver import Trace
+from bozzetto_symmetry.view import view_advice
 
 FOLDER = Path(__file__).parents[3] / "docs" / "gallery" / "symmetry"
 INKS = sorted(FOLDER.glob("*.json"))
@@ -72,9 +72,9 @@ def test_advice_on_a_drawing_that_was_just_opened_solves_only_its_newest_curves(
         asked.append(curve.name)
         return Trace("half")
 
-    monkeypatch.setattr(trace, "trace_of", counted)
+    monkeypatch.setattr(view_advice, "trace_of", counted)
     assert bench.view_advice(model, drawing.camera) is not None
-    assert asked == [curve.name for curve in model.state.curves][-trace.NEWEST :]
+    assert asked == [curve.name for curve in model.state.curves][-view_advice.NEWEST :]
 
 
 @pytest.fixture(scope="module", params=INKS, ids=lambda path: path.stem)

@@ -67,4 +67,4 @@ def take_file(session: Session, path: Path) -> None:
     if path.suffix.lower() == DOCUMENT_ENDING:
         session.files.open_safely(path)
     else:
-        session.files.import_file(path)
+        session.files.exchange.import_file(path)

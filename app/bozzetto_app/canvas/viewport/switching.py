@@ -9,6 +9,7 @@ from PySide6.QtCore import QObject, QRect, Qt, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.plugin.job import Job
+from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import Palette
 from bozzetto_app.canvas.viewport.protocol import (
     Shading,
@@ -17,6 +18,7 @@ from bozzetto_app.canvas.viewport.protocol import (
     may_use_gl,
 )
 from bozzetto_app.canvas.viewport.software import SoftwareViewport
+from bozzetto_app.canvas.viewport.thickness_channel import ThicknessChannel
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
@@ -65,6 +67,9 @@ class Viewports(QObject):
         self._style: tuple[Shading, bool] = ("clay", True)
         self._rising: GLViewport | None = None
         self._imports = Channel("import-gl", parent=self)
+        self.thickness = ThicknessChannel(self)
+        """Measures the scene while it is shown in the colours of its thickness."""
+        self.thickness.changed.connect(self._show_measured)
         if may_use_gl():
             from PySide6.QtOpenGLWidgets import QOpenGLWidget
 
@@ -95,10 +100,18 @@ class Viewports(QObject):
     def show_scene(self) -> None:
         """Show the session's scene."""
         self._session.solver.expect_paint(self._canvas.isVisible())
+        self._show(self._session.scene.visible)
+
+    def _show(self, scene: Scene) -> None:
+        moving = self._session.drawing.is_dragging
+        if self._session.view.shading == "thickness":
+            scene = self.thickness.shown(scene, self._colors, moving=moving)
         for viewport in self._both():
-            viewport.set_scene(
-                self._session.scene.visible, moving=self._session.drawing.is_dragging
-            )
+            viewport.set_scene(scene, moving=moving)
+
+    def _show_measured(self) -> None:
+        if self.thickness.view is not None:
+            self._show(self._session.scene.visible)
 
     def show_live(self) -> None:
         """Show what is there only while the pen is down."""
@@ -117,9 +130,16 @@ class Viewports(QObject):
         """
         session = self._session
         grid = session.view.show_grid and not session.advice.holds_eye(session.view.camera)
+        shading_before, _ = self._style
         self._style = session.view.shading, grid
         for viewport in self._both():
             viewport.set_style(*self._style)
+        if session.view.shading != shading_before and "thickness" in (
+            shading_before,
+            session.view.shading,
+        ):
+            self.thickness.forget()
+            self._show(session.scene.visible)
 
     def show_advice(self) -> None:
         """See whether the view stands where a picture was drawn from."""
@@ -133,6 +153,8 @@ class Viewports(QObject):
         self._colors = palette
         for viewport in self._both():
             viewport.set_palette(palette)
+        if self._session.view.shading == "thickness":
+            self._show(self._session.scene.visible)
 
     def set_geometry(self, area: QRect) -> None:
         """Fill a part of the canvas."""

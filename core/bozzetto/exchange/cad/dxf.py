@@ -1,4 +1,4 @@
-"""DXF (AutoCAD 2010): exact curves as SPLINE entities, in millimetres.
+"""DXF (AutoCAD 2010): exact curves as SPLINE entities.
 
 Written with ezdxf, the extra ``bozzetto[dxf]``. The file carries its date and an identity of
 its own, so that equal shapes give files that differ there.
@@ -11,13 +11,14 @@ import re
 from typing import Final
 
 from bozzetto.exchange.cad.cad_curves import checked_curves
+from bozzetto.exchange.handover import MILLIMETRES, FileFrame, Unit
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.geometry.shapes import Shapes
 
 VERSION: Final = "R2010"
 """Names in Unicode begin with R2007; all programs tried read R2010."""
 
-MILLIMETRES: Final = 4
+UNIT_NUMBERS: Final[dict[Unit, int]] = {"mm": 4, "cm": 5, "m": 6, "in": 1}
 """The value of $INSUNITS."""
 
 CLOSED: Final = 1
@@ -31,7 +32,7 @@ LONGEST_NAME: Final = 255
 DEFAULT_LAYER: Final = "0"
 
 
-def write_shapes(shapes: Shapes) -> bytes:
+def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES) -> bytes:
     """Write the curves as DXF; DXF knows no names of curves, so each names its layer.
 
     Raises
@@ -41,7 +42,7 @@ def write_shapes(shapes: Shapes) -> bytes:
     """
     ezdxf = library("ezdxf", "dxf")
     curves = checked_curves(shapes)
-    document = ezdxf.new(VERSION, units=MILLIMETRES)
+    document = ezdxf.new(VERSION, units=UNIT_NUMBERS[frame.unit])
     space = document.modelspace()
     for curve in curves:
         layer = UNFIT.sub("_", curve.name).strip()[:LONGEST_NAME] or DEFAULT_LAYER

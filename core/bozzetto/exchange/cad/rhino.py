@@ -1,4 +1,4 @@
-"""3dm (Rhino 7): exact surfaces and curves, in millimetres.
+"""3dm (Rhino 7): exact surfaces and curves, a layer for each object.
 
 Faces are surfaces of their own, those of one object a group: rhino3dm cannot join them, but
 Rhino's own Join can, for their edges agree. It cannot trim either: trimmed faces are triangles
@@ -10,6 +10,7 @@ that differ there.
 from __future__ import annotations
 
 import base64
+import re
 from typing import Any, Final
 
 import numpy as np
@@ -17,6 +18,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.exchange.cad.cad_curves import checked_curves
 from bozzetto.exchange.cad.cad_surfaces import checked_breps
+from bozzetto.exchange.handover import MILLIMETRES, FileFrame, Unit
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.geometry.basis import lifted
 from bozzetto.geometry.brep.surface import BSplineSurface
@@ -27,12 +29,28 @@ from bozzetto.geometry.shapes import Color, Curve, Shapes
 VERSION: Final = 7
 """The version of the file: Rhino 7 and all later ones read it."""
 
+UNIT_WORDS: Final[dict[Unit, str]] = {
+    "mm": "Millimeters",
+    "cm": "Centimeters",
+    "m": "Meters",
+    "in": "Inches",
+}
+
+UNFIT: Final = re.compile("::")
+"""Parts the names of layers that lie in one another."""
+
+DEFAULT_LAYER: Final = "Bozzetto"
+
+BLACK: Final = (0, 0, 0)
+
 BRACKETS: Final = ("(", "[", "{", ")", "]", "}")
 """With these no name begins: openNURBS would drop it."""
 
 
-def write_shapes(shapes: Shapes) -> bytes:
-    """Write the exact surfaces and curves as 3dm, with names and colours.
+def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES) -> bytes:
+    """Write the exact surfaces and curves as 3dm, with names, colours and layers.
+
+    Parts of one name lie on one layer of that name and of the first one's colour.
 
     Raises
     ------
@@ -44,7 +62,8 @@ def write_shapes(shapes: Shapes) -> bytes:
     curves = checked_curves(shapes) if shapes.curves or not breps else ()
     model = rhino.File3dm()
     model.ApplicationName = "Bozzetto"
-    model.Settings.ModelUnitSystem = rhino.UnitSystem.Millimeters
+    model.Settings.ModelUnitSystem = getattr(rhino.UnitSystem, UNIT_WORDS[frame.unit])
+    layers = _Layers(rhino, model)
     for number, brep in enumerate(breps):
         group = rhino.Group()
         group.Name = _name(brep.name)
@@ -53,16 +72,37 @@ def write_shapes(shapes: Shapes) -> bytes:
         meshes = (None,) * len(brep.faces) if whole else face_meshes(brep)
         for face, mesh in zip(brep.faces, meshes, strict=True):
             look = _look(rhino, face.name or brep.name, face.color or brep.color)
+            look.LayerIndex = layers.of(brep.name, brep.color)
             look.AddToGroup(number)
             if mesh is None or face.is_whole:
                 model.Objects.AddSurface(_surface(rhino, face.surface), look)
             else:
                 model.Objects.AddMesh(_mesh(rhino, mesh), look)
     for curve in curves:
-        model.Objects.AddCurve(_curve(rhino, curve), _look(rhino, curve.name, curve.color))
+        look = _look(rhino, curve.name, curve.color)
+        look.LayerIndex = layers.of(curve.name, curve.color)
+        model.Objects.AddCurve(_curve(rhino, curve), look)
     options = rhino.File3dmWriteOptions()
     options.Version = VERSION
     return base64.b64decode(model.Encode(options))
+
+
+class _Layers:
+    """The layers of a model, made when the first object of a name comes."""
+
+    def __init__(self, rhino: Any, model: Any) -> None:
+        self._rhino, self._model = rhino, model
+        self._known: dict[str, int] = {}
+
+    def of(self, name: str, color: Color | None) -> int:
+        """Return the number of the layer of a name."""
+        word = UNFIT.sub("_", _name(name)).strip() or DEFAULT_LAYER
+        if word not in self._known:
+            layer = self._rhino.Layer()
+            layer.Name = word
+            layer.Color = (*(color or BLACK), 255)
+            self._known[word] = self._model.Layers.Add(layer)
+        return self._known[word]
 
 
 def _curve(rhino: Any, curve: Curve) -> Any:

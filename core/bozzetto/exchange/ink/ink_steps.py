@@ -18,6 +18,7 @@ from bozzetto.exchange.camera_record import (
 )
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_STEPS, at_most
 from bozzetto.ink.steps import (
+    AddStep,
     CommandStep,
     DeleteStep,
     DragStep,
@@ -48,6 +49,7 @@ VERBS: Final[dict[str, type[Step]]] = {
     "group": GroupStep,
     "ungroup": UngroupStep,
     "command": CommandStep,
+    "add": AddStep,
 }
 """The key that says what a step does."""
 

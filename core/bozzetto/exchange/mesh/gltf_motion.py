@@ -1,16 +1,20 @@
-"""Motion of rigid parts as a glTF animation: translation and rotation of each part's node."""
+"""Motion as glTF animations: of the nodes of rigid parts, and of the joints of skins."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
+from bozzetto.exchange.mesh.gltf_skin import local_turns
 from bozzetto.geometry.placement import Placement
-from bozzetto.geometry.shapes import Shapes
+from bozzetto.geometry.rig import Clip, Rig
+from bozzetto.geometry.shapes import Shapes, Solid
 
 RIGID: Final = 1e-4
 """Distance, in the extent of a part, by which its vertices may miss the nearest rigid motion."""
@@ -42,6 +46,9 @@ def rigid_motions(frames: Sequence[Shapes]) -> list[list[Placement]]:
         if [part.name for part in parts] != [part.name for part in first]:
             raise UserError("Parts come or go while it moves. A film of them can be a GIF.")
         for part, start, known in zip(parts, first, motions, strict=True):
+            if isinstance(start, Solid) and start.skin is not None:
+                known.append(Placement())  # its joints move: see `filmed_skins`
+                continue
             before, after = start.mesh.vertices, part.mesh.vertices
             found = _nearest_motion(before, after) if len(before) == len(after) else None
             if found is None:
@@ -51,6 +58,72 @@ def rigid_motions(frames: Sequence[Shapes]) -> list[list[Placement]]:
                 )
             known.append(found)
     return motions
+
+
+def filmed_skins(frames: Sequence[Shapes], seconds: Sequence[float]) -> Shapes:
+    """Return the first frame with the poses of all frames as a clip of each skin.
+
+    Raises
+    ------
+    UserError
+        If a skin has other joints in a later frame.
+    """
+    solids = []
+    for number, solid in enumerate(frames[0].solids):
+        skin = solid.skin
+        if skin is not None:
+            skins = [frame.solids[number].skin for frame in frames]
+            rigs = [one.rig for one in skins if one is not None and one.rig.names == skin.rig.names]
+            if len(rigs) < len(frames):
+                raise UserError(f"The joints of “{solid.name}” change while it moves.")
+            still = np.tile([0.0, 0.0, 0.0, 1.0], (len(skin.rig.joints), 1))
+            turns = [still if rig.turns is None else rig.turns for rig in rigs]
+            clip = Clip("motion", np.asarray(seconds, float), np.array(turns))
+            solid = replace(solid, skin=replace(skin, clips=(clip,)))
+        solids.append(solid)
+    return replace(frames[0], solids=tuple(solids))
+
+
+def add_clip(
+    animations: dict[str, dict[str, Any]],
+    clip: Clip,
+    rig: Rig,
+    first: int,
+    put: Put,
+    component: int,
+) -> None:
+    """Add the rotations of a rig's joints to the animation of their clip's name.
+
+    Parameters
+    ----------
+    animations : dict of str to dict
+        By name; a new one is added where there is none.
+    clip, rig : Clip, Rig
+        In the file's axes and unit.
+    first : int
+        Number of the first joint's node.
+    put : callable
+        Adds an accessor of values to the file.
+    component : int
+        The file's number of single precision.
+    """
+    none = np.tile([0.0, 0.0, 0.0, 1.0], (len(rig.joints), 1))
+    still, *turned = (np.asarray(local_turns(rig, row)) for row in (none, *clip.turns))
+    turns = np.array(turned)
+    for before, after in itertools.pairwise(turns):
+        after[np.einsum("ni,ni->n", before, after) < 0.0] *= -1.0
+    apart = 1.0 - np.abs(np.einsum("kni,ni->kn", turns, still)).min(axis=0)
+    moving = np.flatnonzero(apart > STILL**2)
+    if not len(moving):
+        return
+    times = clip.seconds.astype("<f4").reshape(-1, 1)
+    keys = put(times, "SCALAR", component, min=times[0].tolist(), max=times[-1].tolist())
+    known = animations.setdefault(clip.name, {"name": clip.name, "samplers": [], "channels": []})
+    for joint in moving.tolist():
+        target = {"node": first + joint, "path": "rotation"}
+        known["channels"].append({"sampler": len(known["samplers"]), "target": target})
+        values = put(turns[:, joint].astype("<f4"), "VEC4", component)
+        known["samplers"].append({"input": keys, "output": values, "interpolation": "LINEAR"})
 
 
 def animation(

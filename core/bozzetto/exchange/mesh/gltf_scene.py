@@ -11,8 +11,28 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_DEPTH, at_most
+from bozzetto.geometry.shapes import Finish
 
 TRIANGLES: Final = 4
+FLOAT: Final = 5126
+MAGIC: Final = b"glTF"
+JSON_CHUNK: Final = 0x4E4F534A
+BIN_CHUNK: Final = 0x004E4942
+
+LOOKS: Final[dict[Finish, tuple[float, float, float]]] = {
+    "matt": (0.0, 0.8, 1.0),
+    "gloss": (0.0, 0.15, 1.0),
+    "rubber": (0.0, 0.95, 1.0),
+    "metal": (1.0, 0.3, 1.0),
+    "glass": (0.0, 0.05, 0.45),
+}
+"""How metallic, rough and opaque a material is, by its finish."""
+
+AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+"""Rows: glTF's x, y (up) and z from our x, y and z (up)."""
+
+MM_PER_METRE: Final = 1000.0
+
 
 MAX_NODES: Final = 100_000
 """Places in the tree: three seconds of work."""
@@ -63,6 +83,8 @@ class Node(Record):
     """A place in the tree: a matrix, or its three factors."""
 
     mesh: int | None = None
+    skin: int | None = None
+    camera: int | None = None
     children: list[int] = []
     name: str = ""
     matrix: list[float] | None = None
@@ -71,16 +93,26 @@ class Node(Record):
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
+class TextureLink(Record):
+    """The picture of a surface."""
+
+    index: int = 0
+
+
 class Looks(Record):
-    """The one property of a surface that we keep: linear, 0 … 1."""
+    """The properties of a surface that we keep: a linear colour, metal and roughness, 0 … 1."""
 
     base_color_factor: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    metallic_factor: float = 1.0
+    roughness_factor: float = 1.0
+    base_color_texture: TextureLink | None = None
 
 
 class Material(Record):
     """Looks of a surface."""
 
     pbr_metallic_roughness: Looks = msgspec.field(default_factory=Looks)
+    name: str = ""
 
 
 class SceneRecord(Record):
@@ -96,9 +128,16 @@ class Buffer(Record):
     uri: str | None = None
 
 
+class Asset(Record):
+    """What made the file."""
+
+    version: str = "2.0"
+
+
 class Gltf(Record):
     """The whole description."""
 
+    asset: Asset = msgspec.field(default_factory=Asset)
     accessors: list[Accessor] = []
     buffer_views: list[View] = []
     buffers: list[Buffer] = []
@@ -108,6 +147,7 @@ class Gltf(Record):
     scenes: list[SceneRecord] = []
     scene: int | None = None
     extensions_required: list[str] = []
+    animations: list[msgspec.Raw] = []
 
 
 def item(items: list[Any], index: int, what: str) -> Any:

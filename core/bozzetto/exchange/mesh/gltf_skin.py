@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array
 from bozzetto.geometry.rig import Rig, Skin
 
 FEW = 256
@@ -19,20 +20,23 @@ def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
     Parameters
     ----------
     rig : Rig
-        In the file's axes and unit. Its turns are the rotations of the nodes. Where a loop was
-        cut, both joints name the other in their extras.
+        In the file's axes and unit. Its axes and turns are the rotations of the nodes. Where a
+        loop was cut, both joints name the other in their extras.
     first : int
         Number of the first of these nodes in the file.
     name : str
         Name of the part that follows the rig.
     """
     nodes: list[dict[str, Any]] = [{"name": f"{name} rig"}]
+    turns = local_turns(rig, rig.turns)
     for joint, parent in enumerate(rig.parents.tolist()):
-        start = rig.joints[parent] if parent >= 0 else np.zeros(3)
-        node: dict[str, Any] = {"name": rig.names[joint]}
-        node["translation"] = (rig.joints[joint] - start).tolist()
-        if rig.turns is not None:
-            node["rotation"] = rig.turns[joint].tolist()
+        place = rig.joints[joint]
+        if parent >= 0:
+            place = place - rig.joints[parent]
+            place = place if rig.axes is None else place @ rig.axes[parent]
+        node: dict[str, Any] = {"name": rig.names[joint], "translation": place.tolist()}
+        if turns is not None:
+            node["rotation"] = turns[joint].tolist()
         nodes.append(node)
         nodes[parent + 1].setdefault("children", []).append(first + 1 + joint)
     for a, b in [] if rig.cuts is None else rig.cuts.tolist():
@@ -42,10 +46,35 @@ def rig_nodes(rig: Rig, first: int, name: str) -> list[dict[str, Any]]:
     return nodes
 
 
+def local_turns(rig: Rig, turns: Array | None) -> Array | None:
+    """Return the rotations of the nodes, (n, 4), x, y, z, w; None where nodes are not rotated.
+
+    With A the axes at rest and T a joint's turn in the model's axes, the node is rotated by
+    A_parentᵀ T A.
+
+    Parameters
+    ----------
+    rig : Rig
+        In the file's axes.
+    turns : (n, 4) float array, optional
+        The identity where none are given.
+    """
+    if rig.axes is None:
+        return turns
+    from scipy.spatial.transform import Rotation
+
+    own = Rotation.from_matrix(rig.axes)
+    above = np.where((rig.parents < 0)[:, None, None], np.eye(3), rig.axes[rig.parents])
+    turned = own if turns is None else Rotation.from_quat(turns) * own
+    return np.asarray((Rotation.from_matrix(above).inv() * turned).as_quat())
+
+
 def inverse_binds(rig: Rig) -> NDArray[np.float32]:
-    """Return the inverse bind matrices, (n, 16), columns first: only moved, not turned."""
+    """Return the inverse bind matrices, (n, 16), columns first."""
+    axes = np.tile(np.eye(3), (len(rig.joints), 1, 1)) if rig.axes is None else rig.axes
     matrices = np.tile(np.eye(4, dtype="<f4"), (len(rig.joints), 1, 1))
-    matrices[:, 3, :3] = -rig.joints
+    matrices[:, :3, :3] = axes  # columns first: the transpose, which is the inverse
+    matrices[:, 3, :3] = -np.einsum("nij,ni->nj", axes, rig.joints)
     return matrices.reshape(-1, 16)
 
 

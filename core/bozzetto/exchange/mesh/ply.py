@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
 from bozzetto.exchange.color import vertex_colors
+from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import (
     check_places,
@@ -45,7 +46,7 @@ Columns = dict[str, NDArray[Any]]
 # -- writing -------------------------------------------------------------------------------
 
 
-def write_shapes(shapes: Shapes) -> bytes:
+def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES) -> bytes:
     """Write binary little-endian PLY of all meshes together; with colours if any part has one.
 
     Parts without a colour are white among coloured ones.
@@ -70,7 +71,7 @@ def write_shapes(shapes: Shapes) -> bytes:
     header = [
         "ply",
         "format binary_little_endian 1.0",
-        "comment Bozzetto: millimetres, Z up",
+        f"comment Bozzetto: {frame}",
         f"element vertex {len(rows)}",
         *(f"property float {axis}" for axis in "xyz"),
         *(f"property uchar {name}" for name in ("red", "green", "blue", "alpha") if colored),

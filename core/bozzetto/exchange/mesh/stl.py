@@ -1,4 +1,4 @@
-"""STL: triangles without names, colours or shared vertices, in millimetres."""
+"""STL: triangles without names, colours or shared vertices; files do not tell their unit."""
 
 from __future__ import annotations
 
@@ -8,19 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
+from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 from bozzetto.exchange.limits import MAX_FACES, at_most
 from bozzetto.exchange.mesh.polygons import checked_mesh, weld, without_degenerate
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.geometry.shapes import Shapes, Surface
 
-HEADER: Final = b"Binary STL, millimetres, Z up".ljust(80)
+HEADER: Final = "Binary STL, "
 """Must not begin with "solid": many readers take that for the text form."""
+
+HEADER_SIZE: Final = 80
 
 RECORD: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])
 
 
-def write_shapes(shapes: Shapes) -> bytes:
-    """Write binary STL of all meshes, one after the other."""
+def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES) -> bytes:
+    """Write binary STL of all meshes, one after the other; the header says the frame."""
     corners = np.concatenate([part.mesh.vertices[part.mesh.faces] for part in shapes.meshes()])
     records = np.zeros(len(corners), RECORD)
     records["corners"] = corners
@@ -28,7 +31,8 @@ def write_shapes(shapes: Shapes) -> bytes:
     across = np.cross(wide[:, 1] - wide[:, 0], wide[:, 2] - wide[:, 0])
     length = np.linalg.norm(across, axis=1, keepdims=True)
     records["normal"] = np.divide(across, length, out=np.zeros_like(across), where=length > 0)
-    return HEADER + np.uint32(len(records)).tobytes() + records.tobytes()
+    header = f"{HEADER}{frame}".encode().ljust(HEADER_SIZE)
+    return header + np.uint32(len(records)).tobytes() + records.tobytes()
 
 
 def read_shapes(data: bytes) -> Shapes:

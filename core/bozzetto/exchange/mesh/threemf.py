@@ -18,6 +18,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from bozzetto.exchange.color import vertex_colors
+from bozzetto.exchange.handover import MILLIMETRES, FileFrame, Unit
 from bozzetto.exchange.mesh.face_groups import triangle_colors
 from bozzetto.exchange.mesh.polygons import without_degenerate
 from bozzetto.exchange.safe_xml import writable
@@ -40,6 +41,13 @@ RELATIONS: Final = (
     'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>'
 )
 
+UNIT_WORDS: Final[dict[Unit, str]] = {
+    "mm": "millimeter",
+    "cm": "centimeter",
+    "m": "meter",
+    "in": "inch",
+}
+
 EPOCH: Final = (1980, 1, 1, 0, 0, 0)
 """Date of every entry, so that equal shapes give equal files."""
 
@@ -47,8 +55,8 @@ COMPRESSION: Final = 4
 """Deflate level: beyond it the time grows faster than the file shrinks."""
 
 
-def write_shapes(shapes: Shapes) -> bytes:
-    """Write a 3MF package with one object per part."""
+def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES) -> bytes:
+    """Write a 3MF package with one object per part, in the unit of the frame."""
     parts = [part for part in shapes.meshes() if len(part.mesh.faces)]
     colored = any(
         vertex_colors(part) is not None or triangle_colors(part) is not None for part in parts
@@ -59,7 +67,7 @@ def write_shapes(shapes: Shapes) -> bytes:
         resources.append(_object(part, color_id=2 * number + 1, object_id=2 * number + 2))
         items.append(f'<item objectid="{2 * number + 2}"/>')
     model = (
-        f'{XML}<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}"'
+        f'{XML}<model unit="{UNIT_WORDS[frame.unit]}" xml:lang="en-US" xmlns="{CORE}"'
         + (f' xmlns:m="{MATERIAL}"' if colored else "")
         + '>\n<metadata name="Application">Bozzetto</metadata>\n<resources>\n'
         + "".join(resources)

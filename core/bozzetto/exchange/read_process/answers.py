@@ -15,16 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.document.storage.stroke_columns import pack_strokes, unpack_strokes
+from bozzetto.exchange.frame_guess import FrameGuess
 from bozzetto.exchange.ink.ink_steps import VERBS
+from bozzetto.exchange.reading import MeshFile
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.shapes import Shapes, Solid, Surface
+from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
 
-Answer = Shapes | Drawing | Picture | NDArray[np.uint8]
+Answer = MeshFile | Drawing | Picture | NDArray[np.uint8]
 Arrays = list[NDArray[Any]]
 Color = tuple[int, int, int]
 
@@ -35,10 +37,13 @@ class _Part(msgspec.Struct, array_like=True):
     solid: bool
     normals: bool
     colors: bool
+    groups: tuple[FaceGroup, ...] = ()
 
 
-class _Shapes(msgspec.Struct, tag=True):
+class _Meshes(msgspec.Struct, tag=True):
     parts: list[_Part]
+    guess: FrameGuess | None
+    left_out: tuple[str, ...]
 
 
 class _Drawing(msgspec.Struct, tag=True):
@@ -61,7 +66,7 @@ class _Pixels(msgspec.Struct, tag=True):
     pass
 
 
-_Record = _Shapes | _Drawing | _Picture | _Pixels
+_Record = _Meshes | _Drawing | _Picture | _Pixels
 
 _VERB_OF: Final = {kind: verb for verb, kind in VERBS.items()}
 
@@ -80,8 +85,8 @@ def pack_answer(answer: Answer) -> tuple[bytes, Arrays]:
 
 
 def _taken_apart(answer: Answer) -> tuple[_Record, Arrays]:
-    if isinstance(answer, Shapes):
-        return _shapes_record(answer)
+    if isinstance(answer, MeshFile):
+        return _meshes_record(answer)
     if isinstance(answer, Drawing):
         return _drawing_record(answer)
     if isinstance(answer, Picture):
@@ -89,10 +94,10 @@ def _taken_apart(answer: Answer) -> tuple[_Record, Arrays]:
     return _Pixels(), [answer]
 
 
-def _shapes_record(shapes: Shapes) -> tuple[_Record, Arrays]:
+def _meshes_record(file: MeshFile) -> tuple[_Record, Arrays]:
     parts: list[_Part] = []
     arrays: Arrays = []
-    row: list[Solid | Surface] = [*shapes.solids, *shapes.surfaces]
+    row: list[Solid | Surface] = [*file.shapes.solids, *file.shapes.surfaces]
     for part in row:
         mesh = part.mesh
         given = [array for array in (mesh.normals, mesh.colors) if array is not None]
@@ -104,9 +109,10 @@ def _shapes_record(shapes: Shapes) -> tuple[_Record, Arrays]:
                 isinstance(part, Solid),
                 mesh.normals is not None,
                 mesh.colors is not None,
+                part.groups,
             )
         )
-    return _Shapes(parts), arrays
+    return _Meshes(parts, file.guess, file.left_out), arrays
 
 
 def _drawing_record(drawing: Drawing) -> tuple[_Record, Arrays]:
@@ -134,8 +140,8 @@ def unpack_answer(record: bytes, arrays: Sequence[NDArray[Any]]) -> Answer:
     """
     told: _Record = msgspec.msgpack.decode(record, type=_Record)
     match told:
-        case _Shapes(parts):
-            return _shapes_of(parts, list(arrays))
+        case _Meshes(parts, guess, left_out):
+            return MeshFile(_shapes_of(parts, list(arrays)), guess, left_out)
         case _Drawing():
             return _drawing_of(told, arrays)
         case _Picture(name, width, height):
@@ -153,9 +159,9 @@ def _shapes_of(parts: Sequence[_Part], arrays: Arrays) -> Shapes:
         normals = next(rest) if part.normals else None
         mesh = Mesh(vertices, faces, normals, next(rest) if part.colors else None)
         if part.solid:
-            solids.append(Solid(mesh, part.name, part.color))
+            solids.append(Solid(mesh, part.name, part.color, groups=part.groups))
         else:
-            surfaces.append(Surface(mesh, part.name, part.color))
+            surfaces.append(Surface(mesh, part.name, part.color, part.groups))
     return Shapes(tuple(solids), tuple(surfaces))
 
 

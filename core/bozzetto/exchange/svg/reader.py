@@ -1,7 +1,8 @@
 """SVG reader: painted lines and areas become strokes.
 
-One user unit is one millimetre, and the point (x, y) of the file is the world point
-(x, 0, -y): drawings from other programs stand upright on the front view.
+One user unit is one millimetre where the file does not say how large its view box is; where it
+does (``width="100mm"``), the drawing has that size. The point (x, y) of the file is the world point
+(x, 0, -y), in millimetres: drawings from other programs stand upright on the front view.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from bozzetto.exchange.svg.shapes import (
     SPACE,
     length,
     outline,
+    paper_length,
     shift,
     transform,
 )
@@ -53,6 +55,12 @@ UNREAD: Final = {"text": "text", "image": "picture", "foreignObject": "embedded 
 
 FRAME: Final = ("x", "y", "width", "height", "viewBox")
 """Attributes that say where a viewport is."""
+
+ROUNDED: Final = 1e-6
+"""Departure of a scale from 1 that comes from rounded numbers."""
+
+LEAST_SCALE: Final = 1e-6
+"""A user unit that is smaller, mm, or as much larger, is a mistake."""
 
 MAX_CLONES: Final = 50_000
 """Elements repeated by reference; a few lines of text can ask for billions."""
@@ -112,7 +120,8 @@ class _Reader:
             waiting.extend(reversed(element.children))
             if "id" in element.attributes:
                 self.named.setdefault(element.attributes["id"], element)
-        self.collect(root, np.eye(3), Look(), outermost=True)
+        self.scale = millimetres(root, self.canvas)
+        self.collect(root, np.diag((self.scale, self.scale, 1.0)), Look(), outermost=True)
 
     def own(self, element: Element) -> _Own:
         """Return the properties of an element: read once, however often it is repeated."""
@@ -264,7 +273,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     if not joined:
         raise FormatError("The areas of this drawing cancel each other out.")
     colors = [found[k].look.color for k, _ in joined]
-    drawing = sheet_drawing([points for _, points in joined], reader.canvas, name, colors=colors)
+    sheet = reader.canvas and reader.canvas.scaled(reader.scale)
+    drawing = sheet_drawing([points for _, points in joined], sheet, name, colors=colors)
     return replace(drawing, left_out=reader.left_out())
 
 
@@ -281,6 +291,18 @@ def _canvas(root: Element) -> Sheet | None:
     if sane and 0 < width <= MAX_COORDINATE and 0 < height <= MAX_COORDINATE:
         return Sheet(x, y, width, height)
     return None
+
+
+def millimetres(root: Element, canvas: Sheet | None) -> float:
+    """Return the millimetres in a user unit: 1 unless a view box has a size on paper."""
+    if canvas is None or "viewBox" not in root.attributes:
+        return 1.0
+    sides = {"width": canvas.width, "height": canvas.height}
+    given = {side: size for side in sides if (size := paper_length(root, side)) is not None}
+    scale = min((size / sides[side] for side, size in given.items()), default=1.0)
+    # What is written in millimetres comes back to the bit.
+    sane = LEAST_SCALE <= scale <= 1.0 / LEAST_SCALE and abs(scale - 1.0) > ROUNDED
+    return scale if sane else 1.0
 
 
 def _nested_viewport(element: Element) -> Array:

@@ -22,6 +22,8 @@ PIXELS: Final = {
 }  # fmt: skip
 """User units in a unit of length (CSS: 96 to the inch)."""
 
+MM_PER_PIXEL: Final = 25.4 / 96
+
 # All quantifiers give nothing back: a text that does not fit is given up in one pass.
 NUMBER: Final = re.compile(r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?\d++)?+")
 LENGTH: Final = re.compile(rf"\s*+({NUMBER.pattern})\s*+(px|mm|cm|in|pt|pc)?+\s*+")
@@ -49,6 +51,16 @@ def length(element: Element, name: str, default: float) -> float:
     if abs(value) > MAX_COORDINATE:
         raise FormatError(f"The length “{name}” is larger than a drawing can be.")
     return value
+
+
+def paper_length(element: Element, name: str) -> float | None:
+    """Return a length on paper, mm; None where it is absent, relative or in pixels."""
+    text = element.attributes.get(name, "")
+    match = LENGTH.fullmatch(text) if len(text) <= LONGEST_LENGTH else None
+    if match is None or match[2] in (None, "px"):
+        return None
+    value = float(match[1]) * PIXELS[match[2]] * MM_PER_PIXEL
+    return value if 0.0 < value <= MAX_COORDINATE else None
 
 
 def outline(element: Element) -> list[Subpath]:

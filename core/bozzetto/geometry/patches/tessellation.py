@@ -41,6 +41,13 @@ def tessellated(patchwork: Patchwork, tolerance: float | None = None) -> Mesh:
     Mesh
         Without normals, so that vertices on creases are shared as well.
     """
+    return counted_patches(patchwork, tolerance)[0]
+
+
+def counted_patches(
+    patchwork: Patchwork, tolerance: float | None = None
+) -> tuple[Mesh, tuple[int, ...]]:
+    """Triangulate as `tessellated`, and count the triangles of each patch, patch by patch."""
     nodes, ends = patchwork.nodes
     if tolerance is None:
         size = float(np.linalg.norm(np.ptp(patchwork.nets, axis=(0, 1, 2))))
@@ -68,7 +75,9 @@ def tessellated(patchwork: Patchwork, tolerance: float | None = None) -> Mesh:
         places.append(inside)
         faces.append(at)
     vertices = np.concatenate(places)
-    return Mesh(vertices.astype(np.float32), np.vstack([_triangles(at, vertices) for at in faces]))
+    triangles = [_triangles(at, vertices) for at in faces]
+    counts = tuple(len(own) for own in triangles)
+    return Mesh(vertices.astype(np.float32), np.vstack(triangles)), counts
 
 
 def _divisions(patchwork: Patchwork, tolerance: float) -> Index:

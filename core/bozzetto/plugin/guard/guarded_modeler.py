@@ -72,6 +72,10 @@ class GuardedModeler:
         """Return the state with one more picture."""
         return self._state("add_picture", self._modeler.add_picture, state, picture, context)
 
+    def add_drawing(self, state: Any, drawing: Drawing, context: Context) -> Any:
+        """Return the state with a drawing in it."""
+        return self._state("add_drawing", self._modeler.add_drawing, state, drawing, context)
+
     def ink(self, state: Any) -> Strokes:
         """Return the strokes that a state was drawn with."""
         return self._checked("ink", validation.sound_ink, self._modeler.ink, state)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from bozzetto.plugin.modeler import Modeler
 
-METHODS: Final = ("read_shapes", "follow", "add_picture")
+METHODS: Final = ("read_shapes", "follow", "add_picture", "add_drawing")
 """Methods of `Modeler` that the manifest names among the abilities where they are overridden."""
 
 

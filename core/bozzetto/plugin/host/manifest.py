@@ -41,7 +41,7 @@ LARGEST_MANIFEST = 64 * 1024
 MOST_MODELERS = 64
 """Modelers that one plugin may announce."""
 
-Ability = Literal["panel", "read_shapes", "follow", "add_picture"]
+Ability = Literal["panel", "read_shapes", "follow", "add_picture", "add_drawing"]
 """What a menu must know of a modeler before its plugin is imported."""
 
 Word = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
@@ -111,8 +111,8 @@ class ModelerEntry:
         Ink files in the package, each a file name or ``{ file, title }``.
     abilities : frozenset of str
         What must be known of it before the plugin is imported: "panel" (the plugin has a Qt
-        panel of its own for it, `bozzetto_panel`), "read_shapes" and "add_picture" (methods of
-        `Modeler` that it overrides).
+        panel of its own for it, `bozzetto_panel`), "read_shapes", "follow", "add_picture" and
+        "add_drawing" (methods of `Modeler` that it overrides).
     listed : bool
         Whether a person can choose it; false where models are only made from files.
     order : int

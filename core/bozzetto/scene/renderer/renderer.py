@@ -92,7 +92,7 @@ def render(
     scale : float
         Picture pixels per canvas pixel (the screen's device pixel ratio): a picture of
         ``size · scale``, with lines that much wider.
-    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft"}
+    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"}
         How surfaces are shaded.
     background : bool
         Paper behind everything; else the picture is transparent there.

@@ -18,7 +18,7 @@ from bozzetto.scene.palette import Color, Palette
 from bozzetto.scene.renderer.triangle_soup import Soup
 from bozzetto.scene.renderer.view_transform import ViewTransform
 
-Shading = Literal["clay", "zebra", "curvature", "normals", "xray", "draft"]
+Shading = Literal["clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"]
 SHADINGS: Final[tuple[str, ...]] = get_args(Shading)
 
 
@@ -227,7 +227,7 @@ def surface_colors(
         Colours of the parts, 0 … 255.
     tinted : (parts,) bool
         Which parts show their vertex colours instead.
-    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft"}
+    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"}
         How surfaces are shaded.
     palette : Palette
         Colours of the theme.

@@ -46,7 +46,7 @@ class Style:
     ----------
     palette : Palette
         Colours of the theme.
-    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft"}
+    shading : {"clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"}
         How surfaces are shaded.
     fineness : int
         Samples per pixel along each axis.
@@ -239,7 +239,7 @@ def _draw_opaque(
     normal = _spread_normals(seen, buffer)
     cavity = None
     matte = not all(is_polished(item, style.shading) for item in items)
-    if matte and style.shading in ("clay", "curvature", "draft"):
+    if matte and style.shading in ("clay", "curvature", "draft", "thickness"):
         cavity = cavities(buffer, sight, normal, style.fineness).ravel()[seen.pixel]
     rgb = _colors_of(seen, soup, items, tinted, sight, style, cavity)
     line = contours(buffer, sight, normal, style.fineness).ravel()[seen.pixel]

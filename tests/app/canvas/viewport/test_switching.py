@@ -95,7 +95,9 @@ def test_the_ground_suits_the_size_that_the_viewport_got_last(make):
     assert np.abs(pixels(viewport.grab()) - expected).mean() < 0.1
 
 
-@pytest.mark.parametrize("shading", ["clay", "zebra", "curvature", "normals", "xray", "draft"])
+@pytest.mark.parametrize(
+    "shading", ["clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"]
+)
 @pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
 def test_colours_are_those_of_the_software_renderer(make, box_scene, shading, palette):
     viewport = make()

@@ -227,7 +227,8 @@ def test_nested_svg_has_its_own_units():
     [
         ('viewBox="-5 -5 110 90"', (110, 90)),
         ('width="300" height="200px"', (300, 200)),
-        ('width="96in" height="25.4mm" viewBox="-5,-5,110,90"', (110, 90)),
+        ('width="110px" height="3in" viewBox="-5,-5,110,76.2"', (110, 76.2)),
+        ('width="96%" viewBox="-5,-5,110,90"', (110, 90)),
         ('width="1in" height="25.4mm"', (96, 96)),
     ],
 )
@@ -237,6 +238,34 @@ def test_the_canvas_is_the_view_box_and_the_file_is_not_moved(attributes, viewpo
     np.testing.assert_allclose(world(drawing.strokes[0]), [[1, 2], [30, 40]], atol=1e-4)
     stroke = drawing.strokes[0]
     assert (stroke.tool, stroke.has_pressure, stroke.has_time) == ("imported", False, False)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "scale"),
+    [
+        ('width="100mm" height="50mm" viewBox="0 0 1000 500"', 0.1),
+        ('width="10cm" viewBox="0 0 50 80"', 2.0),
+        ('height="1in" viewBox="-7 3 10 10"', 2.54),
+        ('width="96in" height="25.4mm" viewBox="-5,-5,110,90"', 25.4 / 90),
+        ('width="72pt" height="6pc" viewBox="0 0 25.4 25.4"', 1.0),
+        ('width="0mm" height="-3mm" viewBox="0 0 10 10"', 1.0),
+        ('width="1e-300mm" viewBox="0 0 10 10"', 1.0),
+        ('width="100.0000001mm" viewBox="0 0 100 100"', 1.0),
+    ],
+)
+def test_a_view_box_with_a_size_on_paper_has_that_size(attributes, scale):
+    drawing = read('<path d="M1 2L30 40"/>', attributes)
+    places = scale * np.array([[1, 2], [30, 40]])
+    np.testing.assert_allclose(world(drawing.strokes[0]), places, atol=1e-4)
+
+
+def test_symbols_and_inner_frames_keep_their_place_on_paper():
+    body = '<symbol id="s"><path d="M0 0L10 10"/></symbol><use href="#s" x="100" y="50"/>'
+    plain, (half,) = (
+        read(body, 'viewBox="0 0 200 100"'),
+        read(body, 'width="100mm" viewBox="0 0 200 100"').strokes,
+    )
+    np.testing.assert_allclose(world(half), 0.5 * world(plain.strokes[0]), atol=1e-4)
 
 
 def test_without_any_size_the_bounds_are_the_canvas():

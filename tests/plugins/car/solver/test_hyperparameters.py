@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from bozzetto.view.calibration import resect
 from bozzetto_car.camera.marked_view import MarkedView, Reprojection
-from bozzetto_car.solver.hyperparameters import HANDS, SPREADS, STEADY, evidence_of, judge_marks
+from bozzetto_car.solver.evidence import HANDS, SPREADS, STEADY, USUAL
+from bozzetto_car.solver.hyperparameters import evidence_of, judge_marks
 from bozzetto_car.solver.prior import Cost, Prior
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
@@ -66,6 +67,7 @@ def by_brute_force(template: Template, view: MarkedView, unit: float) -> float:
             cov=s**2 * np.eye(len(kept)) + t**2 * kept @ by_car @ covariance @ by_car.T @ kept.T
         ).logpdf(kept @ missed)
         - 0.5 * (np.log(s) / np.log(STEADY)) ** 2
+        - 0.5 * (np.log(t / USUAL[0]) / np.log(USUAL[1])) ** 2
         for t in SPREADS
         for s in HANDS
     ]

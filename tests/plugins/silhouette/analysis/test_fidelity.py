@@ -13,9 +13,9 @@ import shapely
 from bozzetto.geometry import Placement
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Job
+from bozzetto.scene import walls_of
 from bozzetto.testing import Pen
 from bozzetto_silhouette.analysis.report import report_of
-from bozzetto_silhouette.analysis.wall_thickness import walls_of
 from bozzetto_silhouette.inflation.manifold_check import topology_of
 from bozzetto_silhouette.model.state import Oversketch, Part, SilhouetteState
 from bozzetto_silhouette.modeler import Silhouette

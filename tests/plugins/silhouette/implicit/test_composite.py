@@ -1,4 +1,4 @@
-"""Trees of solids as functions of space: long ones are cheap, and blends can be held back."""
+"""Trees of solids as functions of space: long ones are cheap."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bozzetto_silhouette.implicit.blend_limiter import BlendLimiter
 from bozzetto_silhouette.implicit.composite import Composite, localized
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample
 
@@ -75,30 +74,3 @@ def test_in_its_box_what_is_localized_is_the_same() -> None:
         ball.asked.clear()
     part.value(points)
     assert sum(len(ball.asked) > 0 for ball in balls) < 10
-
-
-class TestBlendLimiter:
-    places = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
-    limiter = BlendLimiter.none().also(places, np.array([1.0, 1.0]), np.array([0.4, 0.1]))
-
-    def test_holds_at_its_places_and_nowhere_else(self) -> None:
-        assert self.limiter.share(self.places) == pytest.approx([0.4, 0.1])
-        far = np.array([[1.5, 0.0, 0.0], [0.0, 1.0001, 0.0], [50.0, 0.0, 0.0]])
-        assert self.limiter.share(far) == pytest.approx(1.0)
-        assert BlendLimiter.none().share(far) == pytest.approx(1.0)
-
-    def test_has_no_steps(self) -> None:
-        line = np.linspace(-2.0, 5.0, 7001)[:, None] * [1.0, 0.0, 0.0]
-        share = self.limiter.share(line)
-        assert np.abs(np.diff(share)).max() < 0.01
-        assert share.min() == pytest.approx(0.1)
-
-    def test_a_blend_held_back_is_nearly_sharp_there(self) -> None:
-        one, other = Ball((0.0, 0.0, 0.0)), Ball((1.5, 0.0, 0.0))
-        crease = np.array([[0.75, np.sqrt(1.0 - 0.75**2), 0.0]])
-        none = BlendLimiter.none().also(crease, np.array([0.4]), np.array([1e-3]))
-        free = Composite(one, other, "merge", 0.5, 0.5)
-        held = Composite(one, other, "merge", 0.5, 0.5, none)
-        assert free.value(crease)[0] > 0.05
-        assert held.value(crease)[0] == pytest.approx(0.0, abs=1e-3)
-        assert held.value(-crease) == pytest.approx(free.value(-crease))

@@ -13,6 +13,7 @@ from bozzetto_silhouette.inflation.solidify import SilhouetteSolid, solidify
 from bozzetto_silhouette.inflation.thickness import Uniform
 from bozzetto_silhouette.outline.outline import outline_from_rings, outline_from_strokes
 from tests.plugins.silhouette import outlines as o
+from tests.plugins.silhouette.fairness import front
 
 NAMES = sorted(p.stem for p in o.COMMITTED.glob("*.svg"))
 
@@ -226,3 +227,22 @@ def test_gates_on_all_ink() -> None:
     assert np.mean([f.topology_ok for f in found]) >= 0.9
     assert np.median([f.iou for f in found]) >= 0.98
     assert min(f.iou for f in found) >= 0.96
+
+
+@pytest.mark.parametrize("count", [9, 10, 11, 12, 13])
+def test_a_blunt_corner_is_as_thick_as_a_rounded_one(count: int) -> None:
+    """Into some corners the skeleton has a branch and into others none: no dent is seen there."""
+    import shapely
+
+    angle = 2.0 * np.pi * (np.arange(count) + 0.03 * count) / count
+    outward = np.column_stack([np.cos(angle), np.sin(angle)])
+    ring, hole = 60.0 * outward, o.circle(8.0, 0.0, 10.0, 40)
+    rounded = shapely.Polygon(ring).buffer(-15.0).buffer(15.0, quad_segs=32)
+    round_ring = np.asarray(rounded.exterior.coords)[:-1]
+    drawn, calm = (
+        solidify(outline_from_rings([one, hole]), resolution=64) for one in (ring, round_ring)
+    )
+    places = ring[:, None] - np.linspace(3.0, 15.0, 7)[:, None] * outward[:, None]
+    ratio = front(drawn)(places)[..., 0] / front(calm)(places)[..., 0]
+    assert ratio.min() > 0.93
+    assert ratio.max() < 1.1

@@ -93,7 +93,7 @@ def test_a_horse_has_a_rig_for_animators():
     rig = rig_of(horse())
     assert 15 <= len(rig.joints) <= 32
     assert (rig.parents < 0).sum() == 1
-    assert rig.names[0] == "Part 1"
+    assert rig.names[0] == "Body"
     children = np.bincount(rig.parents[rig.parents >= 0], minlength=len(rig.joints))
     assert 6 <= (children == 0).sum() <= 9  # four hooves, tail, muzzle, perhaps ears
     armature = armature_of(horse())
@@ -417,7 +417,8 @@ def test_dragging_twice_turns_one_joint_not_two():
     here, there = (FRONT.project(rig_of(one).posed()[1][[middle]])[0][0] for one in (once, state))
     twice = posed(once, drag_of(once, middle, there - here))
     assert len(once.turns) == len(twice.turns) == 1
-    np.testing.assert_allclose(rig_of(twice).posed()[1], rig_of(state).joints, atol=1e-6)
+    # Ink has single precision: 900 px are exact to 6e-5 px, which are 2e-5 mm here.
+    np.testing.assert_allclose(rig_of(twice).posed()[1], rig_of(state).joints, atol=2e-5)
 
 
 def test_turns_wait_while_their_joint_is_away():

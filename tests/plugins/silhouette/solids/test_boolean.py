@@ -15,6 +15,7 @@ from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import combined
 from tests.plugins.silhouette import bodies as b
 from tests.plugins.silhouette import outlines as o
+from tests.plugins.silhouette.solids.figures_creases import creases, pairs
 
 OPERATIONS = ("add", "merge", "carve", "intersect")
 UPSIDE = b.turn("z", 90.0)
@@ -215,6 +216,23 @@ class TestBlended:
             b.assert_sound(drilled)
             assert b.genus(drilled) == 2
 
+    def test_merging_joins_what_nearly_touches_and_adding_does_not(
+        self, balls: tuple[Body, Body]
+    ) -> None:
+        one = balls[0]
+        other = balls[1].placed(Placement(offset=(34.0, 0, 0)))  # a gap of 4
+        pieces = {}
+        for operation in ("add", "merge"):
+            whole = combined(one, other, operation, 0.5)
+            assert whole is not None
+            b.assert_sound(whole)
+            pieces[operation] = len(whole.manifold.decompose())
+        assert pieces == {"add": 2, "merge": 1}
+        far = balls[1].placed(Placement(offset=(80.0, 0, 0)))
+        assert b.volume(combined(one, far, "merge", 0.5)) == pytest.approx(
+            b.volume(one) + b.volume(far), rel=1e-6
+        )
+
     def test_what_was_blended_can_be_blended_again(self, balls: tuple[Body, Body]) -> None:
         two = combined(*balls, "add", 0.5)
         assert two is not None
@@ -270,6 +288,18 @@ def random_pairs(outlines: list[Body], count: int, seed: int) -> None:
 
 def test_random_pairs_of_real_outlines(outlines: list[Body]) -> None:
     random_pairs(outlines, 4, 1)
+
+
+@pytest.mark.slow
+def test_big_blends_leave_hardly_a_crease_sharp() -> None:
+    found = [
+        crease
+        for first, second, operation, _ in pairs(77, 25)
+        for crease in creases(first, second, operation, 1.0)
+        if crease.reach >= 1.5
+    ]
+    assert len(found) > 20
+    assert sum(crease.left > 0.5 for crease in found) <= 0.02 * len(found)
 
 
 @pytest.mark.slow

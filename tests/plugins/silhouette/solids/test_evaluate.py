@@ -8,10 +8,16 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.geometry import Placement
+from bozzetto.geometry import Mesh, Placement
+from bozzetto.plugin.cache import forget_all
+from bozzetto.scene import Layer, Scene, Shaded, cast_rays
+from bozzetto.view import Rays
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.solids import evaluate as tree
+from bozzetto_silhouette.solids import fillet
+from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.polygonize import Surface
 from tests.plugins.silhouette import bodies as b
 
 
@@ -88,13 +94,13 @@ def test_a_group_acts_as_one() -> None:
 
 def test_what_did_not_change_is_not_put_together_again(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[tuple[str, ...]] = []
-    real = tree.combined
+    real = tree.joined
 
-    def counted(first: Body, second: Body, *rest) -> Body | None:
+    def counted(first: Assembly, second: Assembly, *rest) -> Assembly | None:
         made.append(second.sources)
         return real(first, second, *rest)
 
-    monkeypatch.setattr(tree, "combined", counted)
+    monkeypatch.setattr(tree, "joined", counted)
     nodes = [part(f"n{k}", 80.0 * k) for k in range(6)]
     volume(*nodes)
     assert len(made) == 5
@@ -104,6 +110,61 @@ def test_what_did_not_change_is_not_put_together_again(monkeypatch: pytest.Monke
     assert made[5:] == [("n5",)]
     volume(*(replace(node, color=(1, 2, 3)) for node in nodes))
     assert len(made) == 6
+
+
+def test_a_change_makes_only_the_fillets_beside_it_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[float] = []
+    real = fillet.extract
+
+    def counted(solid, bounds, step, checkpoint) -> Surface:
+        made.append(float(bounds[:, 0].mean()))
+        return real(solid, bounds, step, checkpoint)
+
+    monkeypatch.setattr(fillet, "extract", counted)
+    nodes = [part(f"n{k}", 80.0 * k, blend=0.4) for k in range(8)]
+    whole = volume(*nodes)
+    assert len(made) == 7
+    made.clear()
+    shifted = part("n1", 84.0, blend=0.4)
+    changed = volume(nodes[0], shifted, *nodes[2:])
+    assert sorted(made)[:2] == pytest.approx([42.0, 122.0], abs=3.0)
+    assert len(made) <= 4  # two more may be near enough to feel it
+    assert max(made) < 300.0
+    assert volume(*nodes) == pytest.approx(whole, rel=1e-12)
+    # The same as if nothing had been remembered.
+    forget_all()
+    assert volume(nodes[0], shifted, *nodes[2:]) == pytest.approx(changed, rel=1e-9)
+
+
+@pytest.mark.parametrize("operation", ["add", "merge", "carve", "intersect"])
+def test_a_draft_looks_like_the_body(operation: str) -> None:
+    nodes = (
+        part("a"), part("b", 60.0, blend=0.5, operation=operation), part("c", 95.0, blend=0.5),
+    )  # fmt: skip
+    state = SilhouetteState(nodes)
+    body, draft = tree.tree_body(state, 32), tree.draft_surface(state, 32)
+    assert body is not None
+    assert draft is not None
+    x, z = (
+        axis.ravel() for axis in np.meshgrid(np.linspace(-60, 150, 40), np.linspace(-55, 55, 30))
+    )
+    rays = Rays(
+        np.column_stack([x, z, np.full(len(x), 400.0)]), np.tile([0.0, 0.0, -1.0], (len(x), 1))
+    )
+    one, other = (
+        cast_rays(
+            Scene((Layer("s", (Shaded(Mesh(shape.vertices.astype(np.float32), shape.faces)),)),)),
+            rays,
+        )
+        for shape in (body, draft)
+    )
+    assert (one.hit != other.hit).mean() < 0.01
+    both = one.hit & other.hit
+    assert both.sum() > 100
+    gap = np.abs(one.points[both] - other.points[both]).max(axis=1)
+    assert np.median(gap) < 1e-6  # only fillets differ, which a draft does not even out
+    assert np.quantile(gap, 0.97) < 0.5 * body.step
+    assert np.allclose(np.linalg.norm(draft.normals, axis=1), 1.0, atol=1e-6)
 
 
 def test_a_mistake_names_its_part() -> None:

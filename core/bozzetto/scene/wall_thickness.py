@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.arrays import Array, Faces, Index
-from bozzetto.geometry import Mesh
-from bozzetto.scene import Layer, Scene, Shaded, cast_rays
-from bozzetto.view import Rays
+from bozzetto.geometry.mesh import Mesh
+from bozzetto.scene.display_list import Layer, Scene, Shaded
+from bozzetto.scene.picking import cast_rays
+from bozzetto.view.camera import Rays
 
 RAYS = 2000
 """Facets that are looked at, and places beside: meshes are finest where they are thin."""

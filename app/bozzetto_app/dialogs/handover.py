@@ -1,0 +1,285 @@
+"""“Export”: formats, unit, axes, size and triangles, with what the files would be beside them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final, cast
+
+from PySide6.QtCore import QLocale, Qt, QTimer
+from PySide6.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QWidget,
+)
+
+from bozzetto.exchange.handover import SCALES, Handover, Lines, Unit, Up
+from bozzetto_app.dialogs.dialog import Page, label, quiet
+from bozzetto_app.i18n import tr
+from bozzetto_app.session.format_order import offered_formats
+from bozzetto_app.settings import settings
+from bozzetto_app.widgets.choice import Segments
+from bozzetto_app.widgets.number_field import NumberField
+from bozzetto_app.widgets.toggle import Toggle
+
+if TYPE_CHECKING:
+    from bozzetto_app.dialogs.file_dialogs import FileQuestions
+    from bozzetto_app.session.exchange import Foreseen
+    from bozzetto_app.session.session import Session
+
+__all__ = ["HandoverDialog"]
+
+KEPT: Final = "handover/"
+"""Where the last choice stands in the settings."""
+
+USUAL: Final = "usual"
+PAUSE_MS: Final = 250
+"""Time after a change before anything is made, ms: typing and dragging change often."""
+
+COLUMNS: Final = 4
+"""Formats in a row."""
+
+LIST_HEIGHT: Final = 96
+LABEL_WIDTH: Final = 120
+MOST_TRIANGLES: Final = 5e7
+
+
+class HandoverDialog(Page):
+    """Asks what to export and how, and shows what the files would be.
+
+    Parameters
+    ----------
+    session : Session
+    questions : FileQuestions
+        Asks where the files go.
+    parent : QWidget, optional
+    """
+
+    def __init__(
+        self, session: Session, questions: FileQuestions, parent: QWidget | None = None
+    ) -> None:
+        super().__init__("handover", tr("Handover", "Export"), parent)
+        self._session, self._questions = session, questions
+        self._kept = settings()
+        self.setMinimumWidth(460)
+        self._add_formats()
+        self._add_objects()
+        self._add_choices()
+        self.state = quiet("")
+        self.state.setMinimumHeight(54)
+        self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self.column.addWidget(self.state)
+        self.warning = label("", tone="warning")
+        self.warning.hide()
+        self.column.addWidget(self.warning)
+        cancel = self.add_button(tr("Handover", "Cancel"))
+        cancel.clicked.connect(self.reject)
+        self.go = self.add_button(tr("Handover", "Export…"), default=True)
+        self.go.clicked.connect(self._export)
+        self._pause = QTimer(self)
+        self._pause.setSingleShot(True)
+        self._pause.setInterval(PAUSE_MS)
+        self._pause.timeout.connect(self._look)
+        session.files.exchange.foreseen.connect(self._show)
+        session.files.exchange.not_foreseen.connect(self._refuse)
+        session.drawing.changed.connect(self._change)
+        session.drawing.closing.connect(self.reject)
+        self.finished.connect(session.files.exchange.forget)
+        self._change()
+
+    def _add_formats(self) -> None:
+        self.column.addWidget(label(tr("Handover", "Formats"), kind="heading"))
+        offered = offered_formats(self._session)
+        last = str(self._kept.value(f"{KEPT}formats", "")).split()
+        chosen = [one.id for one in offered if one.id in last] or [offered[0].id]
+        grid = QGridLayout()
+        grid.setVerticalSpacing(8)
+        self.formats: dict[str, Toggle] = {}
+        for number, one in enumerate(offered):
+            toggle = Toggle(one.title)
+            toggle.setToolTip(one.title)
+            toggle.setChecked(one.id in chosen)
+            toggle.toggled.connect(self._change)
+            cell = QHBoxLayout()
+            cell.setSpacing(8)
+            cell.addWidget(toggle)
+            name = QLabel(one.short)
+            name.setToolTip(one.title)
+            cell.addWidget(name, 1)
+            grid.addLayout(cell, number // COLUMNS, number % COLUMNS)
+            self.formats[one.id] = toggle
+        self._offered = {one.id: one for one in offered}
+        self.column.addLayout(grid)
+
+    def _add_objects(self) -> None:
+        """List the objects, those that are seen ticked; one alone needs no list."""
+        self.objects = QListWidget()
+        self.objects.setAccessibleName(tr("Handover", "Objects"))
+        self.objects.setMaximumHeight(LIST_HEIGHT)
+        names = dict.fromkeys(model.name for model in self._session.drawing.document)
+        seen = {model.name for model in self._session.drawing.document if model.visible}
+        for name in names:
+            item = QListWidgetItem(name)
+            item.setFlags(item.flags() | Qt.ItemFlag.ItemIsUserCheckable)
+            ticked = Qt.CheckState.Checked if name in seen else Qt.CheckState.Unchecked
+            item.setCheckState(ticked)
+            self.objects.addItem(item)
+        self._seen = tuple(name for name in names if name in seen)
+        self.objects.itemChanged.connect(lambda _: self._change())
+        if len(names) > 1:
+            self.column.addWidget(label(tr("Handover", "Objects"), kind="heading"))
+            self.column.addWidget(self.objects)
+
+    def _add_choices(self) -> None:
+        usual = (USUAL, tr("Handover", "Usual"))
+        units = [usual, *((unit, unit) for unit in ("mm", "cm", "m", "in"))]
+        self.unit = self._segments(tr("Handover", "Unit"), "unit", units)
+        self.up = self._segments(tr("Handover", "Up axis"), "up", [usual, ("y", "Y"), ("z", "Z")])
+        self.scale = NumberField(
+            tr("Handover", "Scale"), self, minimum=SCALES[0], maximum=SCALES[1], step=0.1, unit="×"
+        )
+        self.scale.set_silently(_number(self._kept.value(f"{KEPT}scale", 1.0), 1.0))
+        self.scale.edited.connect(self._change)
+        self._add_row(tr("Handover", "Scale"), self.scale)
+        self.triangles = NumberField(
+            tr("Handover", "Most triangles"),
+            self,
+            minimum=0.0,
+            maximum=MOST_TRIANGLES,
+            step=1000.0,
+            whole=True,
+            zero=tr("Handover", "all"),
+        )
+        self.triangles.set_silently(_number(self._kept.value(f"{KEPT}triangles", 0), 0.0))
+        self.triangles.edited.connect(self._change)
+        self._add_row(tr("Handover", "Most triangles"), self.triangles)
+        self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
+        kinds = [
+            ("curves", tr("Handover", "Curves")),
+            ("outlines", tr("Handover", "Outlines")),
+            ("blueprint", tr("Handover", "Blueprint")),
+        ]
+        self.lines = self._segments(tr("Handover", "Drawing (SVG, DXF)"), "lines", kinds)
+        self.hidden = self._toggle(tr("Handover", "Hidden lines, dashed"), "hidden")
+
+    def _segments(self, words: str, key: str, options: list[tuple[str, str]]) -> Segments:
+        made = Segments(words, options)
+        kept = str(self._kept.value(f"{KEPT}{key}", options[0][0]))
+        made.set_silently(kept if kept in dict(options) else options[0][0])
+        made.chosen.connect(self._change)
+        self._add_row(words, made)
+        return made
+
+    def _toggle(self, words: str, key: str) -> Toggle:
+        made = Toggle(words)
+        made.setChecked(str(self._kept.value(f"{KEPT}{key}", "")) == "yes")
+        made.toggled.connect(self._change)
+        self._add_row(words, made)
+        return made
+
+    def _add_row(self, words: str, widget: QWidget) -> None:
+        row = QHBoxLayout()
+        row.setSpacing(12)
+        name = label(words)
+        name.setFixedWidth(LABEL_WIDTH)
+        row.addWidget(name)
+        row.addWidget(widget, 0 if isinstance(widget, Toggle) else 1)
+        if isinstance(widget, Toggle):
+            row.addStretch(1)
+        self.column.addLayout(row)
+
+    # -- what is chosen --
+
+    @property
+    def handover(self) -> Handover:
+        """What the controls say."""
+        unit, up, lines = self.unit.value, self.up.value, self.lines.value
+        draws = any(self._offered[one].draws for one in self.chosen)
+        return Handover(
+            unit=None if unit == USUAL else cast(Unit, unit),
+            up=None if up == USUAL else cast(Up, up),
+            scale=self.scale.value(),
+            triangles=int(self.triangles.value()) or None,
+            lay_flat=self.lay_flat.isChecked(),
+            lines=cast(Lines, lines) if draws and lines != "curves" else None,
+            hidden=self.hidden.isChecked(),
+        )
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """Ids of the chosen formats."""
+        return tuple(name for name, toggle in self.formats.items() if toggle.isChecked())
+
+    @property
+    def names(self) -> tuple[str, ...] | None:
+        """Names of the chosen objects; None for all that are visible."""
+        items = [self.objects.item(row) for row in range(self.objects.count())]
+        ticked = tuple(i.text() for i in items if i.checkState() is Qt.CheckState.Checked)
+        return None if ticked == self._seen else ticked
+
+    # -- what it would be --
+
+    def _change(self, *_: object) -> None:
+        self.go.setEnabled(False)
+        if not self.chosen:
+            self.state.setText(tr("Handover", "Choose a format."))
+        elif self.names == ():
+            self.state.setText(tr("Handover", "Choose an object."))
+        else:
+            self.state.setText(tr("Handover", "Looking what it will be…"))
+            self._pause.start()
+
+    def _look(self) -> None:
+        endings = [self._offered[one].endings[0] for one in self.chosen]
+        if endings and self.names != ():
+            self._session.files.exchange.foresee(endings, self.handover, self.names)
+
+    def _show(self, seen: Foreseen) -> None:
+        if self._pause.isActive():
+            return
+        locale = QLocale()
+        size = " × ".join(f"{side:.4g}" for side in seen.size)
+        files = ", ".join(
+            f"{ending.removeprefix('.').upper()} {locale.formattedDataSize(count)}"
+            for ending, count in seen.files
+        )
+        count = locale.toString(seen.triangles)
+        self.state.setText(
+            tr("Handover", "{size} mm · {count} triangles", size=size, count=count) + f"\n{files}"
+        )
+        self.warning.setText("\n".join(seen.warnings))
+        self.warning.setVisible(bool(seen.warnings))
+        self.go.setEnabled(True)
+
+    def _refuse(self, words: str) -> None:
+        self.state.setText(words)
+        self.warning.hide()
+
+    def _export(self) -> None:
+        wanted = self.handover
+        kept: dict[str, object] = {
+            "formats": " ".join(self.chosen),
+            "unit": self.unit.value,
+            "up": self.up.value,
+            "scale": wanted.scale,
+            "triangles": wanted.triangles or 0,
+            "lay_flat": "yes" if wanted.lay_flat else "",
+            "lines": self.lines.value,
+            "hidden": "yes" if wanted.hidden else "",
+        }
+        for key, value in kept.items():
+            self._kept.setValue(f"{KEPT}{key}", value)
+        formats = [self._offered[one] for one in self.chosen]
+        if self._questions.ask_place_of_export(formats, wanted, self.names):
+            self.accept()
+
+
+def _number(kept: object, otherwise: float) -> float:
+    """Return a number from the settings, where a person may have written anything."""
+    try:
+        value = float(str(kept))
+    except ValueError:
+        return otherwise
+    return value if math.isfinite(value) else otherwise

@@ -1,0 +1,289 @@
+"""Files of other programs, written and read in workers.
+
+No dialog is shown here: `bozzetto_app.dialogs` asks the person.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QObject, Signal
+
+from bozzetto.document.links import resolved
+from bozzetto.document.model import Model
+from bozzetto.errors import UserError
+from bozzetto.exchange.handover import AS_USUAL, Handover
+from bozzetto.exchange.reading import MeshFile
+from bozzetto.plugin.job import Job
+from bozzetto.view.camera import Camera
+from bozzetto.workbench.workbench import Workbench
+from bozzetto_app.i18n import tr
+from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.drawing_input import DrawingInput
+from bozzetto_app.session.films import Films
+from bozzetto_app.session.gesture_context import GestureContext
+from bozzetto_app.session.notices import Notice, Notices
+from bozzetto_app.session.pictures import PictureInput
+from bozzetto_app.session.toolbox import Toolbox
+from bozzetto_app.session.view_state import ViewState
+from bozzetto_app.workers.channel import Channel, Request
+
+__all__ = ["Exchange", "Foreseen"]
+
+MESH_MODELER = "bozzetto.mesh"
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """What a hand-over would be, before anything is written.
+
+    Attributes
+    ----------
+    size : (x, y, z)
+        Of everything together, mm.
+    triangles : int
+        Of all meshes.
+    files : tuple of (str, int)
+        The ending of each file, and its size in bytes.
+    warnings : tuple of str
+        What would be missing.
+    """
+
+    size: tuple[float, float, float]
+    triangles: int
+    files: tuple[tuple[str, int], ...]
+    warnings: tuple[str, ...]
+
+
+class Exchange(QObject):
+    """What goes to other programs and comes from them.
+
+    Attributes
+    ----------
+    drawings : DrawingInput
+        Adds drawings of files to the selected model.
+
+    Signals
+    -------
+    imported
+        Something was imported from a file, with the view that it was drawn in, or None.
+    foreseen : Foreseen
+        The answer to `foresee`.
+    not_foreseen : str
+        Why there is none.
+    progressed : float, str; busy_changed : bool
+        Long work advances, starts, ends.
+    """
+
+    imported = Signal(object)
+    foreseen = Signal(object)
+    not_foreseen = Signal(str)
+    progressed = Signal(float, str)
+    busy_changed = Signal(bool)
+
+    def __init__(
+        self,
+        workbench: Workbench,
+        drawing: DocumentModel,
+        view: ViewState,
+        toolbox: Toolbox,
+        context: GestureContext,
+        pictures: PictureInput,
+        drawings: DrawingInput,
+        notices: Notices,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self._workbench, self._drawing, self._view = workbench, drawing, view
+        self._toolbox, self._context = toolbox, context
+        self._pictures, self._notices = pictures, notices
+        self.drawings = drawings
+        # A channel of its own: a plugin that hangs over an import or an export must not come
+        # between a person and their document.
+        self._work = Channel("exchange", keep_all=True, is_patient=True, parent=self)
+        self._work.slow.connect(notices.tell_slow)
+        self._foresight = Channel("foresee", is_patient=True, parent=self)
+        self.films = Films(workbench, drawing, view, notices, self)
+        for channel in (self._work, self.films.channel):
+            channel.progressed.connect(self.progressed)
+            channel.busy_changed.connect(self.busy_changed)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a file is being read or written."""
+        return self._work.busy or self.films.channel.busy
+
+    def cancel(self) -> None:
+        """Stop reading and exporting."""
+        self._work.cancel()
+        self._foresight.cancel()
+        self.films.channel.cancel()
+
+    def forget(self) -> None:
+        """Stop looking what a hand-over would be: nobody waits for it."""
+        self._foresight.cancel()
+
+    def export(
+        self,
+        *paths: Path,
+        handover: Handover = AS_USUAL,
+        names: Sequence[str] | None = None,
+    ) -> None:
+        """Export objects to files of other programs; all from one solve.
+
+        Parameters
+        ----------
+        *paths : Path
+            Their endings name the formats.
+        handover : Handover
+            How.
+        names : sequence of str, optional
+            Names of the objects; by default all that are visible.
+        """
+        work = self._making(names, handover)
+        waiting = self._drawing.document.waiting
+
+        def write(job: Job) -> tuple[str, ...]:
+            objects, made = work(job, paths)
+            for path, file in zip(paths, made, strict=True):
+                file.write(path)
+            told = (*objects.warnings(baseless_only=True), *_warnings(made))
+            return tuple(dict.fromkeys(told))
+
+        def done(warnings: tuple[str, ...]) -> None:
+            listed = ", ".join(f"“{path.name}”" for path in paths)
+            said = [tr("Files", "Exported {names}.", names=listed)]
+            if waiting:
+                said.append(tr("Files", "The ink that waits is no part of it."))
+            if warnings:
+                # An error stays until the next one: what is missing must not be overlooked.
+                self._notices.noticed.emit(Notice("error", " ".join((*said, *warnings))))
+            else:
+                self._notices.tell(" ".join(said))
+
+        self._work.submit(Request(write, done, self._notices.complain))
+
+    def foresee(
+        self,
+        endings: Sequence[str],
+        handover: Handover = AS_USUAL,
+        names: Sequence[str] | None = None,
+    ) -> None:
+        """Look what an export would be, and tell by `foreseen`; nothing is written.
+
+        Parameters
+        ----------
+        endings : sequence of str
+            Of the files.
+        handover, names
+            As in `export`.
+        """
+        work = self._making(names, handover)
+        paths = tuple(Path(f"a{ending}") for ending in endings)
+
+        def look(job: Job) -> Foreseen:
+            from bozzetto.exchange.export import Ready
+            from bozzetto.exchange.triangle_budget import triangle_count
+
+            objects, made = work(job, paths)
+            ready = Ready(objects.shapes, handover)
+            sizes = [len(file.data) + sum(len(data) for _, data in file.beside) for file in made]
+            told = (*objects.warnings(), *_warnings(made))
+            return Foreseen(
+                ready.size,
+                triangle_count(ready.triangles),
+                tuple(zip(endings, sizes, strict=True)),
+                tuple(dict.fromkeys(told)),
+            )
+
+        def refused(problem: BaseException) -> None:
+            if isinstance(problem, UserError):
+                self.not_foreseen.emit(problem.message)
+            else:
+                self._notices.complain(problem)
+
+        self._foresight.submit(Request(look, self.foreseen.emit, refused))
+
+    def _making(self, names: Sequence[str] | None, handover: Handover) -> Any:
+        """Return the work of a worker that makes files of the document as it is now."""
+        bench, camera = self._workbench, self._view.camera
+        models = [
+            model
+            for model in resolved(self._drawing.document).values()
+            if (model.visible if names is None else model.name in names)
+        ]
+
+        def work(job: Job, paths: Sequence[Path]) -> Any:
+            from bozzetto.workbench.export_document import object_shapes, prepared_files
+
+            objects = object_shapes(bench, models, job)
+            job.checkpoint(1.0, ", ".join(path.name for path in paths))
+            return objects, prepared_files(objects, paths, camera, whole=False, handover=handover)
+
+        return work
+
+    def import_file(self, path: Path, title: str = "") -> None:
+        """Bring a drawing, a mesh or a picture onto the sheet.
+
+        A drawing with a title is called by it, any other one by its file.
+        """
+        from bozzetto.exchange.import_file import is_picture
+
+        if is_picture(path):
+            self._pictures.take_file(path)
+            return
+        bench, drawing, active = self._workbench, self._drawing, self._toolbox.modeler
+        context, history = self._context.now(), drawing.history
+
+        def work(job: Job) -> tuple[Model, bool, Camera | None, Notice | None]:
+            from bozzetto.exchange.formats import find, readers
+            from bozzetto.exchange.import_file import read_drawing, read_mesh_file
+
+            def reading() -> None:
+                job.checkpoint(0.0, tr("Files", "Reading {name}", name=path.name))
+
+            if "mesh" in find(path, readers()).holds:
+                mesh = read_mesh_file(path, checkpoint=reading)
+                model = bench.sources.from_mesh_file(MESH_MODELER, mesh, path.stem)
+                return model, False, None, _told_of(mesh)
+            ink = read_drawing(path, checkpoint=reading)
+            ink = replace(ink, name=title or ink.name)
+            facts_only = not len(ink.strokes)
+            modeler = (facts_only and bench.registry.told_by(ink.facts)) or active
+            if not modeler:
+                raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
+            here = context if facts_only else replace(context, camera=ink.camera)
+            model = bench.sources.from_drawing(modeler, ink, {}, here, job)
+            view = None if facts_only else ink.camera
+            said = Notice("error", " ".join(ink.left_out)) if ink.left_out else None
+            return model, bool(ink.pictures), view, said
+
+        def done(answer: tuple[Model, bool, Camera | None, Notice | None]) -> None:
+            if drawing.history is not history:
+                return
+            model, pictured, view, said = answer
+            if not pictured:
+                self.imported.emit(view)
+            drawing.apply_model(
+                tr("Files", "Import {name}", name=title or path.name), model, is_new=True
+            )
+            if pictured:
+                self._pictures.taken.emit(model.id)
+            if said is not None:  # what is missing stays until the next one, as with exports
+                self._notices.noticed.emit(said)
+
+        self._work.submit(Request(work, done, self._notices.complain))
+
+
+def _told_of(mesh: MeshFile) -> Notice | None:
+    """Return what is said of a mesh file: how it was read, and what is missing."""
+    said = mesh.told()
+    return Notice("error" if mesh.left_out else "info", " ".join(said)) if said else None
+
+
+def _warnings(made: Sequence[Any]) -> list[str]:
+    """Return what the files warn of."""
+    return [warning for file in made for warning in file.warnings()]

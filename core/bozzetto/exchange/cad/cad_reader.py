@@ -1,0 +1,291 @@
+"""STEP and IGES, read: bodies as triangles near their exact surfaces, with names and colours.
+
+Read with Open CASCADE, the extra ``bozzetto[cad]`` (`cadquery-ocp-novtk`). Assemblies are taken
+apart into their bodies, each called like the product that it is of. The edges of faces are cut
+alike on both sides, so that closed bodies stay closed.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index
+from bozzetto.errors import FormatError
+from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, at_most
+from bozzetto.exchange.mesh.polygons import checked_mesh, without_degenerate
+from bozzetto.exchange.optional_libraries import library
+from bozzetto.exchange.reading import Reading
+from bozzetto.geometry.shapes import Color, FaceGroup, Shapes, Surface
+
+OFF: Final = 5e-4
+"""How far triangles may be off their surface, as a share of the size of all."""
+
+TURN: Final = 0.35
+"""Angle between neighbouring triangles of a curved surface, radians."""
+
+SAME: Final = 2.0**-22
+"""Places that are nearer than this share of the size are one: what float32 can tell apart."""
+
+MAX_BODIES: Final = 20_000
+
+
+@dataclass(frozen=True)
+class _Body:
+    """A body of the file.
+
+    Attributes
+    ----------
+    shape : TopoDS_Shape
+        In its product.
+    place : TopLoc_Location
+        Of the product.
+    name : str
+    color : (r, g, b), optional
+    """
+
+    shape: Any
+    place: Any
+    name: str
+    color: Color | None
+
+
+def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
+    """Read the bodies of a STEP or IGES file.
+
+    Parameters
+    ----------
+    data : bytes
+        The file.
+    reading : Reading, optional
+        Where it is told what is left out.
+
+    Raises
+    ------
+    UserError
+        If Open CASCADE is not installed.
+    FormatError
+        If the file is damaged or too large, or holds no faces.
+    """
+    reading = reading or Reading()
+    step = data[:4096].lstrip().startswith(b"ISO-10303-21")
+    if not step and not _is_iges(data):
+        raise FormatError("This is neither a STEP nor an IGES file.")
+    kernel = _Kernel()
+    document = kernel.opened(data, step=step)
+    bodies = list(kernel.bodies(document))
+    at_most(len(bodies), MAX_BODIES, "bodies")
+    size = kernel.meshed(bodies)
+    found: list[Surface] = []
+    lines = triangles = 0
+    for body in bodies:
+        lines += kernel.loose_edges(body.shape)
+        for faces in kernel.faces_by_solid(body.shape):
+            surface = kernel.surface(body, faces, size)
+            if surface is not None:
+                found.append(surface)
+                triangles += len(surface.mesh.faces)
+                at_most(triangles, MAX_FACES, "triangles")
+    if lines:
+        what = "a curve" if lines == 1 else f"{lines} curves"
+        reading.tell(f"Left out: {what}; save curves as DXF or SVG to draw with them.")
+    if not found:
+        raise FormatError(" ".join(("There are no faces in this file.", *reading.left_out)))
+    return Shapes(surfaces=tuple(found))
+
+
+def _is_iges(data: bytes) -> bool:
+    """Whether the first line says that it is of the section that IGES begins with."""
+    return data[72:73] == b"S" and data[73:80].strip().isdigit()
+
+
+class _Kernel:
+    """The parts of Open CASCADE that are asked."""
+
+    def __init__(self) -> None:
+        for module in (
+            "BRep", "BRepBndLib", "BRepMesh", "Bnd", "IFSelect", "IGESCAFControl", "Quantity",
+            "STEPCAFControl", "TCollection", "TDF", "TDataStd", "TDocStd", "TopAbs", "TopExp",
+            "TopLoc", "TopoDS", "XCAFDoc",
+        ):  # fmt: skip
+            setattr(self, module, library(f"OCP.{module}", "cad"))
+
+        self._main: Any = None
+        messages = library("OCP.Message", "cad").Message.DefaultMessenger_s()
+        messages.ChangePrinters().Clear()  # it would count entities on our standard output
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    def opened(self, data: bytes, *, step: bool) -> Any:
+        """Return the document that is in a file."""
+        reader = (
+            self.STEPCAFControl.STEPCAFControl_Reader()
+            if step
+            else self.IGESCAFControl.IGESCAFControl_Reader()
+        )
+        reader.SetNameMode(True)
+        reader.SetColorMode(True)
+        document = self.TDocStd.TDocStd_Document(
+            self.TCollection.TCollection_ExtendedString("bozzetto")
+        )
+        handle, path = tempfile.mkstemp(suffix=".step" if step else ".igs")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+            status = reader.ReadFile(path)
+            done = status == self.IFSelect.IFSelect_ReturnStatus.IFSelect_RetDone
+            if not done or not reader.Transfer(document):
+                raise FormatError(
+                    "It is damaged, or not what its name says. Save it again where it was made."
+                )
+        finally:
+            os.unlink(path)
+        return document
+
+    def bodies(self, document: Any) -> Iterator[_Body]:
+        """Yield the products of a document, assemblies taken apart, each at its place."""
+        self._main = document.Main()
+        tool = self.XCAFDoc.XCAFDoc_DocumentTool.ShapeTool_s(self._main)
+        roots = self._labels()
+        tool.GetFreeShapes(roots)
+        nowhere = self.TopLoc.TopLoc_Location()
+        waiting: list[tuple[Any, Any, str, Color | None, int]]
+        waiting = [(one, nowhere, "", None, 0) for one in roots]
+        seen = 0
+        while waiting:
+            label, place, name, color, depth = waiting.pop(0)
+            seen += 1
+            at_most(seen, 4 * MAX_BODIES, "products")
+            at_most(depth, MAX_DEPTH, "levels of assemblies")
+            own = self._name(label) or name
+            color = self._color_of(label) or color
+            if tool.IsReference_s(label):
+                place = place.Multiplied(tool.GetLocation_s(label))
+                referred = self.TDF.TDF_Label()
+                tool.GetReferredShape_s(label, referred)
+                waiting.append((referred, place, own, color, depth + 1))
+            elif tool.IsAssembly_s(label):
+                parts = self._labels()
+                tool.GetComponents_s(label, parts)
+                waiting += [(one, place, own, color, depth + 1) for one in parts]
+            else:
+                yield _Body(tool.GetShape_s(label), place, own, color)
+
+    def _labels(self) -> Any:
+        """Return an empty row of labels, which is called otherwise since Open CASCADE 8."""
+        row = getattr(self.TDF, "TDF_LabelSequence", None)
+        return (row or library("OCP.collections", "cad").Sequence_TDF_Label)()
+
+    def _name(self, label: Any) -> str:
+        found = self.TDataStd.TDataStd_Name()
+        if not label.FindAttribute(self.TDataStd.TDataStd_Name.GetID_s(), found):
+            return ""
+        text = str(found.Get().ToExtString())[:200]
+        return "".join(sign for sign in text if sign.isprintable()).strip()
+
+    def _color_of(self, thing: Any, tool: Any = None) -> Color | None:
+        """Return the colour of a label, or with a tool that of a shape."""
+        found = self.Quantity.Quantity_Color()
+        kinds = self.XCAFDoc.XCAFDoc_ColorType
+        ask = self.XCAFDoc.XCAFDoc_ColorTool.GetColor_s if tool is None else tool.GetColor
+        for kind in (kinds.XCAFDoc_ColorSurf, kinds.XCAFDoc_ColorGen):
+            if ask(thing, kind, found):
+                values = found.Values(self.Quantity.Quantity_TypeOfColor.Quantity_TOC_sRGB)
+                red, green, blue = (round(255 * min(max(float(v), 0.0), 1.0)) for v in values)
+                return red, green, blue
+        return None
+
+    def meshed(self, bodies: list[_Body]) -> float:
+        """Cut all bodies into triangles, and return their size."""
+        box = self.Bnd.Bnd_Box()
+        for body in bodies:
+            self.BRepBndLib.BRepBndLib.Add_s(body.shape, box, False)
+        if box.IsVoid():
+            return 0.0
+        low, high = box.CornerMin(), box.CornerMax()
+        size = float(low.Distance(high))
+        for body in bodies:
+            self.BRepMesh.BRepMesh_IncrementalMesh(body.shape, OFF * size, False, TURN, False)
+        return size
+
+    def loose_edges(self, shape: Any) -> int:
+        """Return how many edges belong to no face."""
+        return sum(1 for _ in self._inside(shape, "EDGE", outside="FACE"))
+
+    def faces_by_solid(self, shape: Any) -> Iterator[list[Any]]:
+        """Yield the faces of each solid, of each shell beside, and those that are left."""
+        for kind, around in (("SOLID", None), ("SHELL", "SOLID")):
+            for body in self._inside(shape, kind, outside=around):
+                yield list(self._inside(body, "FACE"))
+        yield list(self._inside(shape, "FACE", outside="SHELL"))
+
+    def _inside(self, shape: Any, kind: str, outside: str | None = None) -> Iterator[Any]:
+        kinds = self.TopAbs.TopAbs_ShapeEnum
+        wanted = [getattr(kinds, f"TopAbs_{one}") for one in (kind, outside or "SHAPE")]
+        explorer = self.TopExp.TopExp_Explorer(shape, *wanted)
+        while explorer.More():
+            yield explorer.Current()
+            explorer.Next()
+
+    def surface(self, body: _Body, faces: list[Any], size: float) -> Surface | None:
+        """Return the triangles of faces in groups of one colour; None where there are none."""
+        tool = self.XCAFDoc.XCAFDoc_DocumentTool.ColorTool_s(self._main)
+        places: list[Array] = []
+        corners: dict[Color | None, list[Index]] = {}
+        count = 0
+        for face in faces:
+            nodes, triangles = self._triangles(face)
+            color = self._color_of(face, tool) or body.color
+            corners.setdefault(color, []).append(triangles + count)
+            places.append(nodes)
+            count += len(nodes)
+        if not count:
+            return None
+        grid = SAME * max(size, 1e-9)
+        whole = np.concatenate(places)
+        _, first, joined = np.unique(
+            np.round(whole / grid), axis=0, return_index=True, return_inverse=True
+        )
+        rows = [
+            without_degenerate(joined.ravel()[np.concatenate(row)].astype(np.int32))
+            for row in corners.values()
+        ]
+        if not sum(map(len, rows)):
+            return None
+        mesh = checked_mesh(_moved(whole[first], body.place), np.concatenate(rows))
+        groups = tuple(
+            FaceGroup(body.name, len(row), color)
+            for color, row in zip(corners, rows, strict=True)
+            if len(row)
+        )
+        color = groups[0].color if len(groups) == 1 else body.color
+        return Surface(mesh, body.name, color, groups if len(groups) > 1 else ())
+
+    def _triangles(self, face: Any) -> tuple[Array, Index]:
+        """Return the places (n, 3) and triangles (m, 3) of one face, in its product."""
+        found = self.TopLoc.TopLoc_Location()
+        tool = self.TopoDS.TopoDS
+        as_face = getattr(tool, "Face_s", None) or tool.Face
+        mesh = self.BRep.BRep_Tool.Triangulation_s(as_face(face), found)
+        if mesh is None:
+            return np.zeros((0, 3)), np.zeros((0, 3), np.intp)
+        nodes = [mesh.Node(k) for k in range(1, mesh.NbNodes() + 1)]
+        places = np.array([(one.X(), one.Y(), one.Z()) for one in nodes], float)
+        rows = np.array([mesh.Triangle(k).Get() for k in range(1, mesh.NbTriangles() + 1)], np.intp)
+        if face.Orientation() == self.TopAbs.TopAbs_Orientation.TopAbs_REVERSED:
+            rows = rows[:, ::-1]
+        return _moved(places, found), rows - 1
+
+
+def _moved(places: Array, location: Any) -> Array:
+    """Return places (n, 3) moved by a location."""
+    turn = location.Transformation()
+    matrix = np.array([[turn.Value(i, j) for j in (1, 2, 3, 4)] for i in (1, 2, 3)], float)
+    return np.asarray(places @ matrix[:, :3].T + matrix[:, 3])

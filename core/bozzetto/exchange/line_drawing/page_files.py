@@ -1,0 +1,126 @@
+"""Pages as SVG and as DXF."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable
+from typing import Final
+from xml.sax.saxutils import escape, quoteattr
+
+from bozzetto.exchange.line_drawing.page import LAYERS, LayerName, Page, PageLine, PageText
+from bozzetto.exchange.optional_libraries import library
+from bozzetto.exchange.safe_xml import writable
+
+SPACE: Final = "http://www.w3.org/2000/svg"
+
+INK: Final = "#22211f"
+
+WIDTHS: Final[dict[LayerName, float]] = {
+    "visible": 0.5,
+    "hidden": 0.25,
+    "dimensions": 0.25,
+    "frame": 0.35,
+}
+"""Widths of lines on a sheet of `USUAL` height, mm (ISO 128-2)."""
+
+USUAL: Final = 297.0
+"""Height of a sheet to which line widths and dashes belong; other pages have them in proportion."""
+
+DASHES: Final = (3.0, 1.5)
+"""Lengths of dashes and gaps, mm."""
+
+DXF_VERSION: Final = "R2010"
+
+DXF_LINETYPES: Final[dict[LayerName, str]] = {"hidden": "DASHED"}
+
+
+def page_svg(page: Page) -> bytes:
+    """Return a page as SVG: a group for each layer, and in it one for each part, with ids."""
+    x, y = page.corner
+    share = page.height / USUAL
+    rows = [
+        f'<svg xmlns="{SPACE}" viewBox="{x:.9g} {y:.9g} {page.width:.9g} {page.height:.9g}" '
+        f'width="{page.width:.9g}{page.unit}" height="{page.height:.9g}{page.unit}">',
+        f'<g fill="none" stroke="{INK}" stroke-linecap="round" stroke-linejoin="round">',
+    ]
+    for layer in LAYERS:
+        own = [line for line in page.lines if line.layer == layer]
+        if not own:
+            continue
+        dash = ""
+        if layer == "hidden":
+            dash = f' stroke-dasharray="{" ".join(f"{d * share:.4g}" for d in DASHES)}"'
+        rows.append(f'<g id="{layer}" stroke-width="{WIDTHS[layer] * share:.4g}"{dash}>')
+        for number, (name, lines) in enumerate(_by_name(own), 1):
+            label = f" data-part={quoteattr(writable(name))}" if name else ""
+            rows.append(f'<g id="{layer}-{number}"{label}>')
+            rows += [f'<path d="{_path(line)}"/>' for line in lines]
+            rows.append("</g>")
+        rows.append("</g>")
+    rows.append("</g>")
+    if page.texts:
+        rows.append(f'<g id="words" fill="{INK}" font-family="sans-serif">')
+        rows += [_text(text) for text in page.texts]
+        rows.append("</g>")
+    rows.append("</svg>\n")
+    return "\n".join(rows).encode()
+
+
+def _by_name(lines: Iterable[PageLine]) -> list[tuple[str, list[PageLine]]]:
+    found: dict[str, list[PageLine]] = {}
+    for line in lines:
+        found.setdefault(line.name, []).append(line)
+    return list(found.items())
+
+
+def _path(line: PageLine) -> str:
+    points = line.points
+    closed = len(points) > 3 and bool((points[0] == points[-1]).all())
+    rows = points[:-1] if closed else points
+    return "M" + "L".join(f"{x:.7g},{y:.7g}" for x, y in rows.tolist()) + ("Z" if closed else "")
+
+
+def _text(text: PageText) -> str:
+    x, y = text.place
+    anchor = ' text-anchor="middle"' if text.centered else ""
+    turn = f' transform="rotate(-90 {x:.7g} {y:.7g})"' if text.upwards else ""
+    return (
+        f'<text x="{x:.7g}" y="{y:.7g}" font-size="{text.height * 1.4:.4g}"{anchor}{turn}>'
+        f"{escape(writable(text.words))}</text>"
+    )
+
+
+def page_dxf(page: Page) -> bytes:
+    """Return a page as DXF in millimetres: a layer for each kind of line.
+
+    Raises
+    ------
+    UserError
+        If ezdxf is not installed.
+    """
+    ezdxf = library("ezdxf", "dxf")
+    document = ezdxf.new(DXF_VERSION, setup=["linetypes"], units=4)
+    space = document.modelspace()
+    for layer in LAYERS:
+        weight = round(100 * WIDTHS[layer])
+        document.layers.add(
+            layer, linetype=DXF_LINETYPES.get(layer, "CONTINUOUS"), lineweight=weight
+        )
+    for line in page.lines:
+        space.add_lwpolyline(
+            [(x, -y) for x, y in line.points.tolist()], dxfattribs={"layer": line.layer}
+        )
+    for text in page.texts:
+        made = space.add_text(
+            text.words,
+            height=text.height,
+            rotation=90.0 if text.upwards else 0.0,
+            dxfattribs={"layer": "dimensions"},
+        )
+        x, y = text.place
+        align = ezdxf.enums.TextEntityAlignment
+        made.set_placement((x, -y), align=align.BOTTOM_CENTER if text.centered else align.LEFT)
+    stream = io.StringIO()
+    document.write(stream)
+    encoded: bytes = document.encode(stream.getvalue())
+    return encoded

@@ -1,0 +1,105 @@
+"""Materials of OBJ files (MTL), read: colour, and of what a thing seems to be made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+from bozzetto.errors import UserError
+from bozzetto.exchange.limits import at_most
+from bozzetto.exchange.mesh.gltf_scene import LOOKS
+from bozzetto.exchange.reading import Reading
+from bozzetto.geometry.shapes import Color, Finish
+
+MAX_MATERIALS: Final = 20_000
+
+MAX_BYTES: Final = 16 << 20
+"""Size of a library: a hundred thousand materials."""
+
+ROUGHEST: Final = 1.0
+"""Of a material that does not say how rough it is."""
+
+OPAQUE: Final = 1.0
+
+
+class Look(NamedTuple):
+    """What is kept of a material."""
+
+    color: Color | None = None
+    finish: Finish = "matt"
+
+
+PLAIN: Final = Look()
+
+
+def materials_of(libraries: Sequence[str], reading: Reading) -> dict[str, Look]:
+    """Return the looks of materials by their names.
+
+    Parameters
+    ----------
+    libraries : sequence of str
+        Names of files beside the one that is read; one that is not there is told.
+    reading : Reading
+        Where they lie, and what is told.
+    """
+    found: dict[str, Look] = {}
+    for name in dict.fromkeys(libraries):
+        try:
+            data = reading.beside(name, "file of materials")
+        except UserError as error:
+            reading.tell(f"Left out of the OBJ file: its materials. {error.message}")
+            continue
+        at_most(len(data), MAX_BYTES, "bytes of materials")
+        found |= _looks(data, reading)
+    return found
+
+
+def _looks(data: bytes, reading: Reading) -> dict[str, Look]:
+    """Return the looks that one library holds; what cannot be understood is passed over."""
+    said: dict[str, dict[str, list[float]]] = {}
+    own: dict[str, list[float]] = {}
+    pictures = 0
+    for line in data.decode("utf-8", "replace").splitlines():
+        word, _, rest = line.strip().partition(" ")
+        if word == "newmtl":
+            own = said.setdefault(rest.strip(), {})
+            at_most(len(said), MAX_MATERIALS, "materials")
+        elif word == "map_Kd":
+            pictures += 1
+        elif word in ("Kd", "d", "Tr", "Ns", "Pr", "Pm"):
+            numbers = _numbers(rest)
+            if numbers:
+                own[word] = numbers
+    if pictures:
+        what = "the picture of a material" if pictures == 1 else f"{pictures} pictures"
+        reading.tell(f"Left out of the OBJ file: {what} (their colours are kept).")
+    return {name: _look(values) for name, values in said.items()}
+
+
+def _numbers(text: str) -> list[float]:
+    """Return the numbers of a line; none if one of them is no finite number."""
+    try:
+        values = [float(word) for word in text.split()[:3]]
+    except ValueError:
+        return []
+    return values if all(map(math.isfinite, values)) else []
+
+
+def _look(said: dict[str, list[float]]) -> Look:
+    shade = said.get("Kd", [])
+    color: Color | None = None
+    if len(shade) == 3:
+        red, green, blue = (round(255 * min(max(value, 0.0), 1.0)) for value in shade)
+        color = None if (red, green, blue) == (255, 255, 255) else (red, green, blue)
+    if "Pr" not in said and "Pm" not in said and "d" not in said and "Tr" not in said:
+        return Look(color)
+    opacity = said["d"][0] if "d" in said else OPAQUE - said.get("Tr", [0.0])[0]
+    own = (said.get("Pm", [0.0])[0], said.get("Pr", [ROUGHEST])[0], opacity)
+
+    def far(finish: Finish) -> float:
+        return math.dist(LOOKS[finish], own)
+
+    known = "Pr" in said or "Pm" in said
+    some: tuple[Finish, ...] = tuple(LOOKS) if known else ("matt", "glass")
+    return Look(color, min(some, key=far))

@@ -1,0 +1,165 @@
+"""Wavefront OBJ, written: text with names, normals and groups, and its materials beside it.
+
+Colours of vertices stand as ``v x y z r g b``, which most read. The materials lie in a file of
+their own (MTL), with the roughness and metal of its extension for physically based rendering,
+and pictures beside that.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Floats, Index
+from bozzetto.exchange.color import WHITE, vertex_colors
+from bozzetto.exchange.handover import MILLIMETRES, FileFrame
+from bozzetto.exchange.mesh.gltf_scene import LOOKS
+from bozzetto.exchange.mesh.gltf_texture import picture_file
+from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
+from bozzetto.geometry.texture import Texture
+from bozzetto.scene.renderer.normals import corner_normals
+
+HEADER: Final = "# Bozzetto: "
+
+SHARPEST: Final = 1000.0
+"""Specular exponent (Ns) of a mirror; nothing of what is rough."""
+
+
+@dataclass(frozen=True)
+class _Material:
+    """A material, and the part and the group that have it."""
+
+    name: str
+    part: Solid | Surface
+    group: FaceGroup
+    picture: str = ""
+
+
+def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES, *, beside: str = "") -> bytes:
+    """Write OBJ with one object per part, and its groups; faces share the part's vertices.
+
+    Parameters
+    ----------
+    shapes : Shapes
+        In the frame of the file.
+    frame : FileFrame
+        Said at its top.
+    beside : str
+        Name of the files beside it, without an ending; none if it is empty.
+    """
+    pieces = [f"{HEADER}{frame}\n"]
+    materials = iter(_materials(shapes, _word(beside)) if beside else ())
+    if beside:
+        pieces.append(f"mtllib {_word(beside)}.mtl\n")
+    first = np.zeros(3, np.int64) + 1  # of vertices, places in pictures, and normals
+    for part in shapes.meshes():
+        texture = part.texture if isinstance(part, Solid) and beside else None
+        pieces.append(f"o {_word(part.name)}\n{_vertices(part, texture)}")
+        normals = corner_normals(part.mesh)
+        pieces.append(_rows("vn %.5g %.5g %.5g\n", normals.vectors))
+        corners = [part.mesh.faces + first[0], normals.corners + first[2]]
+        line = "f %d//%d %d//%d %d//%d\n"
+        if texture is not None:
+            places = texture.corners.reshape(-1, 2) * (1.0, -1.0) + (0.0, 1.0)
+            pieces.append(_rows("vt %.7g %.7g\n", places))
+            own = np.arange(len(places)).reshape(-1, 3) + first[1]
+            corners.insert(1, own)
+            line = "f %d/%d/%d %d/%d/%d %d/%d/%d\n"
+            first[1] += len(places)
+        rows = np.stack(corners, axis=2).reshape(len(part.mesh.faces), -1)
+        pieces += _faces(part, rows, line, materials if beside else None)
+        first += (len(part.mesh.vertices), 0, len(normals.vectors))
+    return "".join(pieces).encode()
+
+
+def files_beside(shapes: Shapes, beside: str) -> tuple[tuple[str, bytes], ...]:
+    """Return the files that an OBJ file names: its materials, and pictures, each with its name."""
+    found: list[tuple[str, bytes]] = []
+    pieces = [f"{HEADER.rstrip(': ')}\n"]
+    for material in _materials(shapes, _word(beside)):
+        pieces.append(_look(material))
+        if material.picture and all(name != material.picture for name, _ in found):
+            base = material.part.color or WHITE
+            texture = material.part.texture if isinstance(material.part, Solid) else None
+            if texture is not None:
+                found.append((material.picture, picture_file(texture, base)))
+    return ((f"{_word(beside)}.mtl", "".join(pieces).encode()), *found)
+
+
+def _vertices(part: Solid | Surface, texture: Texture | None) -> str:
+    rows = part.mesh.vertices.astype(np.float64)
+    colors = None if texture is not None else vertex_colors(part)
+    line = "v %.9g %.9g %.9g"
+    if colors is not None:
+        rows = np.hstack((rows, colors[:, :3] / 255.0))
+        line += " %.4f %.4f %.4f"
+    return _rows(f"{line}\n", rows)
+
+
+def _rows(line: str, rows: Array | Floats | Index) -> str:
+    return (line * len(rows)) % tuple(rows.ravel().tolist())
+
+
+def _faces(
+    part: Solid | Surface, rows: Index, line: str, materials: Iterator[_Material] | None
+) -> Iterator[str]:
+    begin = 0
+    for group in part.groups or (FaceGroup("", len(rows)),):
+        if group.name:
+            yield f"g {_word(group.name)}\n"
+        if materials is not None:
+            yield f"usemtl {next(materials).name}\n"
+        yield _rows(line, rows[begin : begin + group.count])
+        begin += group.count
+
+
+def _materials(shapes: Shapes, beside: str) -> list[_Material]:
+    """Return a material for every group of every part, in their order; no two of one name."""
+    found: list[_Material] = []
+    taken: set[str] = set()
+    pictures = 0
+    for part in shapes.meshes():
+        picture = ""
+        if isinstance(part, Solid) and part.texture is not None:
+            pictures += 1
+            picture = f"{beside}-{pictures}.png"
+        for group in part.groups or (FaceGroup("", len(part.mesh.faces)),):
+            name = wanted = _word(group.name or part.name)
+            number = 1
+            while name in taken:
+                number += 1
+                name = f"{wanted}.{number}"
+            taken.add(name)
+            found.append(_Material(name, part, group, picture))
+    return found
+
+
+def _look(material: _Material) -> str:
+    """Write a material: colour, shine, opacity, and the same for physically based rendering."""
+    part, group = material.part, material.group
+    metallic, roughness, opacity = LOOKS[group.finish]
+    color = WHITE if part.mesh.colors is not None or material.picture else None
+    shade = " ".join(f"{value / 255:.4f}" for value in color or group.color or part.color or WHITE)
+    gleam = 1.0 - roughness
+    lines = [
+        f"newmtl {material.name}",
+        f"Kd {shade}",
+        f"Ks {gleam:.4f} {gleam:.4f} {gleam:.4f}",
+        f"Ns {SHARPEST * gleam * gleam:.4f}",
+        f"d {opacity:.4f}",
+        "illum 2",
+        f"Pr {roughness:.4f}",
+        f"Pm {metallic:.4f}",
+    ]
+    if material.picture:
+        lines.append(f"map_Kd {material.picture}")
+    return "\n".join(lines) + "\n\n"
+
+
+def _word(name: str) -> str:
+    """Return a name without blanks, which end names in OBJ."""
+    return re.sub(r"\s+", "_", name.strip()) or "part"

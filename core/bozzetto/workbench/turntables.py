@@ -1,0 +1,90 @@
+"""Turntables of documents, as GIF or as a row of PNG files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+from bozzetto.atomic_files import write_bytes
+from bozzetto.document.model import Document
+from bozzetto.errors import UserError
+from bozzetto.plugin.job import Job
+from bozzetto.workbench.workbench import Workbench
+
+ENDINGS: Final = (".gif", ".png")
+"""Of the files: a moving picture, or a row of pictures."""
+
+
+def write_turntable(
+    bench: Workbench,
+    document: Document,
+    path: Path,
+    count: int,
+    seconds: float,
+    job: Job | None = None,
+    *,
+    replaces: bool = True,
+    **style: Any,
+) -> tuple[Path, ...]:
+    """Write pictures of all visible objects from all around.
+
+    Parameters
+    ----------
+    bench : Workbench
+        Solves what is shown.
+    document : Document
+        What turns.
+    path : Path
+        Ends in .gif, or in .png: then a number stands before that in the name of each file.
+    count : int
+        How many pictures.
+    seconds : float
+        How long one turn takes in a GIF.
+    job : Job, optional
+        Is told how far it has come.
+    replaces : bool
+        Whether files of a row may be there already.
+    style
+        As in `scene.turntable.turned_pictures`.
+
+    Returns
+    -------
+    tuple of Path
+        The files that were written.
+
+    Raises
+    ------
+    UserError
+        If the ending is another one, a number is out of its range, or a file is in the way.
+    """
+    from bozzetto.images.gif import gif_of_pictures
+    from bozzetto.images.png import write_png
+    from bozzetto.scene.turntable import turned_pictures
+
+    if path.suffix.lower() not in ENDINGS:
+        raise UserError("A turntable is a .gif, or a row of .png files. Choose one of these.")
+    if not seconds > 0.0:
+        raise UserError("A turn takes some time. Give seconds above 0.")
+    job = job or Job()
+    scene = bench.scene(document, job)
+
+    def watched() -> Iterator[Any]:
+        for number, pixels in enumerate(turned_pictures(scene, count, **style)):
+            job.checkpoint(number / count, f"{number + 1} / {count}")
+            yield pixels
+
+    if path.suffix.lower() == ".gif":
+        write_bytes(path, gif_of_pictures(watched(), count / seconds))
+        return (path,)
+    digits = len(str(count))
+    paths = tuple(
+        path.with_name(f"{path.stem}-{number + 1:0{digits}}{path.suffix}")
+        for number in range(count)
+    )
+    there = next((one.name for one in paths if one.exists()), None)
+    if there is not None and not replaces:
+        raise UserError(f"There is a picture “{there}” already. Choose another name or folder.")
+    for one, pixels in zip(paths, watched(), strict=True):
+        write_png(one, pixels)
+    return paths

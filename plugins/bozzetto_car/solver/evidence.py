@@ -1,0 +1,277 @@
+"""The probability of marks for cars and hands of a kind.
+
+If a car differs by a share t of what a cost expects and the hand is s times as unsteady, the marks
+lie about their places in the template, to first order, with the covariance
+
+    C = s² (I + b² K) + t² A Σ Aᵀ ,
+
+where A is their derivative by the car, Σ the covariance of cars, K the correlation of what the hand
+bends (`hand`), and b by how much more it bends than it trembles; the unknown motions of the cameras
+have been projected out (restricted maximum likelihood: Patterson & Thompson 1971). One symmetric
+eigenvalue problem serves every t and s. From C⁻¹ follows how probable a mark is given the others
+(Sundararajan & Keerthi, *Predictive approaches for choosing hyperparameters in Gaussian processes*,
+2001).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Flags
+from bozzetto_car.camera.marked_view import MarkedView, Reprojection
+from bozzetto_car.solver.hand import bend_correlation
+from bozzetto_car.solver.prior import Cost, Prior
+from bozzetto_car.template.model import Template
+
+SPREADS: Final = np.geomspace(0.03, 1.5, 12)
+"""Shares t of the deviations that the cost expects."""
+
+STEADY: Final = 1.6
+"""Factor by which hands differ (the scale of the logarithm)."""
+
+USUAL: Final = (0.5, 2.5)
+"""Median of these shares, and the factor by which they differ (one standard deviation of the
+logarithm): who draws a car seldom draws the template."""
+
+HANDS: Final = np.geomspace(0.7, 10.0, 9)
+"""Factors s by which a hand is less steady than the cost assumes. Less than the least counts as
+exact: nobody wants to hear that a mark disagrees by 5 px."""
+
+DETERMINED: Final = 1e-12
+"""Least determinant of a mark's block, of 1: below, the mark alone determines the camera."""
+
+UNDETERMINED: Final = 1e-9
+"""Least size of a motion of the camera, of the greatest, that counts."""
+
+KNOWN: Final = 64
+"""Number of pairs of a template and a cost whose factors are remembered."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearSketch:
+    """A sketch to first order about the template, in standard deviations of the hand.
+
+    Attributes
+    ----------
+    missed : (k, 2) float
+    by_car : (k, 2, q) float
+        Derivative by the variables of the car.
+    by_camera : (k, 2, c) float
+    together : (k, k) float
+        Correlation of what the hand bends.
+    """
+
+    missed: Array
+    by_car: Array
+    by_camera: Array
+    together: Array
+
+
+def linear_sketch(template: Template, view: MarkedView, hand: float) -> LinearSketch:
+    """Return a sketch to first order about the template.
+
+    Parameters
+    ----------
+    template : Template
+        The template of the car.
+    view : MarkedView
+        The sketch, with a camera that has all marked nodes in front of it.
+    hand : float
+        Standard deviation of a mark, in diagonals of the marks.
+    """
+    sight, pose = Reprojection.of(template, view, held=False)
+    seen = sight.residuals(pose, template.positions)
+    if seen is None:
+        raise ValueError("a marked node is not before its camera")
+    follow = template.basis.reshape(len(template.names), 3, -1)
+    by_car = seen.by_nodes @ follow[view.nodes]
+    return LinearSketch(
+        seen.missed / hand, by_car / hand, seen.by_camera / hand, bend_correlation(sight)
+    )
+
+
+@lru_cache(maxsize=KNOWN)
+def _factor(template: Template, cost: Cost) -> Array:
+    """Return F (q, q) with the covariance F Fᵀ of the variables of a car, mm²."""
+    prior = Prior(template, cost)
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(prior.form(prior.variables))).T)
+
+
+@dataclass(frozen=True, eq=False)
+class Independent:
+    """A sketch whose marks are made independent, and without the motions of its camera.
+
+    Attributes
+    ----------
+    missed : (2 k,) float
+    by_car : (2 k, q) float
+    back : (2 k, 2 k) float
+        What turns numbers of marks into such.
+    rank : int
+        Dimensions that are left.
+    log_size : float
+        Logarithm of the root of the determinant of the covariance of the hand, without the camera.
+    """
+
+    missed: Array
+    by_car: Array
+    back: Array
+    rank: int
+    log_size: float
+
+
+def independent(sketch: LinearSketch, bend: float, counted: Flags) -> Independent:
+    """Return the marks of a sketch that count, made independent.
+
+    Parameters
+    ----------
+    sketch : LinearSketch
+        The sketch.
+    bend : float
+        By how much more the hand bends than it trembles.
+    counted : (k,) bool
+        Which marks count.
+    """
+    by_camera = _tall(sketch.by_camera[counted])
+    white: Array = np.eye(len(by_camera))
+    log_size = 0.0
+    if bend > 0.0:
+        together = sketch.together[np.ix_(counted, counted)]
+        lower = np.linalg.cholesky(np.eye(len(together)) + bend**2 * together)
+        white = np.asarray(np.kron(np.linalg.inv(lower), np.eye(2)))
+        log_size = 2.0 * float(np.log(np.diag(lower)).sum())
+        bent = white @ by_camera
+        log_size += _log_extent(bent) - _log_extent(by_camera)
+        by_camera = bent
+    base, _ = np.linalg.qr(by_camera)
+    back = white - base @ (base.T @ white)
+    return Independent(
+        back @ sketch.missed[counted].ravel(),
+        back @ _tall(sketch.by_car[counted]),
+        back,
+        base.shape[0] - base.shape[1],
+        log_size,
+    )
+
+
+class Evidence:
+    """The probability of marks, for all spreads and hands together.
+
+    Parameters
+    ----------
+    template : Template
+        The template of the car.
+    cost : Cost
+        How cars differ from it.
+    sketches : sequence of Independent
+        The marks that count.
+    anyone : bool
+        Whether the hand may be anyone's, with heavy tails (Cauchy's distribution of the logarithm),
+        so that a very unsteady one is told. With light tails (Gauss') a mistake in one mark is
+        likelier than a hand that is unsteady in all.
+
+    Attributes
+    ----------
+    total : float
+        Natural logarithm of the probability of all marks, up to a constant that depends only on
+        their number.
+    log_spread, log_hand : float
+        Means of the logarithms of t and s.
+    """
+
+    def __init__(
+        self, template: Template, cost: Cost, sketches: Sequence[Independent], anyone: bool
+    ) -> None:
+        self._sketches = sketches
+        spreads, self._hands = (grid.ravel() for grid in np.meshgrid(SPREADS, HANDS))
+        ratio = (spreads / self._hands) ** 2
+        self._missed = np.concatenate([sketch.missed for sketch in sketches])
+        rank = sum(sketch.rank for sketch in sketches)
+        by_car = np.vstack([sketch.by_car for sketch in sketches]) @ _factor(template, cost)
+        sizes, self._by_car = _along_principal_axes(by_car)
+        self._pulled = self._by_car.T @ self._missed
+        self._damped = ratio / (1.0 + sizes[:, None] * ratio)
+        misfit = self._missed @ self._missed - self._pulled**2 @ self._damped
+        wide = np.log1p(sizes[:, None] * ratio).sum(axis=0) + 2.0 * rank * np.log(self._hands)
+        logs: Array = -0.5 * (wide + misfit / self._hands**2)
+        apart = (np.log(self._hands) / np.log(STEADY)) ** 2
+        logs -= np.log1p(apart) if anyone else 0.5 * apart
+        logs -= sum(sketch.log_size for sketch in sketches)
+        logs -= 0.5 * (np.log(spreads / USUAL[0]) / np.log(USUAL[1])) ** 2
+        self.total = float(log_of_sum(logs))
+        self._logs = logs - self.total
+        self.log_spread, self.log_hand = (
+            float(np.exp(self._logs) @ np.log(grid)) for grid in (spreads, self._hands)
+        )
+
+    @property
+    def spread(self) -> float:
+        """How far the car is from the template, as a share of what the cost expects."""
+        return float(np.exp(self.log_spread))
+
+    @cached_property
+    def improbable(self) -> list[Array]:
+        """For each sketch, the gain in probability of the rest without each mark, (k,)."""
+        ends = np.cumsum([len(sketch.missed) for sketch in self._sketches])[:-1]
+        backs = [sketch.back for sketch in self._sketches]
+        # The inverse of C, times s²: its 2 × 2 blocks for each mark, and its product with the
+        # residuals, of the marks as they were before they were made independent.
+        follow = np.vstack(
+            [back.T @ part for back, part in zip(backs, np.split(self._by_car, ends), strict=True)]
+        )
+        missed = np.concatenate(
+            [back.T @ part for back, part in zip(backs, np.split(self._missed, ends), strict=True)]
+        )
+        blocks = np.concatenate([_blocks(back) for back in backs])
+        across, down = follow[::2], follow[1::2]
+        xx = blocks[:, 0, :1] - across**2 @ self._damped
+        yy = blocks[:, 1, 1:] - down**2 @ self._damped
+        xy = blocks[:, 0, 1:] - (across * down) @ self._damped
+        left = missed[:, None] - follow @ (self._damped * self._pulled[:, None])
+        x, y = left[::2], left[1::2]
+        size = np.maximum(xx * yy - xy**2, DETERMINED)
+        squared = (yy * x**2 - 2.0 * xy * x * y + xx * y**2) / size / self._hands**2
+        alone = 0.5 * np.log(size) - 2.0 * np.log(self._hands) - np.log(2.0 * np.pi)
+        return np.split(log_of_sum(self._logs - alone + 0.5 * squared), ends // 2)
+
+
+def log_of_sum(logs: Array) -> Array:
+    """Return the logarithm of the sum of exponentials along the last axis."""
+    top = logs.max(axis=-1, keepdims=True)
+    return np.asarray(np.log(np.exp(logs - top).sum(axis=-1)) + top[..., 0])
+
+
+def _blocks(back: Array) -> Array:
+    """Return the 2 × 2 blocks (k, 2, 2) of Bᵀ B on its diagonal, one for each mark."""
+    columns = back.reshape(len(back), -1, 2)
+    return np.asarray(np.einsum("mki,mkj->kij", columns, columns))
+
+
+def _along_principal_axes(rows: Array) -> tuple[Array, Array]:
+    """Return P (m, r) with orthogonal columns and P Pᵀ = R Rᵀ, for R (m, q); their squares first.
+
+    The smaller one of both Gram matrices is taken apart.
+    """
+    count, unknowns = rows.shape
+    if count > unknowns:
+        sizes, axes = np.linalg.eigh(rows.T @ rows)
+        return np.maximum(sizes, 0.0), rows @ axes
+    sizes, axes = np.linalg.eigh(rows @ rows.T)
+    sizes = np.maximum(sizes, 0.0)
+    return sizes, axes * np.sqrt(sizes)
+
+
+def _log_extent(columns: Array) -> float:
+    """Return half the logarithm of the determinant of AᵀA, without what is not determined."""
+    sizes = np.linalg.svd(columns, compute_uv=False)
+    return float(np.log(np.maximum(sizes, UNDETERMINED * sizes[0])).sum())
+
+
+def _tall(pairs: Array) -> Array:
+    """Return two rows for each mark, (2 k, n), from (k, 2, n)."""
+    return pairs.reshape(-1, pairs.shape[2])

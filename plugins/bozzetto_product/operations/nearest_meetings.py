@@ -1,0 +1,69 @@
+"""Places inside curves that ends are joined to: T-joints."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.geometry import Spline
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Meeting
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.operations.meetings import place_at, share_at
+from bozzetto_product.operations.plane_crossings import lies_in, plane_crossings
+from bozzetto_product.projection.planes import mirror_image
+
+
+def nearest_inside(
+    state: ProductState, place: Array, reach: float, busy: Collection[str], flat: bool
+) -> tuple[Meeting, float] | None:
+    """Return the nearest place inside a curve, or its mirror image, within a distance.
+
+    Curves of which an end is within that distance do not count.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    place : (3,) float
+        mm.
+    reach : float
+        mm.
+    busy : collection of str
+        Ids of curves that do not count.
+    flat : bool
+        Only places in the symmetry plane count: where curves cross it, or those that lie in it.
+    """
+    best: tuple[float, tuple[float, ...], Meeting] | None = None
+    for curve in state.of_kind(Curve):
+        spline = curve.spline
+        if spline is None or curve.id in busy:
+            continue
+        across = flat and not lies_in(curve, state.symmetry)
+        low, high = spline.control_points.min(axis=0), spline.control_points.max(axis=0)
+        for mirrored in (False, True) if curve.mirrored else (False,):
+            here = mirror_image(place, state.symmetry) if mirrored else place
+            if (np.maximum(low - here, here - high) > reach).any():
+                continue
+            ends = np.linalg.norm(spline.control_points[[0, -1]] - here, axis=1)
+            if not spline.closed and ends.min() <= reach:
+                continue  # it is the end that is meant
+            shares = (
+                plane_crossings(spline, state.symmetry) if across else [_foot_share(spline, here)]
+            )
+            for share in shares:
+                foot = place_at(spline, share)
+                distance = float(np.linalg.norm(foot - here))
+                if distance > reach or not (spline.closed or 0.0 < share < 1.0):
+                    continue
+                found = (distance, tuple(foot.tolist()), Meeting(curve.id, share, mirrored))
+                if best is None or found[:2] < best[:2]:
+                    best = found
+    return None if best is None else (best[2], best[0])
+
+
+def _foot_share(spline: Spline, place: Array) -> float:
+    """Return the share of the range at which a curve is nearest to a place."""
+    return share_at(spline, float(spline.foot_points(place[None])[0]))

@@ -1,0 +1,116 @@
+"""The fillet of two solids by itself: what their blend adds to the sharp result, or takes away.
+
+It is a thin solid along the crease. Its outer side is the blended surface; its inner side lies
+within what it is added to, so that uniting both has no faces in common to decide on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_silhouette.implicit.blend import ORDER, flipped, reach_by_angle
+from bozzetto_silhouette.implicit.composite import Composite
+from bozzetto_silhouette.implicit.implicit_solid import Sample
+
+SUNK = 0.012
+"""What the blend adds where the fillet goes under the sharp surface, as a share of the reach."""
+
+SUNK_LEAST = 0.12
+"""The same as a share of the spacing of the meshes, which lie so far off their functions."""
+
+SUNK_MOST = 0.06
+"""The same as a share of the reach, at most: of 0.25 that there are."""
+
+DEPTH = 0.6
+"""How far the fillet reaches into what it is added to, as a share of the reach."""
+
+FLANK = 0.4
+"""Slope of the ends of the fillet, where both solids stop telling on each other."""
+
+
+class Layers(NamedTuple):
+    """A composite at n points as a union: of carved solids the complements are united.
+
+    Attributes
+    ----------
+    first, second : Sample
+        The solids, or their complements.
+    blended : Sample
+        Of both together.
+    reach : (n,) float array
+    """
+
+    first: Sample
+    second: Sample
+    blended: Sample
+    reach: Array
+
+
+def layers(solid: Composite, points: Array) -> Layers:
+    """Sample a composite as the union that it is, or whose complement it is."""
+    sides = solid.sides(points)
+    first, second, blended = sides.first, sides.second, solid.blended(sides)
+    if solid.operation in ("carve", "intersect"):
+        first, blended = flipped(first), flipped(blended)
+    if solid.operation == "intersect":
+        second = flipped(second)
+    return Layers(first, second, blended, sides.reach)
+
+
+@dataclass(frozen=True, eq=False)
+class FilletSolid:
+    """The solid between the blended surface and the sharp one, and a little below that.
+
+    Parameters
+    ----------
+    solid : Composite
+        With a blend above 0.
+    step : float
+        Spacing of the meshes of the two.
+    cell : float
+        Edge of the cells in which it is to be found: it is not thinner than they are.
+    """
+
+    solid: Composite
+    step: float
+    cell: float
+
+    @property
+    def bounds(self) -> Array:
+        """The box around both."""
+        return self.solid.bounds
+
+    def value(self, points: Array) -> Array:
+        """Return the values at points (n, 3)."""
+        return self.sample(points).value
+
+    def sample(self, points: Array) -> Sample:
+        """Return the values and gradients at points (n, 3)."""
+        first, second, blended, reach = layers(self.solid, points)
+        leads = first.value >= second.value
+        sharp = np.where(leads, first.value, second.value)
+        slope = np.where(leads[:, None], first.gradient, second.gradient)
+        added = blended.value - sharp
+        sunk = np.clip(SUNK_LEAST * self.step, SUNK * reach, SUNK_MOST * reach)
+        top = blended.value - sunk * np.clip(2.0 - added / np.maximum(sunk, 1e-300), 0.0, 1.0)
+        floor = np.maximum(DEPTH * reach, 2.0 * self.cell) - sharp
+        flank = FLANK * self._flank(first, second, reach, sunk)
+        value = np.minimum(np.minimum(top, floor), flank)
+        apart = np.where(leads[:, None], second.gradient - first.gradient,
+                         first.gradient - second.gradient)  # fmt: skip
+        gradient = np.where((value == top)[:, None], blended.gradient, -slope)
+        gradient = np.where(((value == flank) & (flank < top))[:, None], FLANK * apart, gradient)
+        return Sample(value, gradient)
+
+    def _flank(self, first: Sample, second: Sample, reach: Array, sunk: Array) -> Array:
+        """Return how far within the blend points are, less where it adds half of `sunk`."""
+        safe = np.maximum(reach, 1e-300)
+        if self.solid.operation == "merge":
+            within = reach + np.minimum(first.value, second.value)
+            return within - reach * (0.5 * ORDER * sunk / safe) ** (1.0 / ORDER)
+        angled = reach_by_angle(first, second, reach)
+        return angled - np.abs(first.value - second.value) - np.sqrt(2.0 * angled * sunk)

@@ -1,0 +1,220 @@
+"""Bodies and fillets that are one solid, united only when its mesh is asked for.
+
+So a tree costs one union, however many parts it has, and parts that do not touch cost a copy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_silhouette.implicit.composite import Composite
+from bozzetto_silhouette.implicit.implicit_solid import Implicit
+from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.model.state import Operation
+from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.field_body import field_body
+from bozzetto_silhouette.solids.fillet import Fillet, fillets_of
+from bozzetto_silhouette.solids.lump import Lump, Remainder, meet, united
+from bozzetto_silhouette.solids.polygonize import Surface
+from bozzetto_silhouette.solids.volume_check import is_allowed, is_lost
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+
+class Piece(NamedTuple):
+    """A body whose surface may be part of the whole's.
+
+    Attributes
+    ----------
+    body : Body
+    side : {1, -1}
+        -1 where its inside is outside of the whole.
+    """
+
+    body: Body
+    side: int
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Some solids that are united, and what is known of the surface that they make.
+
+    Attributes
+    ----------
+    lumps : tuple of Lump
+        Their union is the solid.
+    pieces : tuple of Piece
+        In the order of their sources.
+    fillets : tuple of Fillet
+    implicit : Implicit
+        Its zero set is the surface.
+    radius : float
+        The largest inscribed radius.
+    step : float
+        The finest spacing of the meshes.
+    """
+
+    lumps: tuple[Lump, ...]
+    pieces: tuple[Piece, ...]
+    fillets: tuple[Fillet, ...]
+    implicit: Implicit
+    radius: float
+    step: float
+
+    @classmethod
+    def of(cls, body: Body) -> Assembly:
+        """Return one body by itself."""
+        surface = Surface(body.vertices, body.faces, body.normals)
+        lump = Lump(body, body.bounds, surface)
+        return cls((lump,), (Piece(body, 1),), (), body.implicit, body.radius, body.step)
+
+    @property
+    def alone(self) -> Body | None:
+        """The body that it consists of; None where several were put together."""
+        return self.pieces[0].body if len(self.pieces) == 1 and not self.fillets else None
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Ids of the parts."""
+        return tuple(source for piece in self.pieces for source in piece.body.sources)
+
+    @cached_property
+    def box(self) -> Array:
+        """Corners of the box around all lumps, (2, 3)."""
+        boxes = np.stack([lump.box for lump in self.lumps])
+        return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+    @cached_property
+    def whole(self) -> Manifold | None:
+        """The lumps united; None where manifold3d finds no sound solid."""
+        return united(self.lumps)
+
+    @property
+    def resampled(self) -> bool:
+        """Whether a body in it was made anew from its function."""
+        return any(piece.body.resampled for piece in self.pieces)
+
+    def shown(self) -> Surface:
+        """Return the surfaces of all lumps, one in another: what is seen of them is the union."""
+        found = [lump.shown() for lump in self.lumps]
+        starts = np.cumsum([0, *(len(surface.vertices) for surface in found)])
+        return Surface(
+            np.concatenate([surface.vertices for surface in found]),
+            np.concatenate([
+                surface.faces + np.int32(start)
+                for surface, start in zip(found, starts, strict=False)
+            ]),
+            np.concatenate([surface.normals for surface in found]),
+        )  # fmt: skip
+
+    def places(self, box: Array) -> Array:
+        """Return the vertices of the bodies in a box (2, 3)."""
+        found = [np.zeros((0, 3))]
+        for body, _ in self.pieces:
+            if meet(body.bounds, box):
+                inside = (body.vertices >= box[0]) & (body.vertices <= box[1])
+                found.append(body.vertices[inside.all(axis=1)])
+        return np.concatenate(found)
+
+
+def assembled(
+    first: Assembly,
+    second: Assembly,
+    operation: Operation,
+    blend: float,
+    checkpoint: Checkpoint = ignore,
+) -> Assembly | None:
+    """Put two assemblies together; None where nothing is left.
+
+    Parameters
+    ----------
+    first, second : Assembly
+        In the same frame.
+    operation : {"add", "merge", "carve", "intersect"}
+        What the second does to the first.
+    blend : float
+        Radius of the blend as a share of the smaller `radius` of the two; 0 is a sharp crease.
+    checkpoint : callable
+        Called with (fraction, step) between steps; may raise `Cancelled`.
+    """
+    reach = blend * min(first.radius, second.radius)
+    gap = reach if operation == "merge" else 0.0
+    apart = not meet(first.box, second.box + gap * np.array([[-1.0], [1.0]]))
+    if apart and operation in ("carve", "intersect"):
+        return first if operation == "carve" else None
+    checkpoint(0.0, "combine")
+    step = min(first.step, second.step)
+    reach = 0.0 if apart else reach
+    solid = Composite(first.implicit, second.implicit, operation, blend if reach else 0.0, reach)
+    fillets: tuple[Fillet, ...] = ()
+    if reach > 0.0:
+        box = _common(first, second, 2.0 * reach)
+        places = np.concatenate([first.places(box), second.places(box)])
+        fillets = fillets_of(solid, places, step, checkpoint)
+    added = tuple(Lump(fillet, fillet.box, fillet.surface) for fillet in fillets)
+    side = -1 if operation == "carve" else 1
+    whole = Assembly(
+        first.lumps + second.lumps + added,
+        first.pieces + tuple(Piece(body, side * sign) for body, sign in second.pieces),
+        first.fillets + second.fillets + fillets,
+        solid,
+        max(first.radius, second.radius),
+        step,
+    )
+    if operation in ("add", "merge"):
+        return whole
+    checkpoint(0.8, "combine")
+    left = _remainder(first, second, operation, added)
+    if left is not None and left.is_empty() and is_lost(solid, solid.bounds, step):
+        left = None
+    if left is None:
+        return remade(whole, checkpoint)
+    if not left.volume() > 0.0:
+        return None
+    low_high = np.array(left.bounding_box()).reshape(2, 3)
+    return replace(whole, lumps=(Lump(Remainder(left), low_high),))
+
+
+def remade(whole: Assembly, checkpoint: Checkpoint = ignore) -> Assembly | None:
+    """Return an assembly of one body, polygonized anew; None where nothing is inside.
+
+    Raises
+    ------
+    UserError
+        If not even that is sound.
+    """
+    bodies = [piece.body for piece in whole.pieces]
+    body = field_body(whole.implicit, bodies, whole.radius, whole.step, checkpoint)
+    return None if body is None else Assembly.of(body)
+
+
+def _remainder(
+    first: Assembly, second: Assembly, operation: Operation, added: tuple[Lump, ...]
+) -> Manifold | None:
+    """Return what carving or intersecting leaves; None where that is no sound solid."""
+    one = first.whole
+    other = united(second.lumps + added) if operation == "carve" else second.whole
+    if one is None or other is None:
+        return None
+    left = one - other if operation == "carve" else one ^ other
+    if not is_allowed(left, operation, one, other):
+        return None
+    if operation == "carve" or not added:
+        return left
+    fillets = united(added)
+    less = None if fillets is None else left - fillets
+    if fillets is None or less is None or not is_allowed(less, "carve", left, fillets):
+        return None
+    return less
+
+
+def _common(first: Assembly, second: Assembly, margin: float) -> Array:
+    low = np.maximum(first.box[0], second.box[0]) - margin
+    high = np.minimum(first.box[1], second.box[1]) + margin
+    return np.stack([low, high])

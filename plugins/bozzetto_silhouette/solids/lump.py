@@ -1,0 +1,82 @@
+"""Lumps: closed solids that are united, and only then looked at by manifold3d."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto_silhouette.inflation.sewing import vertex_normals
+from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.fillet import Fillet
+from bozzetto_silhouette.solids.polygonize import Surface
+from bozzetto_silhouette.solids.volume_check import is_union
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+
+@dataclass(frozen=True, eq=False)
+class Remainder:
+    """What carving or intersecting left."""
+
+    manifold: Manifold
+
+
+Held = Body | Fillet | Remainder
+"""What a solid of manifold3d can be asked of."""
+
+
+class Lump(NamedTuple):
+    """A closed solid, and the corners of its box (2, 3); its surface, where that is at hand."""
+
+    held: Held
+    box: Array
+    surface: Surface | None = None
+
+    @property
+    def manifold(self) -> Manifold:
+        """The solid as manifold3d sees it."""
+        return self.held.manifold
+
+    def shown(self) -> Surface:
+        """Return its surface; of what was carved with normals of its own faces."""
+        if self.surface is not None:
+            return self.surface
+        mesh = self.manifold.to_mesh64()
+        corners = np.array(mesh.vert_properties, np.float64)[:, :3][np.array(mesh.tri_verts)]
+        vertices = corners.reshape(-1, 3)
+        faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
+        return Surface(vertices, faces, vertex_normals(vertices, faces))
+
+
+def meet(box: Array, other: Array) -> bool:
+    """Whether two boxes (2, 3) meet."""
+    return bool((box[0] <= other[1]).all() and (other[0] <= box[1]).all())
+
+
+def united(lumps: tuple[Lump, ...]) -> Manifold | None:
+    """Unite solids: rows of those that do not touch are put side by side, which costs a copy.
+
+    None where the result is not sound.
+    """
+    from manifold3d import Manifold, OpType
+
+    rows: list[list[Lump]] = []
+    for lump in lumps:
+        free = (row for row in rows if not any(meet(lump.box, other.box) for other in row))
+        row = next(free, None)
+        if row is None:
+            rows.append([lump])
+        else:
+            row.append(lump)
+    side_by_side = [
+        row[0].manifold if len(row) == 1 else Manifold.compose([lump.manifold for lump in row])
+        for row in rows
+    ]
+    if len(side_by_side) == 1:
+        return side_by_side[0] if is_union(side_by_side[0], side_by_side) else None
+    whole = Manifold.batch_boolean(side_by_side, OpType.Add)
+    return whole if is_union(whole, side_by_side) else None

@@ -1,0 +1,337 @@
+"""Seams: where fillets were united with bodies, triangles are made even and put on the blend."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from bozzetto.arrays import Array, Flags, Index
+from bozzetto.plugin import remembered
+from bozzetto_silhouette.implicit.composite import localized, signature
+from bozzetto_silhouette.implicit.implicit_solid import Implicit
+from bozzetto_silhouette.numerics.isotropic_remeshing import (
+    Patch,
+    border_edges,
+    collapsed,
+    dot,
+    flipped_edges,
+    relaxed,
+    unit,
+)
+
+SLIVER = 0.5
+"""Edges shorter than this share of the spacing are collapsed."""
+
+COLLAPSES = 3
+"""Rounds of collapsing edges at first."""
+
+EVENINGS = 3
+"""Rounds of evening out after that."""
+
+FLIPS = 2
+"""Rounds of flipping edges before every relaxation."""
+
+NEWTON = 2
+"""Steps of Newton's method where two seams meet."""
+
+MENDED = 2
+"""Rings of vertices around such faces that are moved."""
+
+ROUNDS = 6
+"""Rounds of mending faces that were turned over, at most."""
+
+STRIDE = 0.4
+"""Longest of these steps, as a share of the spacing."""
+
+FLATTEST = 0.2
+"""Gradients are taken for no shorter than this: between sides that face each other they vanish."""
+
+RINGS = 2
+"""Rings of vertices around fillets that may be moved, too."""
+
+SPREAD = 60
+"""Rings at most of those that are not on the blended surface."""
+
+OFF = 0.03
+"""Value from which on a vertex is not on it, as a share of its spacing."""
+
+ROOM = 3.0
+"""Margin around a seam within which solids matter, in spacings."""
+
+DIFFERENCE = 0.1
+"""Width of the difference quotients for normals, as a share of the spacing."""
+
+OVERTURNED = -0.2
+"""Cosine between a face and the gradient below which it counts as turned over."""
+
+_TETRAHEDRON = np.array([[1, -1, -1], [-1, -1, 1], [-1, 1, -1], [1, 1, 1.0]]) / np.sqrt(3.0)
+
+
+class Sewn(NamedTuple):
+    """A mesh whose seams were made even.
+
+    Attributes
+    ----------
+    vertices, normals : (v, 3) float array
+    faces : (f, 3) int array
+    parents : (v,) int array
+        The vertex before that each stands for.
+    moved : (v,) bool array
+        Those in seams: only they have normals; the others are as they were.
+    """
+
+    vertices: Array
+    faces: Index
+    parents: Index
+    moved: Flags
+    normals: Array
+
+
+def sewn(
+    vertices: Array, faces: Index, seam: Index, held: Flags, spacing: Array, solid: Implicit
+) -> Sewn:
+    """Even out the triangles of a mesh at its seams, and bring them onto a solid's surface.
+
+    Every seam is done by itself; where two meet, vertices are only brought onto the surface.
+
+    Parameters
+    ----------
+    vertices, faces : (v, 3) float array, (f, 3) int array
+        A closed mesh.
+    seam : (v,) int array
+        The number of the seam that a vertex of a fillet, or where one meets a body, belongs to;
+        -1 for others.
+    held : (v,) bool array
+        Those that must stay where they are: on sharp edges.
+    spacing : (v,) float array
+        How long edges are there, about.
+    solid : Implicit
+        Whose surface the mesh is.
+    """
+    seam = _grown(vertices, faces, np.where(held, -1, seam), held, spacing, solid)
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    between = np.zeros(len(vertices), dtype=bool)
+    between[a[(seam[a] >= 0) & (seam[a] < seam[b])]] = True
+    vertices, normals = _settled(vertices, np.where(between, seam, -1), spacing, solid)
+    own = np.where(between, -1, seam)
+    of_face = own[faces].max(axis=1)
+    parts = []
+    for zone in _by_number(faces, of_face):
+        numbers, inner = _in_order(vertices, zone)
+        local = _around(solid, vertices[numbers], spacing[numbers])
+        free = own[numbers] >= 0
+        parts.append((numbers, _even(vertices[numbers], inner, free, spacing[numbers], local)))
+    rest = Sewn(vertices, faces[of_face < 0], np.arange(len(vertices)), between, normals)
+    return _set_in(rest, parts)
+
+
+def _by_number(rows: Index, number: Index) -> list[Index]:
+    """Return the rows of each number in turn, without those below 0."""
+    order = np.argsort(number, kind="stable")
+    starts = np.searchsorted(number[order], np.unique(number[number >= 0]))
+    return np.split(rows[order], starts)[1:]
+
+
+def _around(solid: Implicit, places: Array, spacing: Array) -> Implicit:
+    """Reduce a solid to what matters around places (n, 3): that is faster to evaluate."""
+    room = ROOM * float(spacing.max())
+    box = np.stack([places.min(axis=0) - room, places.max(axis=0) + room])
+    return localized(solid, box, room)
+
+
+def _grown(
+    vertices: Array, faces: Index, seam: Index, held: Flags, spacing: Array, solid: Implicit
+) -> Index:
+    """Add some rings of vertices to seams, and more as far as the blend is felt."""
+    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    loose = np.zeros(len(seam), dtype=bool)
+    for ring in range(SPREAD):
+        new = (seam[a] >= 0) & (seam[b] < 0) & ~held[b]
+        if ring >= RINGS:
+            if ring == RINGS:
+                loose = _off_surface(vertices, seam, spacing, solid)
+            new &= loose[b]
+        if not new.any():
+            break
+        reached = np.full(len(seam), -1)
+        np.maximum.at(reached, b[new], seam[a[new]])
+        seam = np.where(reached >= 0, reached, seam)
+    return seam
+
+
+def _off_surface(vertices: Array, seam: Index, spacing: Array, solid: Implicit) -> Flags:
+    """Mark the vertices in the boxes of seams, without these, that are not on the surface."""
+    off = np.zeros(len(vertices), dtype=bool)
+    known = seam >= 0
+    for mine in _by_number(np.arange(len(vertices)), seam):
+        place = vertices[mine]
+        room = ROOM * float(spacing[mine].max())
+        low, high = place.min(axis=0) - room, place.max(axis=0) + room
+        near = np.flatnonzero(((vertices >= low) & (vertices <= high)).all(axis=1) & ~known)
+        if len(near):
+            near = near[np.lexsort(vertices[near].T)]
+            width = spacing[near]
+            off[near] = _is_off(vertices[near], width, _around(solid, vertices[near], width))
+    return off
+
+
+def _asked_at(places: Array, spacing: Array, solid: Implicit) -> Hashable:
+    return places.tobytes(), spacing.tobytes(), signature(solid)
+
+
+@remembered(limit=512, key=_asked_at)
+def _is_off(places: Array, spacing: Array, solid: Implicit) -> Flags:
+    off: Flags = np.abs(solid.value(places)) > OFF * spacing
+    return off
+
+
+def _settled(
+    vertices: Array, number: Index, spacing: Array, solid: Implicit
+) -> tuple[Array, Array]:
+    """Bring numbered vertices onto the surface; return all vertices, and normals of these."""
+    normals = np.zeros_like(vertices)
+    vertices = vertices.copy()
+    for mine in _by_number(np.arange(len(vertices)), number):
+        mine = mine[np.lexsort(vertices[mine].T)]
+        place, width = vertices[mine], spacing[mine]
+        vertices[mine], normals[mine] = _on_surface(place, width, _around(solid, place, width))
+    return vertices, normals
+
+
+@remembered(limit=512, key=_asked_at)
+def _on_surface(places: Array, spacing: Array, solid: Implicit) -> tuple[Array, Array]:
+    """Bring places (n, 3) onto a surface; return them and the normals there."""
+    count = len(places)
+    patch = Patch(places, np.zeros((0, 3), np.intp), np.ones(count, dtype=bool),
+                  np.arange(count), np.zeros((count, 3)), spacing)  # fmt: skip
+    for _ in range(NEWTON):
+        patch = _projected(solid, patch)
+    return patch.vertices, _normals_of(solid, patch.vertices, spacing)
+
+
+def _in_order(vertices: Array, faces: Index) -> tuple[Index, Index]:
+    """Return some faces by themselves, in an order that depends on their places alone.
+
+    Returns
+    -------
+    numbers : (k,) int array
+        Of their vertices.
+    faces : (f, 3) int array
+        As indices into these.
+    """
+    numbers = np.unique(faces)
+    numbers = numbers[np.lexsort(vertices[numbers].T)]
+    rank = np.zeros(len(vertices), np.intp)
+    rank[numbers] = np.arange(len(numbers))
+    inner = rank[faces]
+    first = inner.argmin(axis=1)
+    inner = np.take_along_axis(inner, (first[:, None] + np.arange(3)) % 3, axis=1)
+    return numbers, inner[np.lexsort(inner.T)]
+
+
+def _depends_on(
+    vertices: Array, faces: Index, free: Flags, spacing: Array, solid: Implicit
+) -> Hashable:
+    return vertices.tobytes(), faces.tobytes(), free.tobytes(), spacing.tobytes(), signature(solid)
+
+
+@remembered(limit=512, key=_depends_on)
+def _even(vertices: Array, faces: Index, free: Flags, spacing: Array, solid: Implicit) -> Sewn:
+    """Even out the mesh around one seam; where that turns faces over it stays as it was."""
+    normals = -unit(solid.sample(vertices).gradient)
+    before = Patch(vertices, faces, free, np.arange(len(vertices)), normals, spacing)
+    patch = _improved(solid, before, COLLAPSES)
+    for _ in range(EVENINGS):
+        patch = _improved(solid, patch, 1)
+    for _ in range(ROUNDS):
+        over = patch.faces[patch.facing() <= OVERTURNED]
+        if not len(over):
+            break
+        patch = replace(patch, free=free[patch.parents] & _near(patch, over))
+        patch = _improved(solid, patch, 1)
+    patch = replace(patch, free=free[patch.parents])
+    worse = (patch.facing() <= OVERTURNED).sum() > (before.facing() <= OVERTURNED).sum()
+    if worse or not _fits(before, patch) or not np.isfinite(patch.vertices).all():
+        patch = before
+    normals = np.zeros_like(patch.vertices)
+    normals[patch.free] = _normals_of(solid, patch.vertices[patch.free], patch.spacing[patch.free])
+    return Sewn(patch.vertices, patch.faces, patch.parents, patch.free, normals)
+
+
+def _fits(before: Patch, patch: Patch) -> bool:
+    """Whether a patch has the border that it had, so that the mesh around it stays closed."""
+    before_ends, ends = (
+        np.sort(_border_keys(some, len(before.parents))) for some in (before, patch)
+    )
+    return np.array_equal(before_ends, ends)
+
+
+def _border_keys(patch: Patch, count: int) -> Index:
+    a, b = border_edges(patch.faces, len(patch.vertices)).T
+    keys: Index = patch.parents[a] * count + patch.parents[b]
+    return keys
+
+
+def _near(patch: Patch, faces: Index) -> Flags:
+    """Mark the vertices of some faces, and those around them."""
+    near = np.zeros(len(patch.vertices), dtype=bool)
+    near[faces] = True
+    for _ in range(MENDED):
+        near[patch.faces[near[patch.faces].any(axis=1)]] = True
+    return near
+
+
+def _improved(solid: Implicit, patch: Patch, collapses: int) -> Patch:
+    """Collapse slivers, flip and relax, and project."""
+    patch = relaxed(flipped_edges(collapsed(patch, SLIVER, collapses), FLIPS))
+    return _projected(solid, patch)
+
+
+def _projected(solid: Implicit, patch: Patch) -> Patch:
+    """Move free vertices by a damped Newton step; normals come from the gradient."""
+    at = np.flatnonzero(patch.free)
+    value, gradient, _ = solid.sample(patch.vertices[at])
+    square = np.maximum(dot(gradient, gradient), FLATTEST**2)
+    way = value / square
+    far = np.abs(way) * np.sqrt(square)
+    way *= np.minimum(1.0, STRIDE * patch.spacing[at] / np.maximum(far, 1e-300))
+    vertices, normals = patch.vertices.copy(), patch.normals.copy()
+    vertices[at] -= way[:, None] * gradient
+    normals[at] = -unit(gradient)
+    return replace(patch, vertices=vertices, normals=normals)
+
+
+def _normals_of(solid: Implicit, points: Array, spacing: Array) -> Array:
+    """Return unit normals, outwards, by differences of the value at a tetrahedron's corners."""
+    width = DIFFERENCE * spacing[:, None, None]
+    corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)
+    values = solid.value(corners).reshape(-1, 4)
+    return unit(-values @ _TETRAHEDRON)
+
+
+def _set_in(rest: Sewn, parts: list[tuple[Index, Sewn]]) -> Sewn:
+    """Put seams, each of some vertices (by number) of a mesh, into the rest of that mesh."""
+    count = len(rest.vertices)
+    rows, points, moved = [rest.faces], [rest.vertices], [rest.moved]
+    parents, normals = [rest.parents], [rest.normals]
+    for numbers, part in parts:
+        number = numbers[part.parents]
+        new = int(part.moved.sum())
+        number[part.moved] = count + np.arange(new)
+        count += new
+        rows.append(number[part.faces])
+        points.append(part.vertices[part.moved])
+        normals.append(part.normals[part.moved])
+        moved.append(np.ones(new, dtype=bool))
+        parents.append(numbers[part.parents[part.moved]])
+    every = np.concatenate(rows)
+    used = np.zeros(count, dtype=bool)
+    used[every] = True
+    rank = np.cumsum(used) - 1
+    place, normal = np.concatenate(points)[used], np.concatenate(normals)[used]
+    return Sewn(
+        place, rank[every], np.concatenate(parents)[used], np.concatenate(moved)[used], normal
+    )

@@ -1,0 +1,120 @@
+"""The export dialog: what it shows is what is written, and it remembers the last choice."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog, QMessageBox
+
+from bozzetto.exchange.handover import Handover
+from bozzetto.geometry import Mesh, Shapes, Solid
+from bozzetto_app.dialogs.handover import HandoverDialog
+
+
+def block(x):
+    import manifold3d
+
+    made = manifold3d.Manifold.cube((10, 20, 30)).refine(6).translate((x, 0, 0)).to_mesh()
+    return Mesh(made.vert_properties[:, :3], made.tri_verts)
+
+
+@pytest.fixture
+def window(make_window, settle):
+    made = make_window()
+    for number in range(2):
+        shapes = Shapes(solids=(Solid(block(50.0 * number)),))
+        model = made.session.workbench.sources.from_shapes("bozzetto.mesh", shapes, f"box {number}")
+        made.session.drawing.apply_model("Import", model, is_new=True)
+    settle(made.session)
+    return made
+
+
+def opened(window):
+    window.files.ask_export()
+    return window.findChildren(HandoverDialog)[-1]
+
+
+def ready(qtbot, dialog):
+    qtbot.waitUntil(dialog.go.isEnabled, timeout=30_000)
+
+
+def choose(dialog, *wanted):
+    for name, toggle in dialog.formats.items():
+        toggle.setChecked(name in wanted)
+
+
+def test_what_the_dialog_foresees_is_written_and_remembered(
+    window, settle, qtbot, tmp_path, monkeypatch
+):
+    dialog = opened(window)
+    choose(dialog, "stl", "obj")
+    dialog.triangles.setValue(100)
+    dialog.scale.setValue(2.0)
+    ready(qtbot, dialog)
+    assert "120 × 40 × 60 mm" in dialog.state.text()
+    assert dialog.handover == Handover(scale=2.0, triangles=100)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "a.stl"), ""))
+    said = dialog.state.text()
+    dialog.go.click()
+    settle(window.session)
+    data = (tmp_path / "a.stl").read_bytes()
+    count = struct.unpack_from("<I", data, 80)[0]
+    assert count <= 100
+    # Two boxes as one: STL has those of both.
+    assert f"{count} triangles" in said
+    assert (tmp_path / "a.obj").exists()
+    assert (tmp_path / "a.mtl").exists()
+    again = opened(window)
+    assert again.chosen == tuple(n for n in again.formats if n in ("stl", "obj"))
+    assert again.handover == Handover(scale=2.0, triangles=100)
+
+
+def test_objects_are_chosen_and_none_cannot_be_exported(window, qtbot, settle, tmp_path):
+    dialog = opened(window)
+    choose(dialog, "stl")
+    ready(qtbot, dialog)
+    assert dialog.names is None
+    dialog.objects.item(0).setCheckState(Qt.CheckState.Unchecked)
+    assert dialog.names == ("box 1",)
+    assert not dialog.go.isEnabled()
+    ready(qtbot, dialog)
+    assert "10 × 20 × 30 mm" in dialog.state.text()
+    dialog.objects.item(1).setCheckState(Qt.CheckState.Unchecked)
+    assert not dialog.go.isEnabled()
+    choose(dialog)
+    assert "format" in dialog.state.text()
+
+
+def test_what_a_format_cannot_hold_is_said_before_it_is_chosen(window, qtbot):
+    dialog = opened(window)
+    choose(dialog, "step")
+    qtbot.waitUntil(lambda: "STEP" in dialog.state.text(), timeout=30_000)
+    assert not dialog.go.isEnabled()
+
+
+@pytest.mark.parametrize("wrong", ["nonsense", "nan", "-inf"])
+def test_settings_that_anybody_wrote_do_not_stop_the_dialog(window, qtbot, wrong):
+    from bozzetto_app.settings import settings
+
+    for key in ("formats", "unit", "up", "scale", "triangles", "lines", "lay_flat"):
+        settings().setValue(f"handover/{key}", wrong)
+    dialog = opened(window)
+    ready(qtbot, dialog)
+    assert dialog.handover == Handover()
+
+
+def test_each_file_that_is_there_is_asked_about(window, qtbot, settle, tmp_path, monkeypatch):
+    (tmp_path / "a.obj").write_bytes(b"theirs")
+    dialog = opened(window)
+    choose(dialog, "stl", "obj")
+    ready(qtbot, dialog)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "a.stl"), ""))
+    monkeypatch.setattr(QMessageBox, "question", lambda *_: QMessageBox.StandardButton.No)
+    dialog.go.click()
+    settle(window.session)
+    assert (tmp_path / "a.obj").read_bytes() == b"theirs"
+    assert not (tmp_path / "a.stl").exists()
+    assert np.isfinite(dialog.scale.value())

@@ -1,0 +1,43 @@
+"""A slip of the pen must not flatten the end of an ellipse, and a flat end must be reported."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto_silhouette.analysis.fidelity import measure
+from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
+from bozzetto_silhouette.inflation.variational import VariationalHeights
+from tests.plugins.silhouette.inflation.kinked_ellipses import (
+    ellipse,
+    end_shares,
+    inflated,
+    slipped,
+    trembling,
+)
+
+VOLUME = 4.0 / 3.0 * np.pi * 60.0 * 30.0 * 30.0
+
+
+@pytest.mark.parametrize("heights", [VariationalHeights(), ConvolutionHeights()])
+def test_an_ellipse_stays_round_whatever_slips(heights: HeightModel) -> None:
+    for points in (*slipped(3, 6), *trembling(3, 3)):
+        solid = inflated(points, heights)
+        if isinstance(heights, VariationalHeights):
+            assert min(end_shares(solid)) > 0.75
+        found = measure(solid)
+        assert found.volume == pytest.approx(VOLUME, rel=0.06)
+        assert found.flattest > 0.85
+
+
+def test_the_report_tells_of_a_flat_end() -> None:
+    solid = inflated(ellipse()[0], ConvolutionHeights())
+    whole = measure(solid)
+    assert whole.flattest > 0.9
+    x = solid.plan.points[:, 0]
+    pressed = np.where(x > 40.0, 0.33, 1.0)
+    flat = replace(solid, front=solid.front * pressed, back=solid.back * pressed)
+    assert measure(flat).flattest < 0.7 * whole.flattest
+    assert measure(flat).iou == whole.iou

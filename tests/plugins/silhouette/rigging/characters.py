@@ -1,0 +1,106 @@
+"""Characters to rig: outlines put together from limbs, and how their skins stretch."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import shapely
+from scipy.spatial.transform import Rotation
+
+from bozzetto.ink import Stroke, Strokes
+from bozzetto.view import Camera
+from bozzetto_silhouette.model.state import Part, SilhouetteState
+
+FRONT = Camera("orthographic", eye=(0, -500, 0), height=300.0, viewport=(900, 900))
+
+
+def drawn(points, camera=FRONT):
+    """A stroke through places on the sheet, mm."""
+    pixels, _ = camera.project(np.column_stack([points[:, 0], 0 * points[:, 0], points[:, 1]]))
+    return Stroke(*pixels.T, camera)
+
+
+def state_of_rings(rings, resolution=64):
+    """One part of closed rings, mm."""
+    strokes = Strokes(drawn(np.vstack([ring, ring[:1]])) for ring in rings)
+    return SilhouetteState(
+        nodes=(Part(id="n1", name="Part 1", strokes=strokes),), resolution=resolution
+    )
+
+
+def fitted(rings, size=160.0):
+    """Rings of a picture, y down, brought to a size around the middle, y up."""
+    rings = [ring * [1.0, -1.0] for ring in rings]
+    low, high = np.vstack(rings).min(axis=0), np.vstack(rings).max(axis=0)
+    return [(ring - 0.5 * (low + high)) * size / (high - low).max() for ring in rings]
+
+
+def limb(*balls):
+    """The hull of each two balls (x, y, radius) in a row."""
+    discs = [shapely.Point(x, y).buffer(r, 32) for x, y, r in balls]
+    hulls = [a.union(b).convex_hull for a, b in itertools.pairwise(discs)]
+    return shapely.unary_union(hulls)
+
+
+def man(arms=0.0, seed=None):
+    """The outline of a person who faces us, (n, 2), mm; arms raised by degrees.
+
+    With a seed no two measures are those of another.
+    """
+    share = (lambda: 1.0) if seed is None else np.random.default_rng(seed).uniform
+    vary = (lambda v: v) if seed is None else (lambda v: v * share(0.85, 1.15))
+    pieces = [
+        limb((0, -20, vary(17)), (0, 25, vary(20))),
+        limb((0, 25, 10), (0, 50, 9)),
+        shapely.Point(0, 62).buffer(vary(17), 32),
+    ]
+    turn = np.radians(arms)
+    arm = np.array([[31, -4], [63, -12], [71, -14]]) * vary(1.0)
+    arm = arm @ [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]] + [9, 32]
+    leg = np.array([[16, -60], [18, -85], [24, -88]]) * vary(1.0)
+    thick, thin = vary(9), vary(7)
+    for side in (-1, 1):
+        pieces.append(limb((9 * side, 32, thick), *((side * x, y, thin) for x, y in arm)))
+        pieces.append(limb((9 * side, -25, 11), *((side * x, y, thin) for x, y in leg)))
+    rounded = shapely.unary_union(pieces).buffer(-3).buffer(6).buffer(-3)
+    return np.array(rounded.exterior.coords)[:-1]
+
+
+def dense(skin):
+    """Weights as a table, (v, n)."""
+    table = np.zeros((len(skin.weights), len(skin.rig.joints)))
+    np.add.at(table, (np.arange(len(table))[:, None], skin.joints.astype(int)), skin.weights)
+    return table
+
+
+def followers(skin):
+    """The share of each vertex that follows a joint or one beyond it, (v, n)."""
+    table = dense(skin)
+    for joint in range(len(skin.rig.parents) - 1, 0, -1):
+        if skin.rig.parents[joint] >= 0:
+            table[:, skin.rig.parents[joint]] += table[:, joint]
+    return table
+
+
+def stretches(mesh, skin, degrees=40.0):
+    """For each joint the largest ratio of an edge's length after and before a turn about any axis.
+
+    Linear blend skinning, written down anew: x + C (R - 1)(x - p).
+    """
+    vertices = mesh.vertices.astype(float)
+    edges = np.sort(np.concatenate([mesh.faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
+    a, b = np.unique(edges, axis=0).T
+    length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+    real = length > 1e-6 * np.ptp(vertices, axis=0).max()
+    moved = followers(skin)
+    worst = np.ones(len(skin.rig.joints))
+    axes = [*np.eye(3), *-np.eye(3), *(np.array([[1, 1, 1], [1, -1, 0], [0, 1, -1]]) / 1.6)]
+    for joint, place in enumerate(skin.rig.joints):
+        for axis in axes:
+            vector = np.radians(degrees) * axis / np.linalg.norm(axis)
+            turn = Rotation.from_rotvec(vector).as_matrix()
+            after = vertices + moved[:, [joint]] * ((vertices - place) @ (turn - np.eye(3)).T)
+            ratio = np.linalg.norm(after[a] - after[b], axis=1)[real] / length[real]
+            worst[joint] = max(worst[joint], ratio.max())
+    return worst

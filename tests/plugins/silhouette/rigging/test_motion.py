@@ -1,0 +1,157 @@
+"""Motions of rigs: walks, sways and key poses, in the window's steps and in files."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from bozzetto.document.model import Document
+from bozzetto.errors import UserError
+from bozzetto.exchange.export import encode_shapes
+from bozzetto.geometry import Shapes
+from bozzetto.ink import Drawing
+from bozzetto.plugin import Context, Job
+from bozzetto.plugin.host.registry import Registry
+from bozzetto.workbench.films import frames, glb_of
+from bozzetto.workbench.links import with_state
+from bozzetto.workbench.workbench import Workbench
+from bozzetto_silhouette.model.state import SilhouetteState
+from bozzetto_silhouette.modeler import Silhouette
+from bozzetto_silhouette.rigging.posing import rig_of
+from tests.core.exchange.test_skins import opened, shown
+from tests.plugins.silhouette.outlines import COMMITTED, circle, svg_rings
+from tests.plugins.silhouette.rigging.characters import FRONT, fitted, man, state_of_rings
+from tests.plugins.silhouette.rigging.test_armature import turned
+
+MODELER = Silhouette()
+COMMANDS = {command.id: command for command in MODELER.commands()}
+PERSON = state_of_rings([man()], 48)
+DRAWING = Drawing(PERSON.nodes[0].strokes, FRONT)
+HORSE = state_of_rings(fitted(svg_rings(COMMITTED / "horse_skimage.svg")), 48)
+ANIMATE = next(tool for tool in MODELER.tools() if tool.id == "animate")
+
+
+def ran(state, command):
+    return COMMANDS[command].run(state, Context())
+
+
+def later(state, seconds):
+    return ANIMATE.step(state, None, seconds, Context())
+
+
+def solid_of(state):
+    return MODELER.shapes(state, MODELER.solve(state, Job("preview"))).solids[0]
+
+
+def at_time(data, seconds):
+    """A file's nodes as a viewer turns them at a time: glTF 2.0, appendix C, linear samplers."""
+    gltf, values = opened(data)
+    for animation in gltf["animations"]:
+        for channel in animation["channels"]:
+            sampler = animation["samplers"][channel["sampler"]]
+            assert channel["target"]["path"] == "rotation"
+            times, turns = values(sampler["input"])[:, 0], values(sampler["output"])
+            k = min(int(np.searchsorted(times, seconds, side="right")) - 1, len(times) - 2)
+            part = (seconds - times[k]) / (times[k + 1] - times[k])
+            one, other = Rotation.from_quat(turns[k]), Rotation.from_quat(turns[k + 1])
+            turn = one * Rotation.from_rotvec(part * (one.inv() * other).as_rotvec())
+            gltf["nodes"][channel["target"]["node"]]["rotation"] = turn.as_quat().tolist()
+    return gltf, values
+
+
+@pytest.mark.parametrize("motion", ["walk", "sway"])
+@pytest.mark.parametrize("state", [PERSON, HORSE], ids=["person", "horse"])
+def test_a_viewer_of_the_file_sees_what_the_window_plays(state, motion, monkeypatch):
+    state = ran(state, motion)
+    data = encode_shapes(Shapes(solids=(solid_of(state),)), "a.glb")
+    gltf, _ = opened(data)
+    (animation,) = gltf["animations"]
+    assert animation["name"] == motion
+    now = state
+    for seconds in (0.04, 0.17, 0.05, 0.31):
+        now = later(now, seconds)
+        monkeypatch.setattr(
+            "tests.core.exchange.test_skins.opened", lambda data, t=now.time: at_time(data, t)
+        )
+        np.testing.assert_allclose(shown(data, 0), solid_of(now).mesh.vertices, atol=2e-3)
+        monkeypatch.undo()
+
+
+def test_a_motion_comes_back_to_where_it_began_and_keeps_its_bones():
+    state = ran(PERSON, "walk")
+    rest = rig_of(PERSON).joints
+    now, apart = state, 0.0
+    for _ in range(24):
+        now = later(now, 0.05)
+        places = rig_of(now).posed()[1]
+        apart = max(apart, np.abs(places - rest).max())
+        for joint, parent in enumerate(rig_of(now).parents):
+            if parent >= 0:
+                length = np.linalg.norm(places[joint] - places[parent])
+                assert length == pytest.approx(np.linalg.norm(rest[joint] - rest[parent]))
+    assert now.time == pytest.approx(0.0, abs=1e-9) or now.time == pytest.approx(1.2)
+    assert apart > 15.0, "it does move"
+    np.testing.assert_allclose(rig_of(now).posed()[1], rig_of(state).posed()[1], atol=1e-6)
+
+
+def test_left_and_right_walk_alike_half_a_cycle_apart():
+    state = ran(PERSON, "walk")
+    rig = rig_of(state)
+    half = rig_of(later(replace(state, time=0.6 - 1e-9), 1e-9))
+    for name in ("Leg", "Leg-2", "Arm"):
+        left, right = rig.names.index(f"{name}.L"), rig.names.index(f"{name}.R")
+        np.testing.assert_allclose(np.abs(rig.turns[left]), np.abs(half.turns[right]), atol=1e-6)
+
+
+def test_kept_poses_become_a_motion_in_their_order():
+    one = turned(PERSON, 1, (0, 1, 0), 30)
+    other = turned(PERSON, 1, (0, 1, 0), -30)
+    state = ran(one, "keep-pose")
+    state = ran(replace(state, turns=other.turns), "keep-pose")
+    assert [key.turns for key in state.keys] == [one.turns, other.turns]
+    middle = rig_of(later(state, 0.5 * state.beat))
+    np.testing.assert_allclose(middle.posed()[1], rig_of(PERSON).joints, atol=1e-6)
+    assert ran(state, "next-pose").turns == other.turns
+    assert ran(ran(state, "next-pose"), "next-pose").turns == one.turns
+    assert len(ran(state, "forget-pose").keys) == 1
+    assert ran(state, "rest").turns == ran(state, "rest").keys == ()
+
+
+def test_a_film_from_the_command_line_has_the_motion():
+    bench = Workbench(Registry())
+    model = bench.sources.from_drawing("bozzetto.silhouette", DRAWING, {"resolution": 32})
+    model = with_state(bench.registry, model, ran(model.state, "sway"))
+    film = frames(bench, Document((model,)), 0.4, 10)
+    gltf, values = opened(glb_of(bench, film, 10))
+    (animation,) = gltf["animations"]
+    assert animation["channels"]
+    times = values(animation["samplers"][0]["input"])
+    np.testing.assert_allclose(times[:, 0], [0.0, 0.1, 0.2, 0.3, 0.4], atol=1e-6)
+
+
+@pytest.mark.parametrize("command", sorted(COMMANDS))
+@pytest.mark.parametrize(
+    "state",
+    [SilhouetteState(), state_of_rings([circle(0, 0, 20)], 32)],
+    ids=["nothing", "a ball"],
+)
+def test_where_there_is_nothing_to_move_commands_say_so_or_change_no_shape(state, command):
+    """Commands end with a state or with a sentence, never with another exception."""
+    after = state
+    with suppress(UserError):
+        after = ran(state, command)
+    assert after.nodes == state.nodes
+    assert after.turns == ()
+
+
+def test_a_motion_survives_a_change_of_the_ink():
+    state = ran(PERSON, "walk")
+    other = replace(state, nodes=(replace(state.nodes[0], strokes=HORSE.nodes[0].strokes),))
+    assert solid_of(later(other, 0.1)).skin is not None
+    assert later(replace(other, nodes=state.nodes), 0.1).keys == state.keys
+    with pytest.raises(UserError):
+        later(replace(state, nodes=()), 0.1)

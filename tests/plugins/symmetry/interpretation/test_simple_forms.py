@@ -1,0 +1,115 @@
+"""Curves across the plane where the rays say nothing: straight bars and flat curves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bozzetto_symmetry.ink.sides import Side
+from bozzetto_symmetry.interpretation.reader import read
+from bozzetto_symmetry.interpretation.straight_crossing import as_bar
+from bozzetto_symmetry.model.state import SymmetryState
+from bozzetto_symmetry.operations.assign_stroke import add_drawing
+from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+from tests.plugins.symmetry import meant_drawings as m
+from tests.plugins.symmetry import scenes as s
+from tests.plugins.symmetry.scenes import TURN, camera
+
+BOX = SymmetryState().bounds
+BAR = np.array((40.0, 0.0, 10.0)) + np.outer(np.linspace(-1, 1, 100), (0.0, 30.0, 0.0))
+HOOP = np.column_stack((20 + 30 * np.cos(TURN), 40 * np.sin(TURN), 5 - 15 * np.cos(TURN)))
+
+
+def solved(meant: m.Meant) -> Trace:
+    state = add_drawing(SymmetryState(), meant.strokes)
+    return trace_of(state.curves[0], state)
+
+
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("azimuth", [-60, -20, 30, 70])
+def test_a_bar_is_exact(azimuth: float, sense: int, kind) -> None:
+    view = camera(azimuth, 20, kind, pixels=800.0)
+    pixels = s.drawn(BAR, view, sense=sense)
+    (found,) = as_bar(Stereo(view), pixels, 0.0)
+    made = found.whole
+    np.testing.assert_allclose(made.points[[0, -1]], BAR[::sense][[0, -1]], atol=1e-6)
+    np.testing.assert_allclose(made.points, made.points[::-1] * MIRROR, atol=1e-12)
+    np.testing.assert_allclose(made.covariances, np.swapaxes(made.covariances, 1, 2))
+    assert made.cost < 1e-6
+
+
+def test_the_doubt_about_a_bar_is_that_of_erring_ends() -> None:
+    view = camera(35, 20, pixels=800.0)
+    pixels = s.drawn(BAR, view)
+    random = np.random.default_rng(7)
+    missed = []
+    for _ in range(300):
+        ends = pixels[[0, -1]] + 1.5 * random.standard_normal((2, 2))
+        drawn = np.linspace(*ends, 100) + 0.3 * random.standard_normal(2)
+        for each in as_bar(Stereo(view), drawn, 0.0):
+            missed.append(each.whole.points[0] - BAR[0])
+    form = next(as_bar(Stereo(view), pixels, 0.0)).whole.form
+    assert form is not None
+    told = np.trace(form.covariance) ** 0.5
+    measured = float(np.sqrt(np.mean(np.sum(np.array(missed)[:, [0, 2]] ** 2, axis=1))))
+    assert len(missed) > 150
+    assert 0.7 < measured / told < 1.3
+
+
+def test_a_line_across_the_epipolar_lines_is_no_bar() -> None:
+    view = camera(35, 20, pixels=800.0)
+    rail = np.linspace((-60.0, 20.0, 0.0), (60.0, 20.0, 0.0), 100)
+    assert not list(as_bar(Stereo(view), s.drawn(rail, view), 0.0))
+
+
+def test_what_turns_back_is_no_bar() -> None:
+    view = camera(35, 20, pixels=800.0)
+    pixels = s.drawn(np.vstack((BAR, BAR[::-1][:80])), view)
+    assert not list(as_bar(Stereo(view), pixels, 0.0))
+
+
+@pytest.mark.parametrize("line", [np.zeros((1, 2)), np.zeros((4, 2)), np.full((2, 2), 1e6)])
+def test_dots_are_no_bars(line: np.ndarray) -> None:
+    assert not list(as_bar(Stereo(camera(35, 20)), line, 0.0))
+
+
+@pytest.mark.parametrize("seed", range(400, 406))
+def test_bars_by_hand_are_straight(seed: int) -> None:
+    meant = m.bar(1.0, np.random.default_rng(seed))
+    trace = solved(meant)
+    assert trace.reading == "self"
+    assert np.ptp(trace.points[:, [0, 2]], axis=0).max() < 0.01 * meant.size
+    np.testing.assert_allclose(trace.points, trace.points[::-1] * MIRROR, atol=1e-9)
+    assert trace.choices > 1  # bent, or in the plane: the X key has them
+
+
+@pytest.mark.parametrize("azimuth", [25, 50, 65])
+def test_a_flat_ring_is_flat_and_says_so(azimuth: float) -> None:
+    view = camera(azimuth, 20, pixels=800.0)
+    random = np.random.default_rng(azimuth)
+    pixels = s.drawn(HOOP, view, noise=1.0, random=random, closed=True)
+    side = Side(pixels, True, 0.1, (0,))
+    best = read(Stereo(view), [side], box=BOX)[0]
+    assert best.ring
+    assert best.form is not None
+    normal, away = best.form.planes[0, :3], best.form.planes[0, 3]
+    assert np.linalg.norm(normal) == pytest.approx(1.0)
+    assert normal[1] == 0.0
+    np.testing.assert_allclose(best.points @ normal, away, atol=1e-3)
+    assert s.distances(best.points, HOOP, closed=True).max() < 0.05 * 100.0
+
+
+@pytest.mark.parametrize("name", s.RINGS)
+def test_a_ring_that_is_not_flat_is_not_flattened(name: str) -> None:
+    view = camera(30, 20, pixels=800.0)
+    side = Side(s.drawn(s.RINGS[name], view), True, 0.0, (0,))
+    assert read(Stereo(view), [side], box=BOX)[0].form is None
+
+
+def test_a_curve_off_its_ink_is_told() -> None:
+    told = [
+        solved(m.spiral(1.0, np.random.default_rng(seed))) for seed in (107, 120)
+    ]  # matched from one turn to the next, or reaching out of the box
+    assert any("off its ink" in text for trace in told for text in trace.warnings)

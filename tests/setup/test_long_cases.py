@@ -1,0 +1,51 @@
+"""What the default run leaves out: chosen by cost, and every test is in some run."""
+
+from __future__ import annotations
+
+from tests import long_cases
+from tests.setup.test_bootstrap import ROOT
+
+PRINTED = """
+============ slowest durations ============
+3.00s call     tests/a.py::test_heavy
+0.20s setup    tests/a.py::test_cases[one]
+0.20s call     tests/a.py::test_cases[one]
+0.30s call     tests/a.py::test_cases[two [2]]
+0.10s call     tests/a.py::TestKit::test_cheap[one]
+0.10s teardown tests/a.py::TestKit::test_cheap[two]
+"""
+
+
+def test_costs_are_those_of_whole_cases():
+    found = long_cases.costs(PRINTED.splitlines())
+    assert {name: sorted(seconds) for name, seconds in found.items()} == {
+        "tests/a.py::test_heavy": [3.0],
+        "tests/a.py::test_cases": [0.3, 0.4],
+        "tests/a.py::TestKit::test_cheap": [0.1, 0.1],
+    }
+
+
+def test_what_costs_much_is_left_out_and_of_many_cases_the_first_stays(tmp_path, monkeypatch):
+    monkeypatch.setattr(long_cases, "LIST", tmp_path / "list.txt")
+    (tmp_path / "run.txt").write_text(PRINTED, encoding="utf-8")
+    long_cases.main([str(tmp_path / "run.txt")])
+    names = [
+        "tests/a.py::test_heavy",
+        "tests/a.py::test_cases[one]",
+        "tests/a.py::test_cases[two [2]]",
+        "tests/a.py::TestKit::test_cheap[one]",
+        "tests/a.py::TestKit::test_cheap[two]",
+        "tests/a.py::test_new",
+    ]
+    assert long_cases.long_ones(names) == [True, False, True, False, False, False]
+
+
+def test_the_list_names_tests_that_there_are():
+    inherited = {"test_contract", "runTest"}  # from kits: ours for modelers, a state machine's
+    gone = []
+    for name in long_cases.listed():
+        path, function = name.split("::")[0], name.split("::")[-1]
+        known = f"def {function}(" in (ROOT / path).read_text(encoding="utf-8")
+        if not known and function not in inherited:
+            gone.append(name)
+    assert not gone
