@@ -28,7 +28,10 @@ WAIT_SECONDS: Final = 0.25
 """Time for which a busy lock is tried again: somebody may just be looking at it."""
 
 FRESH_SECONDS: Final = 2.0
-"""Age up to which a lock file may be empty where the disk has no locks."""
+"""Time that a lock file may be empty, and that one without a living holder may be busy.
+
+A holder writes its name at once, and nobody looks for long.
+"""
 
 POLL_SECONDS: Final = 0.02
 LARGEST: Final = 4096
@@ -130,7 +133,7 @@ class FileLock:
                     return cls(place, handle)
                 blocking = _cleared(place, force)
                 late = time.monotonic() - end
-                if blocking is not None and late > 0.0:
+                if blocking is not None and late > (0.0 if _lives(blocking) else FRESH_SECONDS):
                     raise Locked(name, blocking)
                 if late > FRESH_SECONDS:  # a link to nowhere, for instance
                     raise FileExistsError(errno.EEXIST, f"{place.name} is in the way")
@@ -267,6 +270,11 @@ def _stands_in_the_way(taken: Taken, found: Holder | None, age: float) -> bool:
     if found is None:
         return taken is Taken.UNKNOWN and age < FRESH_SECONDS
     return found.is_elsewhere or (taken is Taken.UNKNOWN and not found.is_gone)
+
+
+def _lives(named: Holder) -> bool:
+    """Whether a holder is more than somebody who looks at a file that others left."""
+    return named.pid != 0 and not named.is_gone
 
 
 def _close(handle: int) -> None:

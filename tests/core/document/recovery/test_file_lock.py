@@ -21,7 +21,7 @@ from bozzetto.document.recovery.file_lock import (
     holder,
 )
 from bozzetto.errors import UserError
-from bozzetto.file_locks import Taken
+from bozzetto.file_locks import Taken, take
 from bozzetto.processes import machine_id
 
 
@@ -246,3 +246,14 @@ def test_looking_at_locks_keeps_nobody_from_taking_one(tmp_path):
         end.set()
         for thread in looking:
             thread.join()
+
+
+def test_who_only_looks_at_an_abandoned_lock_is_waited_for(tmp_path):
+    place = tmp_path / "lock"
+    place.touch()
+    handle = os.open(place, os.O_RDWR)
+    assert take(handle) is Taken.YES
+    looking = threading.Timer(2.0 * lock.WAIT_SECONDS, os.close, (handle,))
+    looking.start()
+    FileLock.acquire(place, "a").release()
+    looking.join()
