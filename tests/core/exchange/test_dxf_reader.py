@@ -210,7 +210,7 @@ def test_damaged_files_raise_nothing_but_sentences():
 
 def test_entities_of_other_programs_are_left_out_and_told():
     parts = drawn(square).rsplit(b"  0\nLINE\n", 1)
-    unknown = b"  0\nVENDOR_THING\n  5\nFFF\n330\n1F\n100\nAcDbEntity\n  8\n0\n"
+    unknown = b"  0\nVENDOR_THING\n  5\nFFF\n100\nAcDbEntity\n  8\n0\n"
     drawing = read_drawing(parts[0] + unknown + b"  0\nLINE\n" + parts[1], "a")
     assert len(drawing.strokes) == 1
     assert "VENDOR_THING" in " ".join(drawing.left_out)
