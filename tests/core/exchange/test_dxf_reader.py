@@ -209,9 +209,10 @@ def test_damaged_files_raise_nothing_but_sentences():
 
 
 def test_entities_of_other_programs_are_left_out_and_told():
-    parts = drawn(square).rsplit(b"  0\nLINE\n", 1)
-    unknown = b"  0\nVENDOR_THING\n  5\nFFF\n100\nAcDbEntity\n  8\n0\n"
-    drawing = read_drawing(parts[0] + unknown + b"  0\nLINE\n" + parts[1], "a")
+    known, last = drawn(square).rsplit(b"  0\nLINE\n", 1)
+    of_it, rest = last.split(b"  0\n", 1)
+    unknown = b"  0\nVENDOR_THING\n  5\nFFF" + of_it[of_it.index(b"\n330\n") :]
+    drawing = read_drawing(known + b"  0\nLINE\n" + of_it + unknown + b"  0\n" + rest, "a")
     assert len(drawing.strokes) == 1
     assert "VENDOR_THING" in " ".join(drawing.left_out)
 
