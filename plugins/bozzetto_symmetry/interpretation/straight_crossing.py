@@ -58,6 +58,8 @@ def as_bar(stereo: Stereo, pixels: Array, more: float) -> Iterator[Candidate]:
     if len(pixels) < 2 or not length > 0:
         return
     angles, scales = stereo.angles(pixels), stereo.pixels_per_angle(pixels)
+    if not np.isfinite(scales @ scales):  # a view of everything
+        return
     middle = float(np.average(angles, weights=scales**2))
     off = float(np.sqrt(np.mean((scales * (angles - middle)) ** 2)))
     widest, share = ON_LINE
