@@ -1,13 +1,8 @@
-"""Rigs in the hands of Blender: bones, axes, sides, and what a motion does to the skin.
-
-BOZZETTO_BLENDER names a Python that has the package ``bpy``.
-"""
+"""Rigs in the hands of Blender: bones, axes, sides, and what a motion does to the skin."""
 
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 
 import numpy as np
 import pytest
@@ -17,14 +12,13 @@ from bozzetto.exchange.export import export
 from bozzetto.geometry import Shapes
 from bozzetto.plugin import Context, Job
 from bozzetto_silhouette.modeler import Silhouette
+from tests.blender import asked
 from tests.plugins.silhouette.outlines import COMMITTED, svg_rings
 from tests.plugins.silhouette.rigging.characters import fitted, man, state_of_rings
 
 pytestmark = pytest.mark.interop
 
 READ = """
-import bpy, json, os, sys
-bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.ops.import_scene.gltf(filepath=sys.argv[1])
 scene = bpy.context.scene
 rig = next(o for o in bpy.data.objects if o.type == "ARMATURE")
@@ -48,8 +42,6 @@ for seconds in json.loads(sys.argv[2]):
     frames.append([list(seen.matrix_world @ v.co) for v in made.vertices])
 groups = [group.name for group in mesh.vertex_groups]
 answer = {"bones": bones, "actions": actions, "frames": frames, "groups": groups}
-print("answer:" + json.dumps(answer), flush=True)
-os._exit(0)  # as a module it may crash while it is taken down
 """
 
 MODELER = Silhouette()
@@ -59,18 +51,7 @@ TIMES = (0.0, 0.11, 0.37, 0.7)
 
 
 def read(path, times):
-    python = os.environ.get("BOZZETTO_BLENDER")
-    if not python:
-        pytest.skip("BOZZETTO_BLENDER names no Python with bpy")
-    done = subprocess.run(
-        [python, "-c", READ, str(path), json.dumps(times)],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=300,
-    )
-    line = next(line for line in done.stdout.splitlines() if line.startswith("answer:"))
-    return json.loads(line.removeprefix("answer:"))
+    return asked(READ, path, json.dumps(times))
 
 
 def solid_of(state):

@@ -1,0 +1,124 @@
+"""Our files in the hands of Blender: places, axes, sizes, names, materials, and tight meshes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bozzetto.cli.main import main
+from bozzetto.exchange.export import export
+from bozzetto.geometry import FaceGroup, Mesh, Shapes, Solid
+from tests.blender import asked
+
+pytestmark = pytest.mark.interop
+
+PLUGINS = Path(__file__).parents[3] / "plugins"
+
+READ = """
+path = sys.argv[1]
+ending = path.rpartition(".")[2]
+if ending == "glb":
+    bpy.ops.import_scene.gltf(filepath=path, merge_vertices=True)
+else:
+    getattr(bpy.ops.wm, ending + "_import")(filepath=path)
+found = []
+for one in bpy.data.objects:
+    if one.type != "MESH":
+        continue
+    mesh = one.data
+    places = [one.matrix_world @ v.co for v in mesh.vertices]
+    uses = {}
+    for face in mesh.polygons:
+        for edge in face.edge_keys:
+            uses[edge] = uses.get(edge, 0) + 1
+    mesh.calc_loop_triangles()
+    volume = sum(
+        places[a].dot(places[b].cross(places[c])) / 6
+        for a, b, c in (t.vertices for t in mesh.loop_triangles)
+    )
+    materials = []
+    for material in mesh.materials:
+        nodes = [n for n in material.node_tree.nodes if n.type == "BSDF_PRINCIPLED"]
+        values = {k: nodes[0].inputs[k].default_value for k in ("Alpha", "Roughness", "Metallic")}
+        color = list(nodes[0].inputs["Base Color"].default_value)[:3]
+        materials.append({"name": material.name, "color": color, **values})
+    found.append({
+        "name": one.name,
+        "low": [min(p[k] for p in places) for k in range(3)],
+        "high": [max(p[k] for p in places) for k in range(3)],
+        "loose": sum(count != 2 for count in uses.values()),
+        "volume": volume,
+        "materials": materials,
+        "faces": len(mesh.polygons),
+    })
+answer = found
+"""
+
+BOX = Mesh(
+    [[x, y, z] for x in (0, 10) for y in (0, 20) for z in (0, 40)],
+    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+     [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]],
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("ending", "unit"), [("glb", 1e-3), ("obj", 1.0), ("stl", 1.0), ("ply", 1.0)]
+)
+def test_a_box_stands_as_it_was_drawn(tmp_path, ending, unit):
+    path = tmp_path / f"box.{ending}"
+    export(Shapes(solids=(Solid(BOX, "Box", (200, 50, 25)),)), path)
+    (box,) = asked(READ, path)
+    assert box["low"] == pytest.approx([0, 0, 0], abs=1e-6 * 40 * unit)  # single precision
+    assert box["high"] == pytest.approx([10 * unit, 20 * unit, 40 * unit], rel=1e-6)
+    assert box["volume"] == pytest.approx(8000 * unit**3, rel=1e-5)
+
+
+@pytest.mark.parametrize("ending", ["glb", "obj"])
+def test_what_a_part_is_made_of_is_told(tmp_path, ending):
+    finishes = {"glass": (150, 200, 255), "rubber": (12, 12, 12), "metal": (230, 230, 230)}
+    groups = tuple(FaceGroup(name, 4, color, name) for name, color in finishes.items())
+    path = tmp_path / f"box.{ending}"
+    export(Shapes(solids=(Solid(BOX, "Box", groups=groups),)), path)
+    found = {m["name"]: m for one in asked(READ, path) for m in one["materials"]}
+    assert len(found) == 3
+    glass, rubber, metal = (next(m for k, m in found.items() if f in k.lower()) for f in finishes)
+    assert glass["Alpha"] < 0.6 < rubber["Alpha"] == metal["Alpha"] == 1.0
+    assert metal["Metallic"] > 0.9 > 0.1 > rubber["Metallic"]
+    assert rubber["Roughness"] > glass["Roughness"]
+    for name, one in zip(finishes, (glass, rubber, metal), strict=True):
+        expected = np.array(finishes[name]) / 255.0
+        if ending == "glb":  # Blender takes the colours of an MTL as they are
+            expected = np.where(
+                expected <= 0.04045, expected / 12.92, ((expected + 0.055) / 1.055) ** 2.4
+            )
+        assert one["color"] == pytest.approx(expected.tolist(), abs=0.01)
+
+
+SAMPLES = [
+    ("silhouette", "horse.json"),
+    ("product", "computer-mouse.json"),
+    ("polyhedron", "bracket.json"),
+    ("car", "hatchback.json"),
+]
+
+
+@pytest.mark.parametrize(("modeler", "sample"), SAMPLES)
+def test_a_sample_comes_whole(tmp_path, modeler, sample):
+    path = tmp_path / "a.glb"
+    source = PLUGINS / f"bozzetto_{modeler}" / "samples" / sample
+    report = tmp_path / "r.json"
+    assert main(["build", modeler, str(source), "-o", str(path), "--report", str(report)]) == 0
+    said = json.loads(report.read_text())
+    found = asked(READ, path)
+    assert found
+    assert len({one["name"] for one in found}) == len(found)
+    low = np.min([one["low"] for one in found], axis=0)
+    high = np.max([one["high"] for one in found], axis=0)
+    assert (high > low).all()
+    assert 0.01 < np.linalg.norm(high - low) < 20.0, "metres"
+    if said.get("closed") or modeler == "silhouette":
+        assert sum(one["volume"] for one in found) > 0.0
+        assert sum(one["loose"] for one in found) == 0
