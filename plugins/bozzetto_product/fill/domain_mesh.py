@@ -11,7 +11,7 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import triangulate
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.domain import Domain, cross
-from bozzetto_product.fill.even_triangles import even_triangles
+from bozzetto_product.fill.ring_triangles import even_triangles
 
 NEWTON_STEPS: Final = 8
 """Steps of Newton's method for the parameters of a place; a bilinear map needs five."""

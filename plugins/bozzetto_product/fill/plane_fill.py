@@ -13,7 +13,6 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.geometry import Brep, BSplineSurface, Mesh, triangulate
 from bozzetto.plugin import override
-from bozzetto_product.fill.even_triangles import Inside, even_triangles
 from bozzetto_product.fill.fair_solution import LoopSides
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_brep import plane_brep_of, plane_parameters
@@ -21,6 +20,7 @@ from bozzetto_product.fill.fill_mesh import boundary_samples
 from bozzetto_product.fill.half_sides import HalfSide, Side
 from bozzetto_product.fill.normal_field import across
 from bozzetto_product.fill.patch_fill import PatchFill, patch_fill
+from bozzetto_product.fill.ring_triangles import Inside, even_triangles
 from bozzetto_product.network.net import Loop
 
 if TYPE_CHECKING:
