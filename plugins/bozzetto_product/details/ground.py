@@ -11,6 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import BSplineSurface
 from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.plane_fill import PlaneFill
 from bozzetto_product.model.details import OutlinePlaces
 
 GRID: Final = 13
@@ -21,6 +22,9 @@ NEAREST: Final = 4
 
 SAME_PLACE: Final = 0.01
 """Distance, as share of the size of all surfaces, within which others are where one was."""
+
+PLANE: Final = -1
+"""Number of the piece of a surface that is a plane: the same loop, bent, has others."""
 
 ROUNDS: Final = 25
 """Most steps to the nearest place."""
@@ -84,7 +88,8 @@ def located(grounds: Sequence[Ground], points: Array) -> Located:
         for g, one in enumerate(grounds)
         for k, surface in enumerate(one.fill.patches)
     ]
-    seeds = np.concatenate([surface.value(u, v) for _, _, surface in surfaces])
+    planes = {g: one.fill for g, one in enumerate(grounds) if isinstance(one.fill, PlaneFill)}
+    seeds = np.concatenate([_seeds(grounds[g].fill, surface, u, v) for g, _, surface in surfaces])
     near = np.asarray(cKDTree(seeds).query(points, k=NEAREST)[1], int)
     best = np.full(len(points), np.inf)
     which, parameters = np.zeros(len(points), int), np.zeros((len(points), 2))
@@ -94,8 +99,12 @@ def located(grounds: Sequence[Ground], points: Array) -> Located:
         for number in np.unique(owners).tolist():
             rows = np.flatnonzero(owners == number)
             start = np.column_stack((u, v))[column[rows] % len(u)]
-            surface = surfaces[number][2]
-            foot = _foot(surface, points[rows], start)
+            ground, _, surface = surfaces[number]
+            plane = planes.get(ground)
+            if plane is None:
+                foot = _foot(surface, points[rows], start)
+            else:
+                foot = plane.nearest_within(points[rows])
             places = surface.value(*foot.T)
             gaps = np.linalg.norm(places - points[rows], axis=1)
             nearer = gaps < best[rows]
@@ -108,11 +117,17 @@ def located(grounds: Sequence[Ground], points: Array) -> Located:
         normals[rows] = surfaces[number][2].normals(*parameters[rows].T)
     return Located(
         np.array([surfaces[k][0] for k in which]),
-        np.array([surfaces[k][1] for k in which]),
+        np.array([PLANE if surfaces[k][0] in planes else surfaces[k][1] for k in which]),
         parameters,
         found,
         normals,
     )
+
+
+def _seeds(fill: Fill, surface: BSplineSurface, u: Array, v: Array) -> Array:
+    """Return places of a piece from which the nearest is sought; of a plane, within its loop."""
+    places = surface.value(u, v)
+    return surface.value(*fill.nearest_within(places).T) if isinstance(fill, PlaneFill) else places
 
 
 def _foot(surface: BSplineSurface, points: Array, start: Array) -> Array:
@@ -181,10 +196,10 @@ def followed_outline(grounds: Sequence[Ground], places: OutlinePlaces) -> Follow
     lost = tuple(p for p in places.patches if not any(one.patch == p for one in grounds))
     for row in np.unique(places.rows, axis=0).tolist():
         ground = known.get((places.patches[row[0]], bool(row[1])))
-        if ground is None or not 0 <= row[2] < len(ground.fill.patches):
+        surface = None if ground is None else _piece(ground.fill, row[2])
+        if surface is None:
             continue
         chosen = (places.rows == row).all(axis=1)
-        surface = ground.fill.patches[row[2]]
         at = places.parameters[chosen]
         points[chosen], normals[chosen] = surface.value(*at.T), surface.normals(*at.T)
     gone = ~np.isfinite(points).all(axis=1)
@@ -195,6 +210,16 @@ def followed_outline(grounds: Sequence[Ground], places: OutlinePlaces) -> Follow
         found = located(near, places.points[gone])
         points[gone], normals[gone] = found.points, found.normals
     return FollowedOutline(points, normals, lost)
+
+
+def _piece(fill: Fill, number: int) -> BSplineSurface | None:
+    """Return a piece of a surface; of a plane also those that it has where it is bent."""
+    if isinstance(fill, PlaneFill):
+        if number == PLANE:
+            return fill.plane
+        bent = fill.bent
+        return None if bent is None else _piece(bent, number)
+    return fill.patches[number] if 0 <= number < len(fill.patches) else None
 
 
 def _beside(grounds: Sequence[Ground], places: OutlinePlaces, points: Array) -> Sequence[Ground]:

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, BSplineSurface, Curve, Face, ParameterCurve, Trim
 from bozzetto_product.fill.half_sides import HalfSide, Side
 from bozzetto_product.fill.quintic import DEGREE
@@ -23,13 +24,7 @@ def brep_of(
     The edges are first the pieces of the loop's edges, each in the sense of its edge, then the
     spokes, from the sides to the centre.
     """
-    edges: list[Curve] = []
-    numbers: dict[int, int] = {}
-    for side in sides:
-        for half in side.halves:
-            for piece in half.pieces:
-                numbers[id(piece.piece)] = len(edges)
-                edges.append(piece.piece.curve)
+    edges, numbers = _edges_of(sides)
     count = len(sides)
     faces = []
     for k, patch in enumerate(patches):
@@ -40,6 +35,51 @@ def brep_of(
         back = Trim(before, False, ParameterCurve.line((0, 1), (1, 1), (0.0, 1.0)))
         faces.append(Face(patch, ((*along_u, out, back, *along_v),)))
     return Brep((*edges, *spokes), tuple(faces), name)
+
+
+def plane_brep_of(sides: Sequence[Side], plane: BSplineSurface, name: str) -> Brep:
+    """Return a plane as one face within the edges of a loop.
+
+    The trims are the edges' own control points, in u and v: exact, for a plane is affine.
+
+    Parameters
+    ----------
+    sides : sequence of Side
+        Counter-clockwise in u and v.
+    plane : BSplineSurface
+        A rectangle.
+    name : str
+        What the shape is called.
+    """
+    edges, numbers = _edges_of(sides)
+    trims = []
+    for side in sides:
+        first, second = side.halves
+        for piece in (*first.pieces, *reversed(second.pieces)):
+            curve = piece.piece.curve
+            flat = plane_parameters(plane, curve.control_points)
+            path = ParameterCurve(curve.degree, curve.knots, flat)
+            trims.append(Trim(numbers[id(piece.piece)], piece.forward, path))
+    return Brep(tuple(edges), (Face(plane, (tuple(trims),)),), name)
+
+
+def plane_parameters(plane: BSplineSurface, points: Array) -> Array:
+    """Return u and v, (n, 2), of the feet of points, (n, 3), on a rectangle of its plane."""
+    net = plane.control_points
+    sides = np.stack((net[1, 0] - net[0, 0], net[0, 1] - net[0, 0]))
+    return np.asarray((points - net[0, 0]) @ (sides / (sides**2).sum(axis=1)[:, None]).T)
+
+
+def _edges_of(sides: Sequence[Side]) -> tuple[list[Curve], dict[int, int]]:
+    """Return the pieces of a loop's edges, and the number of each by its identity."""
+    edges: list[Curve] = []
+    numbers: dict[int, int] = {}
+    for side in sides:
+        for half in side.halves:
+            for piece in half.pieces:
+                numbers[id(piece.piece)] = len(edges)
+                edges.append(piece.piece.curve)
+    return edges, numbers
 
 
 def _trims(half: HalfSide, axis: int, numbers: dict[int, int]) -> list[Trim]:

@@ -80,7 +80,7 @@ def mesh_of(
     spacing : float
         Length of the segments of edges, mm.
     """
-    steps, places, owners, parameters = _boundary(sides, spacing)
+    steps, places, owners, parameters = boundary_samples(sides, spacing)
     flat = _flat_mesh(domain, steps)
     owners = np.concatenate((owners, flat.patches))
     parameters = np.concatenate((parameters, flat.parameters))
@@ -172,7 +172,7 @@ def _basis_rows(knots: Array, at: Array) -> tuple[Array, Array]:
     return np.asarray(spline(at)), np.asarray(spline(at, 1))
 
 
-def _boundary(
+def boundary_samples(
     sides: Sequence[Side], spacing: float
 ) -> tuple[list[tuple[Array, Array]], Array, Array, Array]:
     """Return the boundary vertices once round.

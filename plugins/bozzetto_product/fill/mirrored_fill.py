@@ -16,7 +16,9 @@ from bozzetto_product.fill.fair_solution import FairSolution, LoopSides
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.half_sides import HalfSide, Side, SidePiece
 from bozzetto_product.fill.normal_field import NormalField
+from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.fill.patch_space import space_of
+from bozzetto_product.fill.plane_fill import PlaneFill
 from bozzetto_product.network.net import Loop, Net
 
 
@@ -183,10 +185,13 @@ def mirrored_fill(
         Side((image_half(side.halves[1]), image_half(side.halves[0])), side.bend)
         for side in reversed(fill.sides)
     )
-    patches = tuple(_image_patch(fill.patches[-number], axis) for number in range(len(sides)))
-    solution = _image_solution(fill.solution, sides, axis)
+    count = len(fill.patches)
+    patches = tuple(_image_patch(fill.patches[-number], axis) for number in range(count))
     key = fill.key + f" mirrored {axis}".encode()
-    return Fill(loop, sides, solution, patches, fill.spacing, key)
+    if isinstance(fill, PatchFill):
+        solution = _image_solution(fill.solution, sides, axis)
+        return PatchFill(loop, sides, patches, fill.spacing, key, solution)
+    return PlaneFill(loop, sides, patches, fill.spacing, key)
 
 
 def _same(one: EdgePiece, two: EdgePiece) -> bool:

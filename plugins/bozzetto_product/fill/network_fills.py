@@ -10,7 +10,8 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.edge_pieces import EdgePiece, pieces_of
-from bozzetto_product.fill.fill import Fill, fill_loop
+from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.mirrored_fill import (
     image_loop,

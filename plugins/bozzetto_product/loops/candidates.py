@@ -27,7 +27,7 @@ MOST_BESIDE: Final = 12
 number and not with its square."""
 
 LONGEST_WALK: Final = 24
-"""Edges: a side with several T-joints counts several."""
+"""Nodes of three ends or more on the way: a side with several T-joints counts several."""
 
 LONGEST_CYCLE: Final = 14
 """Edges: longer ones are short of nothing but sense."""
@@ -124,7 +124,7 @@ def rotation_walks(sampled: SampledNet) -> list[Halves]:
     """Walk from each corner, turning always to the next edge about a normal that is carried along.
 
     The normal begins as that of the corner; each later corner renews it. Walks that do not come
-    back within `LONGEST_WALK` edges are given up.
+    back within `LONGEST_WALK` nodes at which there is a choice are given up.
     """
     corners = [
         (into ^ 1, out)
@@ -137,12 +137,19 @@ def rotation_walks(sampled: SampledNet) -> list[Halves]:
     first, half = np.array(corners).T
     normal = _corner_normals(sampled, first, half)
     walks, path, done = np.arange(len(half)), [half], {}
-    for step in range(1, LONGEST_WALK + 1):
+    choice = np.array([len(halves) > 2 for halves in sampled.outgoing])
+    choices = np.zeros(len(half), int)
+    for step in range(1, len(sampled.net.edges) + 1):
         back = half == first[walks]
         done.update(dict.fromkeys(walks[back].tolist(), step))
         walks, half, normal = walks[~back], half[~back], normal[~back]
         half, normal, found = _next_edges(sampled, half, normal)
         walks, half, normal = walks[found], half[found], normal[found]
+        choices[walks] += choice[sampled.tails[half]]
+        kept = choices[walks] < LONGEST_WALK
+        walks, half, normal = walks[kept], half[kept], normal[kept]
+        if not len(walks):
+            break
         path.append(np.zeros(len(first), int))
         path[-1][walks] = half
     steps = np.array(path)

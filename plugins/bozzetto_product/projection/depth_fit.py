@@ -19,7 +19,9 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.geometry import Spline
 from bozzetto.scene import Hits, Scene, cast_rays, depth_breaks, unbroken_runs
 from bozzetto.view import Camera, Rays
-from bozzetto_product.projection.spline_basis import basis, with_controls
+from bozzetto_product.model.planes import Plane
+from bozzetto_product.projection.planes import heights, in_plane, plane_of
+from bozzetto_product.projection.spline_basis import basis, free_controls, with_controls
 from bozzetto_product.projection.views import seen_at
 
 SAMPLES: Final = 241
@@ -56,6 +58,15 @@ moves them along the curve."""
 
 STEP: Final = 0.02
 """Longest step of a place along the curve in one round, as a share of the range."""
+
+FLAT: Final = 1e-6
+"""Distance of places from one plane, as share of their extent, at which a surface is flat there."""
+
+FLAT_SINE: Final = 1e-5
+"""Largest part of a normal across the first one there."""
+
+NEAR_FLAT: Final = 1e-4
+"""Distance of a curve from a flat surface, as share of its extent, that is not seen."""
 
 STEEPEST: Final = 4.0
 """Change of depth per length across the sight from which two stretches are not one surface."""
@@ -159,7 +170,26 @@ def at_depth(sheet: Spline, camera: Camera, sight: Sight) -> Spline:
         seen = seen_at(camera, curve.value(places))
         if np.linalg.norm(seen - drawn, axis=1).max() <= ALLOWED:
             break
-    return curve
+    face = _face_under(sight)
+    if face is None:
+        return curve
+    points = free_controls(curve)
+    seen_on = NEAR_FLAT * float(np.linalg.norm(np.ptp(points, axis=0)))
+    if float(np.abs(heights(points, face)).max()) > seen_on:
+        return curve
+    return with_controls(curve, in_plane(points, face))
+
+
+def _face_under(sight: Sight) -> Plane | None:
+    """Return the plane of a surface on which all of the ink is; None where it is not flat there."""
+    if not sight.on.all():
+        return None
+    points, normals = sight.hits.points, sight.hits.normals
+    if float(np.linalg.norm(np.cross(normals, normals[0]), axis=1).max()) > FLAT_SINE:
+        return None
+    face = plane_of(points.mean(axis=0), normals[0])
+    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
+    return face if float(np.abs(heights(points, face)).max()) <= FLAT * extent else None
 
 
 def _depths(sight: Sight, closed: bool) -> tuple[Array, Array, Array]:

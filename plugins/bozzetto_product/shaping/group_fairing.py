@@ -16,7 +16,8 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
 from bozzetto_product.fill.edge_pieces import pieces_of
-from bozzetto_product.fill.fill import Fill, fill_loop
+from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.normals import edge_normals
 from bozzetto_product.network.net import Edge, HalfEdge, Loop, Net
@@ -188,7 +189,7 @@ def _let_go(
     if free:
         there = nearest_on(fill, net.nodes[free])[0]
         nodes[free] = net.nodes[free] + share * (there - net.nodes[free])
-    size = fill.solution.loop.size
+    size = fill.size
     for number in inner:
         edge = net.edges[number]
         at = _stations(edge.spline)

@@ -19,6 +19,7 @@ from bozzetto.plugin import remembered
 from bozzetto_product.fill.exact_patches import exact_patches
 from bozzetto_product.fill.fair_solution import RIDGE, TANGENCY, FairSolution
 from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.fill.patch_space import PLATE, PatchSpace, side_nodes
 from bozzetto_product.fill.quintic import NODES, WEIGHTS, bernstein
 from bozzetto_product.shaping.volume import displaced_volume, size_for, volume_of
@@ -90,12 +91,15 @@ def inflated(
     """
     if volume == 0.0 or not np.isfinite(volume):
         return Inflated(fill, 0.0, limited=False)
-    smooth = bool(np.isfinite(fill.solution.loop.normals[..., 0]).any())
+    bent = fill.bent
+    if bent is None:
+        return Inflated(fill, 0.0, limited=True)
+    smooth = bool(np.isfinite(bent.solution.loop.normals[..., 0]).any())
     way = _plate if smooth else _film
-    return way(fill, volume, checkpoint)
+    return way(bent, volume, checkpoint)
 
 
-def _made(fill: Fill, solution: FairSolution) -> Fill:
+def _made(fill: PatchFill, solution: FairSolution) -> PatchFill:
     return replace(fill, solution=solution, patches=exact_patches(solution))
 
 
@@ -118,7 +122,7 @@ def _by_size(solution: FairSolution, field: Array) -> Callable[[float], float]:
 # -- plates ----------------------------------------------------------------------------------------
 
 
-def _plate(fill: Fill, volume: float, checkpoint: Callable[[], None]) -> Inflated:
+def _plate(fill: PatchFill, volume: float, checkpoint: Callable[[], None]) -> Inflated:
     loop = fill.solution.loop
     wanted = volume / loop.size**3
     base = _volume(fill.solution)
@@ -189,7 +193,7 @@ def _plate_field(key: bytes, number: int, out: bool, solution: FairSolution) -> 
     return np.asarray(space.basis @ found.reshape(3, size).T)
 
 
-def _turned(fill: Fill) -> float:
+def _turned(fill: PatchFill) -> float:
     """Return the largest angle between a fill and the normals of its smooth edges, degrees."""
     angles = np.array(fill.g1_degrees)
     return float(np.nanmax(angles, initial=0.0)) if np.isfinite(angles).any() else 0.0
@@ -198,7 +202,7 @@ def _turned(fill: Fill) -> float:
 # -- films -----------------------------------------------------------------------------------------
 
 
-def _film(fill: Fill, volume: float, checkpoint: Callable[[], None]) -> Inflated:
+def _film(fill: PatchFill, volume: float, checkpoint: Callable[[], None]) -> Inflated:
     loop = fill.solution.loop
     wanted = volume / loop.size**3
     base = _volume(fill.solution)

@@ -19,6 +19,7 @@ from bozzetto.ink import Stroke, resample
 from bozzetto_product.fill.exact_patches import exact_patches
 from bozzetto_product.fill.fair_solution import RIDGE, TANGENCY
 from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.fill.patch_space import PLATE, side_nodes
 from bozzetto_product.fill.quintic import bernstein
 from bozzetto_product.network.reflection import Reflection
@@ -98,21 +99,24 @@ def pulled(
     sights = _Sights.of(stroke, mirror)
     if sights is None:
         return Pulled(fill, _BESIDE)
-    made = fill
-    tie = TIE * fill.solution.loop.size
-    sense, on_edge = sights.sense(fill, tie)
+    start = fill.bent
+    if start is None:
+        return Pulled(fill, _FOLDS)
+    made = start
+    tie = TIE * start.size
+    sense, on_edge = sights.sense(start, tie)
     for _ in range(ROUNDS):
         checkpoint()
         tie, on_edge = tie if on_edge else TIE * tie, False
         contour = sights.contour(made, sense, tie)
         if contour is None:
             return Pulled(fill, _BESIDE)
-        moved = _moved(fill, made, contour)
+        moved = _moved(start, made, contour)
         step = float(np.abs(moved.solution.free - made.solution.free).max())
         made = moved
         if step < SETTLED:
             break
-    turned = np.nanmax([0.0, *made.g1_degrees]) - np.nanmax([0.0, *fill.g1_degrees])
+    turned = np.nanmax([0.0, *made.g1_degrees]) - np.nanmax([0.0, *start.g1_degrees])
     if made.folded or turned > MOST_TURN:
         return Pulled(fill, _FOLDS)
     return Pulled(made)
@@ -155,7 +159,7 @@ class _Sights:
         upward /= np.maximum(np.linalg.norm(upward, axis=1, keepdims=True), 1e-300)
         return cls(origins, upward, np.cross(upward, directions))
 
-    def sense(self, fill: Fill, tie: float) -> tuple[float, bool]:
+    def sense(self, fill: PatchFill, tie: float) -> tuple[float, bool]:
         """Return to which side the contour is farthest that the stroke is near, and if on edge.
 
         What is seen on edge has both at one place; it bulges to where it is pulled.
@@ -170,7 +174,7 @@ class _Sights:
             return (-1.0 if above else 1.0), True
         return (1.0 if up < down else -1.0), False
 
-    def contour(self, fill: Fill, sense: float, tie: float) -> _Contour | None:
+    def contour(self, fill: PatchFill, sense: float, tie: float) -> _Contour | None:
         """Return the places that reach farthest across the stroke; None where it runs beside."""
         places, cells, parameters, inside = _grid(fill)
         start, end = cells.T
@@ -202,7 +206,7 @@ class _Sights:
         return _Contour(patches, at, self.upward[rays], heights, weights)
 
 
-def _grid(fill: Fill) -> tuple[Array, Index, Array, Array]:
+def _grid(fill: PatchFill) -> tuple[Array, Index, Array, Array]:
     """Return places, lines between neighbours, parameters, and how far inside places are."""
     at = np.linspace(0.0, 1.0, GRID + 1)
     u, v = (part.ravel() for part in np.meshgrid(at, at, indexing="ij"))
@@ -220,7 +224,7 @@ def _grid(fill: Fill) -> tuple[Array, Index, Array, Array]:
     return places, lines, parameters, parameters.min(axis=1)
 
 
-def _moved(fill: Fill, made: Fill, contour: _Contour) -> Fill:
+def _moved(fill: PatchFill, made: PatchFill, contour: _Contour) -> PatchFill:
     """Return a fill changed by the bump that bends least and brings a contour to its rays.
 
     The contour is that of the fill as changed so far.

@@ -14,11 +14,12 @@ from bozzetto.geometry import Spline
 from bozzetto_product.fill.edge_pieces import opened, pieces_of
 from bozzetto_product.fill.exact_patches import exact_patches
 from bozzetto_product.fill.fair_solution import LoopSides, fairest
-from bozzetto_product.fill.fill import domain_of_sides, fill_loop
+from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.network_fills import fill_net
 from bozzetto_product.fill.normal_field import NormalField
 from bozzetto_product.fill.normals import LoopNormals
+from bozzetto_product.fill.patch_fill import domain_of_sides
 from bozzetto_product.fill.patch_space import space_of
 from bozzetto_product.loops.finding import find_loops
 from bozzetto_product.loops.orientation import orient_loops

@@ -11,7 +11,8 @@ from scipy.interpolate import make_lsq_spline
 from bozzetto.geometry import Spline
 from bozzetto_product.fill.corners import loop_corners
 from bozzetto_product.fill.edge_pieces import pieces_of
-from bozzetto_product.fill.fill import Fill, fill_loop
+from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.normal_field import NormalField, frame_parameters
 from bozzetto_product.fill.normals import LoopNormals, common_fields

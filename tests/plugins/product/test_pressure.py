@@ -142,7 +142,7 @@ def test_out_and_in_are_mirror_images_on_a_plane(make) -> None:
     start = make()
     volume = volume_of_pressure(start.area, 0.2)
     out, back = (places(inflated(start, sense * volume).fill) for sense in (1, -1))
-    np.testing.assert_allclose(out * (1, 1, -1), back, atol=1e-9 * start.solution.loop.size)
+    np.testing.assert_allclose(out * (1, 1, -1), back, atol=1e-9 * start.size)
 
 
 def test_more_pressure_is_more_volume_everywhere() -> None:
