@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, Literal
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
@@ -57,6 +57,20 @@ def all_commands() -> Sequence[Command]:
             run=with_ends_caught,
             enabled=_has_curve,
         ),
+        Command(
+            id="snapping",
+            title="Snap while drawing",
+            help="Let the ends of new curves snap to what is near them, or draw freely.",
+            run=_snapping_switched,
+            key="M",
+        ),
+        Command(
+            id="new-curves-lie",
+            title="New curves lie elsewhere",
+            help="Draw in space, in the drawing plane, or on surfaces, in turn.",
+            run=_laid_otherwise,
+            key="L",
+        ),
     )
 
 
@@ -73,6 +87,10 @@ def _chosen(state: SymmetryState) -> Curve:
 def _switched(state: SymmetryState, context: Context) -> SymmetryState:
     """Return the state with the next reading that the ink of the chosen curve allows."""
     curve = _chosen(state)
+    if curve.canvas is not None:
+        free = replace(curve, canvas=None, end_snaps=())
+        trace_of(free, state)
+        return state.with_node(free)
     now = READINGS.index(trace_of(curve, state).reading)
     for step in range(1, len(READINGS)):
         tried = replace(curve, reading=READINGS[(now + step) % len(READINGS)], other=False)
@@ -82,6 +100,19 @@ def _switched(state: SymmetryState, context: Context) -> SymmetryState:
             continue
         return state.with_node(tried)
     raise UserError("These strokes can be read in no other way. Draw the other side, too.")
+
+
+def _snapping_switched(state: SymmetryState, context: Context) -> SymmetryState:
+    return replace(state, snapping=not state.snapping)
+
+
+def _laid_otherwise(state: SymmetryState, context: Context) -> SymmetryState:
+    """Return the state in which new curves lie in the next of the ways there are."""
+    ways: list[Literal["space", "plane", "surface"]] = ["space", "surface"]
+    if state.drawing_plane is not None:
+        ways.insert(1, "plane")
+    now = ways.index(state.lay) if state.lay in ways else 0
+    return replace(state, lay=ways[(now + 1) % len(ways)])
 
 
 def _matched_otherwise(state: SymmetryState, context: Context) -> SymmetryState:

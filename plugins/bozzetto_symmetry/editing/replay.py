@@ -79,9 +79,22 @@ def apply_edit(curve: SpaceCurve, edit: Edit, state: SymmetryState, solve: Solve
         case Trim():
             return trim(curve, edit.begin, edit.end)
         case Snap():
-            return snap_end(curve, edit.end, state.plane.inverse.points(edit.point)[0])
+            return snapped(curve, edit, state)
         case Joint():
             return _joined(curve, edit, state, solve)
+
+
+def snapped(curve: SpaceCurve, snap: Snap, state: SymmetryState) -> SpaceCurve:
+    """Return a curve, in the frame of the plane, with an end moved to a place of the model.
+
+    Raises
+    ------
+    UserError
+        If the curve has no such end.
+    """
+    frame = state.plane.inverse
+    tangent = None if snap.tangent is None else frame.directions(snap.tangent)[0]
+    return snap_end(curve, snap.end, frame.points(snap.point)[0], tangent)
 
 
 def _modified(curve: SpaceCurve, edit: Modification, state: SymmetryState) -> SpaceCurve:

@@ -23,6 +23,9 @@ turns by a few degrees, and by less than a fifth of a radian at most."""
 LEAST_FADE: Final = 0.1
 """Least share of the curve that moves with an end."""
 
+TURNED_FADE: Final = 0.25
+"""The same share where the direction at the end changes."""
+
 STEPS: Final = 8
 """Least number of knots on that stretch: its displacement has one bend each way."""
 
@@ -33,11 +36,13 @@ LOOKS: Final = 256
 """Places by which lengths are measured."""
 
 
-def snap_end(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
+def snap_end(
+    curve: SpaceCurve, end: int, point: ArrayLike, tangent: ArrayLike | None = None
+) -> SpaceCurve:
     """Return a curve whose end is at a given place.
 
-    The direction at the end stays. A stretch before it moves along, the less the farther it is
-    from the end; the rest does not move.
+    The direction at the end stays, or becomes the one given. A stretch before it moves along, the
+    less the farther it is from the end; the rest does not move.
 
     Parameters
     ----------
@@ -47,6 +52,8 @@ def snap_end(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
         Of a curve across the plane its one free end is 1.
     point : (3,) array_like
         mm; of a curve in the plane y counts as 0.
+    tangent : (3,) array_like, optional
+        Unit direction in which the curve leaves that end; of a curve in the plane y counts as 0.
 
     Raises
     ------
@@ -61,48 +68,79 @@ def snap_end(curve: SpaceCurve, end: int, point: ArrayLike) -> SpaceCurve:
     if curve.reading == "plane" or abs(place[1]) <= ON_PLANE * np.abs(place).max():
         place[1] = 0.0
     if curve.reading == "self":
-        return SpaceCurve("self", _both_ends_moved(curve.spline, place))
+        return SpaceCurve("self", _both_ends_moved(curve.spline, place, tangent))
+    if tangent is not None and curve.reading == "plane":
+        tangent = np.asarray(tangent, float) * (1.0, 0.0, 1.0)
     base = curve.spline if end == 1 else curve.spline.reversed()
-    moved = _end_moved(base, place)
+    moved = _end_moved(base, place, tangent)
     return SpaceCurve(curve.reading, moved if end == 1 else moved.reversed())
 
 
-def _end_moved(spline: Spline, place: Array) -> Spline:
+def end_direction(spline: Spline) -> Array:
+    """Return the unit direction in which a spline leaves its last end, (3,)."""
+    way = spline.control_points[-1] - spline.control_points[-2]
+    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-300))
+
+
+def _end_moved(spline: Spline, place: Array, tangent: ArrayLike | None) -> Spline:
     way = place - spline.value(spline.range[1:])[0]
-    fade = _Fade.of(spline, spline.range[0], way)
+    turn = _turn(spline, tangent)
+    fade = _Fade.of(spline, spline.range[0], way, turned=bool(turn.any()))
     finer = spline.refined(fade.knots)
-    points = finer.control_points + fade.shares(finer)[:, None] * way
-    points[-1] = place
+    points = finer.control_points + fade.moves(finer, way, turn)
+    _pin(points, place, tangent)
     return Spline(finer.knots, points)
 
 
-def _both_ends_moved(spline: Spline, place: Array) -> Spline:
+def _both_ends_moved(spline: Spline, place: Array, tangent: ArrayLike | None) -> Spline:
     """Return a curve across the plane with its free end, and the image of that, moved."""
     middle = halves_of(spline).middle
     way = place - spline.value(spline.range[1:])[0]
-    fade = _Fade.of(spline, middle, way)
+    turn = _turn(spline, tangent)
+    fade = _Fade.of(spline, middle, way, turned=bool(turn.any()))
     finer = symmetrize(spline.refined(np.concatenate((fade.knots, 2.0 * middle - fade.knots))))
-    shift = fade.shares(finer, middle)[:, None] * way
+    shift = fade.moves(finer, way, turn, middle)
     points = finer.control_points + shift + shift[::-1] * MIRROR
-    points[-1], points[0] = place, place * MIRROR
+    _pin(points, place, tangent)
+    points[:2] = points[:-3:-1] * MIRROR
     return Spline(finer.knots, points)
+
+
+def _turn(spline: Spline, tangent: ArrayLike | None) -> Array:
+    """Return what the unit direction at the last end changes by, (3,)."""
+    if tangent is None:
+        return np.zeros(3)
+    return np.asarray(tangent, float) - end_direction(spline)
+
+
+def _pin(points: Array, place: Array, tangent: ArrayLike | None) -> None:
+    """Put the last control point where it goes, and the one before it along the tangent."""
+    length = float(np.linalg.norm(points[-1] - points[-2]))
+    points[-1] = place
+    if tangent is not None:
+        points[-2] = place - length * np.asarray(tangent, float)
 
 
 @dataclass(frozen=True, eq=False)
 class _Fade:
-    """A stretch before the end of a spline: parameters, and what share of the way each one goes."""
+    """A stretch before the end of a spline.
+
+    Its parameters, how far each is from the end (mm), and what share of the way it goes.
+    """
 
     at: Array
+    before: Array
     share: Array
 
     @classmethod
-    def of(cls, spline: Spline, begin: float, way: Array) -> _Fade:
+    def of(cls, spline: Spline, begin: float, way: Array, *, turned: bool) -> _Fade:
         at = np.linspace(begin, spline.range[1], LOOKS)
         along = arc_length(spline.value(at))
         length = along[-1] or 1.0
-        reach = min(length, max(FADE * float(np.linalg.norm(way)), LEAST_FADE * length))
+        least = (TURNED_FADE if turned else LEAST_FADE) * length
+        reach = min(length, max(FADE * float(np.linalg.norm(way)), least))
         done = np.clip(1.0 - (length - along) / reach, 0.0, 1.0)
-        return cls(at, done**2 * (3.0 - 2.0 * done))
+        return cls(at, length - along, done**2 * (3.0 - 2.0 * done))
 
     @property
     def knots(self) -> Array:
@@ -110,12 +148,14 @@ class _Fade:
         begin = self.at[max(0, int(np.argmax(self.share > 0.0)) - 1)]
         return np.linspace(begin, self.at[-1], STEPS + 1)[:-1]
 
-    def shares(self, spline: Spline, middle: float = -np.inf) -> Array:
-        """Return the share of the way of each control point.
+    def moves(self, spline: Spline, way: Array, turn: Array, middle: float = -np.inf) -> Array:
+        """Return how far each control point goes, (n, 3) mm.
 
-        The last two go all the way, which keeps the direction at the end.
+        The last two go all the way, which keeps the direction at the end, but for its turn.
         """
         places = (spline.knots[1:-3] + spline.knots[2:-2] + spline.knots[3:-1]) / DEGREE
         share = np.interp(places, self.at, self.share)
         share[-2:] = 1.0
-        return np.where(places > middle, share, 0.0)
+        share = np.where(places > middle, share, 0.0)
+        before = np.interp(places, self.at, self.before)
+        return np.asarray(share[:, None] * (way - before[:, None] * turn))

@@ -29,6 +29,12 @@ DOUBTFUL: Final = 0.02
 """Uncertainty for 1 px, as a share of the box's diagonal, from which a place far outside the box
 is a stray: what is known better is meant to be there."""
 
+LEVEL: Final = 0.002
+"""Distance from a plane, as a share of a curve's extent, that counts as in it."""
+
+PLANE_ROUNDS: Final = 4
+"""Rounds in which the weights of places settle that a plane is laid through."""
+
 REACH: Final = 3
 """Matched places on either side over which the direction of the far curve is taken."""
 
@@ -55,6 +61,9 @@ class HalfInSpace:
         0 if it does, and 0.42 at most.
     reasons : tuple of str
         Why matched places gave no point, and what to do.
+    off_plane : float
+        Distance of the places from the plane that fits them best (rms), in errors of a hand of
+        1 px, and of `LEVEL`.
     """
 
     points: Array
@@ -64,6 +73,7 @@ class HalfInSpace:
     astride: float
     askew: float
     reasons: tuple[str, ...] = ()
+    off_plane: float = 0.0
 
     def share_outside(self, box: Array | None) -> float:
         """Return the trusted share of the curve outside a box (2, 3) and the room about it."""
@@ -116,7 +126,8 @@ def triangulate(stereo: Stereo, pairing: Pairing) -> HalfInSpace:
     least = np.linalg.svd(middle * np.sqrt(trust)[:, None], full_matrices=False)[2][-1]
     askew = 1.0 - float(np.abs(least).max()) if len(points) > 2 else 0.0
     astride = _astride(points[:, 1], trust)
-    return HalfInSpace(points, covariances, trust, float(seen.mean()), astride, askew, reasons)
+    off = _off_plane(points, covariances, extent)
+    return HalfInSpace(points, covariances, trust, float(seen.mean()), astride, askew, reasons, off)
 
 
 def strays(points: Array, box: Array | None) -> Flags:
@@ -136,6 +147,19 @@ def _outside(points: Array, box: Array | None, share: float) -> Flags:
 def _astride(y: Array, trust: Array) -> float:
     left, right = float(trust @ np.maximum(y, 0.0)), float(trust @ np.maximum(-y, 0.0))
     return 2.0 * min(left, right) / max(left + right, 1e-300)
+
+
+def _off_plane(points: Array, covariances: Array, extent: float) -> float:
+    """Return how far places are from the plane nearest to them, in what each may err by."""
+    if len(points) < 4 or not extent > 0.0:
+        return 0.0
+    weight = np.full(len(points), 1.0 / len(points))
+    for _ in range(PLANE_ROUNDS):
+        middle = points - weight @ points / weight.sum()
+        normal = np.linalg.svd(middle * np.sqrt(weight)[:, None], full_matrices=False)[2][-1]
+        variance = np.einsum("i,nij,j->n", normal, covariances, normal) + (LEVEL * extent) ** 2
+        weight = 1.0 / variance
+    return float(np.sqrt(np.mean((middle @ normal) ** 2 / variance)))
 
 
 def _directions(stereo: Stereo, far: Array) -> Array:

@@ -39,6 +39,21 @@ FAR: Final = 1e3
 SOFT: Final = 3.0
 """Standard deviation, samples, with which the stations of partners are smoothed."""
 
+STIFF: Final = 25.0
+"""Price of uneven stations in their least squares, px for each sample of second difference."""
+
+STILL: Final = 1e-6
+"""Weight that holds stations where nothing else does, px² for a sample squared."""
+
+ROUNDS: Final = 6
+"""Most steps of the stations."""
+
+NUDGE: Final = 0.25
+"""Step, samples, by which slopes are taken."""
+
+SETTLED: Final = 1e-3
+"""Step, samples, below which stations stay."""
+
 MISFIT: Final = 2.0
 """Weight of the distance of rays in the cost, px: each of two hands errs."""
 
@@ -122,8 +137,8 @@ def pair_of_views(
     found = []
     for end in (np.inf, OPEN_END):
         ways = warpings(tables, step=UNEVEN, begin=end, end=end)
-        for table, way, back in zip(tables, ways, (False, True), strict=True):
-            read = _read(first, second, (lines[0], one, other), table, way, back, box)
+        for way, back in zip(ways, (False, True), strict=True):
+            read = _read(first, second, (lines[0], one, other), way, back, box)
             if read is not None:
                 found.append(read)
     return min(found, key=lambda read: read.cost, default=None)
@@ -177,14 +192,11 @@ def _read(
     first: Stereo,
     second: Stereo,
     drawn: tuple[Array, Array, Array],
-    table: Array,
     way: Warping,
     back: bool,
     box: Array | None,
 ) -> Read | None:
     """Return the reading of a matching of evenly spaced places."""
-    from scipy.ndimage import gaussian_filter1d
-
     side, one, other = drawn
     path = way.path
     covered = [float(np.ptp(path[:, axis])) / (SAMPLES - 1.0) for axis in (0, 1)]
@@ -193,12 +205,11 @@ def _read(
     places, counts = np.unique(path[:, 0], return_counts=True)
     stations = np.bincount(path[:, 0], path[:, 1])[places] / counts
     stations[[0, -1]] = path[[0, -1], 1]
-    slope = np.linspace(stations[0], stations[-1], len(stations))
-    stations = slope + gaussian_filter1d(stations - slope, SOFT, mode="nearest")
     seconds = other[::-1] if back else other
-    index = np.arange(SAMPLES)
-    partners = np.column_stack([np.interp(stations, index, column) for column in seconds.T])
-    rays, image = first.rays(one[places]), _mirrored(second.rays(partners))
+    rays = first.rays(one[places])
+    stations, off = _settled(first, second, rays, seconds, _smoothed(stations))
+    partners = _at(seconds, stations)
+    image = _mirrored(second.rays(partners))
     ahead, behind, met = _met(rays, image)
     if not met.all():
         return None
@@ -208,13 +219,72 @@ def _read(
     )  # fmt: skip
     covariances = _covariances(first, second, points, np.gradient(partners, axis=0))
     half = _half(points, covariances)
-    off = float(np.sqrt(np.mean(table[path[:, 0], path[:, 1]] ** 2)))
     uneven = float(np.sqrt(np.mean(np.diff(stations, 2) ** 2)))
     cost = price(MISFIT * off + BENT * uneven, half, 1.0 - float(np.mean(covered)))
     return Read(
         "pair", cost + OUTSIDE * half.share_outside(box), float(np.mean(covered)), points,
         covariances, None, np.zeros((0, 2)), (side,), (), source=("two views", back),
     )  # fmt: skip
+
+
+def _smoothed(stations: Array) -> Array:
+    """Return stations without the steps of a table, (n,)."""
+    from scipy.ndimage import gaussian_filter1d
+
+    slope = np.linspace(stations[0], stations[-1], len(stations))
+    return np.asarray(slope + gaussian_filter1d(stations - slope, SOFT, mode="nearest"))
+
+
+def _at(line: Array, stations: Array) -> Array:
+    """Return places of a line at numbers of its samples, with shares, (n, 2) px."""
+    index = np.arange(len(line))
+    return np.column_stack([np.interp(stations, index, column) for column in line.T])
+
+
+def _settled(
+    first: Stereo, second: Stereo, rays: Rays, line: Array, stations: Array
+) -> tuple[Array, float]:
+    """Return the stations at which rays meet, and how far they pass one another (rms, px).
+
+    Least squares of what rays pass one another by, and of uneven stations, which decides where the
+    epipolar lines run along the sides and the rays do not say which places belong together.
+    """
+    last = len(line) - 1.0
+    count = len(stations)
+    uneven = np.diff(np.eye(count), 2, axis=0) * STIFF if count > 2 else np.zeros((0, count))
+    gaps = _gaps(first, second, rays, _at(line, stations))
+    for _ in range(ROUNDS):
+        ahead = np.clip(stations + NUDGE, 0.0, last)
+        back = np.clip(stations - NUDGE, 0.0, last)
+        slope = (
+            _gaps(first, second, rays, _at(line, ahead))
+            - _gaps(first, second, rays, _at(line, back))
+        ) / np.maximum(ahead - back, 1e-9)
+        known = np.isfinite(slope) & np.isfinite(gaps)
+        slope, rest = np.where(known, slope, 0.0), np.where(known, gaps, 0.0)
+        normal = np.diag(slope**2 + STILL) + uneven.T @ uneven
+        step = np.linalg.solve(normal, -(slope * rest + uneven.T @ (uneven @ stations)))
+        moved = np.maximum.accumulate(np.clip(stations + np.clip(step, -1.5, 1.5), 0.0, last))
+        found = _gaps(first, second, rays, _at(line, moved))
+        if not np.isfinite(found).all():
+            break
+        stations, gaps = moved, found
+        if np.abs(step).max() < SETTLED:
+            break
+    return stations, float(np.sqrt(np.mean(np.nan_to_num(gaps, nan=FAR) ** 2)))
+
+
+def _gaps(first: Stereo, second: Stereo, rays: Rays, places: Array) -> Array:
+    """Return how far rays pass those of places in the other view, on which side, (n,) px."""
+    image = _mirrored(second.rays(places))
+    ahead, behind, met = _met(rays, image)
+    between = image.origins - rays.origins
+    across = np.cross(rays.directions, image.directions)
+    length = np.linalg.norm(across, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        gap = (between * across).sum(axis=1) / length
+        fine = 1.0 / _size(first, ahead) ** 2 + 1.0 / _size(second, behind) ** 2
+        return np.asarray(np.where(met, gap * np.sqrt(0.5 * fine), np.nan))
 
 
 def _covariances(first: Stereo, second: Stereo, points: Array, ways: Array) -> Array:

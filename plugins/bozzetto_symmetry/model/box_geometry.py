@@ -10,6 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 
 FLUSH: Final = 1e-9
 """Share of the box's diagonal within which a corner lies on the plane."""
@@ -31,23 +32,28 @@ def box_edges(state: SymmetryState) -> Array:
     return np.asarray(corners[pairs])
 
 
-def plane_foot(state: SymmetryState) -> Array:
-    """Return the place of the centre plane that is nearest to the middle of the box, (3,) mm."""
-    normal, centre = np.asarray(state.plane.normal), np.asarray(state.centre)
-    return np.asarray(centre - normal * float((centre - state.plane.point) @ normal))
+def plane_foot(state: SymmetryState, plane: CentrePlane | None = None) -> Array:
+    """Return the place of the centre plane that is nearest to the middle of the box, (3,) mm.
+
+    `plane` may be another one, in the frame of the model; so with the functions below.
+    """
+    plane = state.plane if plane is None else plane
+    normal, centre = np.asarray(plane.normal), np.asarray(state.centre)
+    return np.asarray(centre - normal * float((centre - plane.point) @ normal))
 
 
-def plane_section(state: SymmetryState) -> Array:
+def plane_section(state: SymmetryState, plane: CentrePlane | None = None) -> Array:
     """Return the corners of the centre plane's section with the box, in order, (n, 3) mm.
 
     There are none where the plane passes the box by, or only touches it.
     """
-    corners, normal = box_corners(state), np.asarray(state.plane.normal)
-    across, up = state.plane.placement.directions(AXES[[0, 2]])
-    height = (corners - state.plane.point) @ normal
+    plane = state.plane if plane is None else plane
+    corners, normal = box_corners(state), np.asarray(plane.normal)
+    across, up = plane.placement.directions(AXES[[0, 2]])
+    height = (corners - plane.point) @ normal
     slack = FLUSH * state.diagonal
     edges = box_edges(state)
-    low, high = ((edges[:, end] - state.plane.point) @ normal for end in (0, 1))
+    low, high = ((edges[:, end] - plane.point) @ normal for end in (0, 1))
     cut = (np.minimum(low, high) < -slack) & (np.maximum(low, high) > slack)
     share = low[cut] / (low[cut] - high[cut])
     met = edges[cut, 0] + share[:, None] * (edges[cut, 1] - edges[cut, 0])
@@ -58,14 +64,15 @@ def plane_section(state: SymmetryState) -> Array:
     return np.asarray(points[np.argsort(np.arctan2(offset @ up, offset @ across))])
 
 
-def plane_outline(state: SymmetryState) -> Array:
+def plane_outline(state: SymmetryState, plane: CentrePlane | None = None) -> Array:
     """Return the corners of the shown part of the centre plane, in order, (n, 3) mm.
 
     Its section with the box; a square of the box's size where it passes the box by.
     """
-    section = plane_section(state)
+    plane = state.plane if plane is None else plane
+    section = plane_section(state, plane)
     if len(section):
         return section
-    across, up = state.plane.placement.directions(AXES[[0, 2]])
-    half = 0.5 * state.diagonal
-    return np.array([plane_foot(state) + half * (i * across + j * up) for i, j in SQUARE])
+    across, up = plane.placement.directions(AXES[[0, 2]])
+    foot, half = plane_foot(state, plane), 0.5 * state.diagonal
+    return np.array([foot + half * (i * across + j * up) for i, j in SQUARE])

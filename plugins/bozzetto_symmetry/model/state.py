@@ -16,6 +16,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.ink import SnakeForces, Strokes
 from bozzetto.plugin import Group, Parameter, Part, PartsState
+from bozzetto_symmetry.model.canvas import Canvas, DrawingPlane
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 
 Color = tuple[int, int, int]
@@ -64,10 +65,38 @@ class Snap:
         The first or the last end; of a curve across the plane its one free end is 1.
     point : (x, y, z)
         In the frame of the model, on the side that was drawn; mm.
+    tangent : (x, y, z), optional
+        Unit direction in which the curve leaves that end; default as it was.
     """
 
     end: int
     point: Point
+    tangent: Point | None = None
+
+
+@dataclass(frozen=True)
+class EndSnap:
+    """A known place that an end of a stroke was drawn to, beside the ink that it belongs to.
+
+    It holds wherever the ink still ends near it in space, so that reading the ink in another way
+    or solving it again makes no end jump.
+
+    Parameters
+    ----------
+    stroke : int
+        Number of the stroke in the ink of the curve.
+    end : {0, 1}
+        Where the stroke begins or ends.
+    point : (x, y, z)
+        In the frame of the model, mm.
+    tangent : (x, y, z), optional
+        Unit direction in which the curve leaves that end.
+    """
+
+    stroke: int
+    end: int
+    point: Point
+    tangent: Point | None = None
 
 
 @dataclass(frozen=True)
@@ -105,10 +134,19 @@ class Curve(Part):
         Raw ink, each stroke with its camera, in the order drawn.
     edits : tuple of Edit
         What was done to the curve since, in order.
+    canvas : DrawingPlane or LaidInk, optional
+        What it was drawn on; default in the air, from both sides.
+    end_snaps : tuple of EndSnap
+        Known places that its ends snapped to while it was drawn.
+    axis : {-1, 0, 1, 2}
+        It was drawn straight along this axis of the box; -1 for none.
     """
 
     strokes: Strokes = Strokes()
     edits: tuple[Edit, ...] = ()
+    canvas: Canvas | None = None
+    end_snaps: tuple[EndSnap, ...] = ()
+    axis: Literal[-1, 0, 1, 2] = -1
     reading: Annotated[
         AskedReading,
         Parameter(
@@ -169,12 +207,18 @@ class SymmetryState(PartsState):
         Middle of the box, mm.
     free_plane : CentrePlane
         The plane of symmetry where it is not one of the box.
+    plane_places : tuple of (x, y, z)
+        Places that were touched for the drawing plane, mm.
+    drawing_plane : DrawingPlane, optional
+        In which new curves lie, if `lay` says so.
     """
 
     nodes: tuple[Curve | Line | Group, ...] = ()
     selected: str = ""
     centre: Point = (0.0, 0.0, 0.0)
     free_plane: CentrePlane = CentrePlane()
+    plane_places: tuple[Point, ...] = ()
+    drawing_plane: DrawingPlane | None = None
     length: Annotated[float, Parameter("Length", 0.1, unit="mm", help="Of the box, along x.")] = (
         200.0
     )
@@ -195,6 +239,22 @@ class SymmetryState(PartsState):
             ),
         ),
     ] = "width"
+    lay: Annotated[
+        Literal["space", "plane", "surface"],
+        Parameter(
+            "New curves lie",
+            help="In space, seen from both sides; in the drawing plane; on surfaces of others.",
+            choices=(
+                ("space", "In space"),
+                ("plane", "In the drawing plane"),
+                ("surface", "On surfaces"),
+            ),
+        ),
+    ] = "space"
+    snapping: Annotated[
+        bool,
+        Parameter("Snap", help="Ends of curves snap to ends, curves, edges and planes near them."),
+    ] = True
     grid: Annotated[
         bool, Parameter("Grid", help="Show faint grids on the box's floor and its centre plane.")
     ] = True

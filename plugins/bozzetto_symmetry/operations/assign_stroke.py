@@ -108,7 +108,11 @@ def _owner(state: SymmetryState, strokes: tuple[Stroke, ...]) -> Curve | None:
     """
     known = [(curve, trace) for curve in state.shown_curves if (trace := _trace(curve, state))]
     for curve, trace in known:
-        if curve.id == state.selected and _runs_along(strokes, trace, state):
+        if (
+            curve.id == state.selected
+            and curve.canvas is None
+            and runs_along(strokes, trace, state)
+        ):
             return curve
     fits = [
         (curve.id != state.selected, cost, curve)
@@ -125,6 +129,8 @@ def waits(curve: Curve, trace: Trace) -> bool:
 
     A side alone can look like a curve across the plane, or in it.
     """
+    if curve.canvas is not None:
+        return False
     one_sided = len(trace.views) == 1 and len(trace.views[0].sides) == 1
     return trace.reading == "half" or trace.rest > 0.0 or (one_sided and curve.reading == "auto")
 
@@ -164,13 +170,13 @@ def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState, re
     return both.cost
 
 
-def _runs_along(strokes: Iterable[Stroke], trace: Trace, state: SymmetryState) -> bool:
+def runs_along(strokes: Iterable[Stroke], trace: Trace, state: SymmetryState) -> bool:
     """Return whether strokes are drawn along a curve, or along ink of it in the same view."""
     return all(_runs_along_one(stroke, trace, state) for stroke in strokes)
 
 
 def _runs_along_one(stroke: Stroke, trace: Trace, state: SymmetryState) -> bool:
-    """Return whether one stroke is drawn along a curve, as `_runs_along`."""
+    """Return whether one stroke is drawn along a curve, as `runs_along`."""
     lines: list[Array] = []
     for view in trace.views:
         canvas = view.strokes[0].camera

@@ -126,7 +126,7 @@ def line_of(stroke: Stroke, state: SymmetryState, known: Targets, context: Conte
     return _on_wall(ends, (first, last), camera, state)
 
 
-def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
+def axis_of(begin: Array, end: Array, camera: Camera, within: float = TOWARDS) -> int | None:
     """Return the axis towards or away from whose vanishing point a stroke runs, or None.
 
     Parameters
@@ -135,10 +135,12 @@ def axis_of(begin: Array, end: Array, camera: Camera) -> int | None:
         px.
     camera : Camera
         In the model's frame.
+    within : float
+        Greatest angle between them, radians.
     """
     middle, chord = 0.5 * (begin + end), end - begin
     chord = chord / max(float(np.linalg.norm(chord)), 1e-300)
-    least, found = float(np.sin(TOWARDS)), None
+    least, found = float(np.sin(within)), None
     for axis, way in enumerate(AXES):
         toward = toward_vanishing(camera, way, middle) / focal_length(camera)
         length = float(np.linalg.norm(toward))

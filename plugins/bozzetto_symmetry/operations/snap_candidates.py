@@ -12,15 +12,20 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
 from bozzetto.view import Camera, triple
+from bozzetto_symmetry.editing.snap import end_direction
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.model.state import Snap, SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import Point
 from bozzetto_symmetry.operations.snap_targets import Targets, targets
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.solve.picking import solved_curves
 
 TOLERANCE: Final = 8.0
 """Distance on the sheet, px, within which an end is caught."""
+
+SMOOTH: Final = float(np.cos(np.radians(12.0)))
+"""Cosine of the angle to a known direction within which a curve is meant to go on smoothly."""
 
 DEPTH_SIGMAS: Final = 2.0
 """How much farther along the line of sight it may be: standard deviations of the end."""
@@ -33,13 +38,17 @@ def snap_of(
     camera: Camera,
     known: Targets,
     state: SymmetryState,
+    leaving: ArrayLike | None = None,
+    *,
+    within_plane: bool = False,
 ) -> Snap | None:
     """Return the place that an end of a curve is meant to be at.
 
     It is the nearest one within 8 px on the sheet and as much in depth, and besides two
     standard deviations of the end along the line of sight, where the hand says least. A
     point wins over a curve or an edge, that over the centre plane, and that over a face of
-    the box.
+    the box. Where a curve goes on within 12° of how another one ends there, or of the normal of
+    the centre plane, it takes that direction.
 
     Parameters
     ----------
@@ -55,6 +64,11 @@ def snap_of(
         Without the curve itself.
     state : SymmetryState
         Its box and plane.
+    leaving : (3,) array_like, optional
+        Unit direction in which the curve leaves the end, in the model's frame; default: no
+        direction is taken.
+    within_plane : bool
+        The curve lies in the centre plane, and so cannot snap to that.
 
     Returns
     -------
@@ -70,15 +84,23 @@ def snap_of(
     # In these axes everything within reach is in the unit ball about the end.
     shrink = np.eye(3) / across + (1.0 / along - 1.0 / across) * np.outer(way, way)
     grow = np.eye(3) * across + (along - across) * np.outer(way, way)
-    for found in (
-        _among_points(place, shrink, known),
-        _among_segments(place, shrink, known),
-        _among_planes(place, grow, _centre_plane(state)),
-        _among_planes(place, grow, _faces(state)),
-    ):
-        if found is not None:
-            return Snap(end, triple(found))
-    return None
+    number = _among_points(place, shrink, known)
+    if number is not None:
+        return Snap(end, triple(known.points[number]), _continued(leaving, known.tangents[number]))
+    found = _among_segments(place, shrink, known)
+    if found is not None:
+        return Snap(end, triple(found))
+    found = None if within_plane else _among_planes(place, grow, _centre_plane(state))
+    if found is not None:
+        return Snap(end, triple(found), _continued(leaving, np.asarray(state.plane.normal)))
+    found = _among_planes(place, grow, _faces(state))
+    return None if found is None else Snap(end, triple(found))
+
+
+def _continued(leaving: ArrayLike | None, known: Array) -> Point | None:
+    """Return a known direction, in the sense of the way that is taken, if that is nearly it."""
+    cosine = 0.0 if leaving is None else float(np.asarray(leaving, float) @ known)
+    return triple(np.copysign(1.0, cosine) * known) if abs(cosine) > SMOOTH else None
 
 
 def snaps_of(
@@ -98,9 +120,24 @@ def snaps_of(
     if curve.closed:
         return ()
     ends = (1,) if curve.reading == "self" else (0, 1)
-    spread = np.asarray(sigma, float)
-    places = state.plane.placement.points(curve.spline.value(curve.spline.range))
-    found = (snap_of(end, places[end], float(spread[-end]), camera, known, state) for end in ends)
+    spread, to_model = np.asarray(sigma, float), state.plane.placement
+    places = to_model.points(curve.spline.value(curve.spline.range))
+    ways = to_model.directions(
+        [end_direction(curve.spline.reversed()), end_direction(curve.spline)]
+    )
+    found = (
+        snap_of(
+            end,
+            places[end],
+            float(spread[-end]),
+            camera,
+            known,
+            state,
+            ways[end],
+            within_plane=curve.reading == "plane",
+        )
+        for end in ends
+    )
     return tuple(snap for snap in found if snap is not None)
 
 
@@ -127,12 +164,12 @@ def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
     return state.with_node(replace(node, edits=(*node.edits, *snaps)))
 
 
-def _among_points(place: Array, shrink: Array, known: Targets) -> Array | None:
+def _among_points(place: Array, shrink: Array, known: Targets) -> int | None:
     if not len(known.points):
         return None
     away = np.linalg.norm((known.points - place) @ shrink, axis=1)
     best = int(np.argmin(away))
-    return known.points[best] if away[best] <= 1.0 else None
+    return best if away[best] <= 1.0 else None
 
 
 def _among_segments(place: Array, shrink: Array, known: Targets) -> Array | None:

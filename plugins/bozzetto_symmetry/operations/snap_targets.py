@@ -41,6 +41,9 @@ class Targets:
     ----------
     points : (n, 3) float
     point_kinds : tuple of Kind
+    tangents : (n, 3) float
+        Unit direction in which a curve or line goes on through each of the points, in either
+        sense; 0 where there is none.
     begins, ends : (m, 3) float
         Both ends of every segment.
     segment_kinds : tuple of Kind
@@ -48,6 +51,7 @@ class Targets:
 
     points: Array
     point_kinds: tuple[Kind, ...]
+    tangents: Array
     begins: Array
     ends: Array
     segment_kinds: tuple[Kind, ...]
@@ -86,32 +90,52 @@ def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context
     section = plane_section(state)
     points: list[Array] = [box_corners(state), section]
     kinds: list[Kind] = ["corner"] * (8 + len(section))
+    ways: list[Array] = [np.zeros((8 + len(section), 3))]
     paths: list[tuple[Array, Kind]] = [(edge, "edge") for edge in box_edges(state)]
     if len(section):
         paths.append((np.vstack((section, section[:1])), "edge"))
     for line in state.shown_lines:
         paths.append((np.array([line.begin, line.end], float), "line"))
     to_model = state.plane.placement
-    for curve in curves:
-        for spline in curve.curves():
+    for solved in curves:
+        for spline in solved.curves():
             spans = len(np.unique(spline.knots))
-            paths.append((to_model.points(spline.sampled(spans * PIECES_PER_SPAN + 1)), "curve"))
-        if curve.reading == "self" and not curve.closed:
-            begin, end = curve.spline.range
-            points.append(to_model.points(curve.spline.value([0.5 * (begin + end)])))
+            path = to_model.points(spline.sampled(spans * PIECES_PER_SPAN + 1))
+            paths.append((path, "curve"))
+            if not solved.closed:
+                points.append(path[[0, -1]])
+                kinds += ["end", "end"]
+                ways.append(_end_ways(to_model.points(spline.control_points)))
+        if solved.reading == "self" and not solved.closed:
+            begin, end = solved.spline.range
+            points.append(to_model.points(solved.spline.value([0.5 * (begin + end)])))
             kinds.append("crossing")
-    paths += [(polyline(curve), "curve") for curve in context.curves]
-    for path, kind in paths:
-        if kind != "edge" and (path[0] != path[-1]).any():
+            ways.append(np.array([state.plane.normal]))
+    lines = [(path, path) for path, kind in paths if kind == "line"]
+    for curve in context.curves:
+        path = polyline(curve)
+        paths.append((path, "curve"))
+        lines.append((path, np.asarray(curve.control_points, float)))
+    for path, controls in lines:
+        if (path[0] != path[-1]).any():
             points.append(path[[0, -1]])
             kinds += ["end", "end"]
+            ways.append(_end_ways(controls))
     return Targets(
         np.concatenate(points),
         tuple(kinds),
+        np.concatenate(ways),
         np.concatenate([path[:-1] for path, _ in paths]),
         np.concatenate([path[1:] for path, _ in paths]),
         tuple(kind for path, kind in paths for _ in path[1:]),
     )
+
+
+def _end_ways(controls: Array) -> Array:
+    """Return the unit directions in which a line leaves its ends, by its control points, (2, 3)."""
+    ways = np.stack((controls[0] - controls[1], controls[-1] - controls[-2]))
+    length = np.linalg.norm(ways, axis=1, keepdims=True)
+    return np.divide(ways, length, out=np.zeros_like(ways), where=length > 0)
 
 
 def polyline(curve: ShapeCurve) -> Array:

@@ -17,6 +17,7 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import remembered
+from bozzetto_symmetry.editing.end_snaps import with_end_snaps
 from bozzetto_symmetry.editing.replay import apply_edits
 from bozzetto_symmetry.fitting.bundle_adjustment import Controls, Sight, adjust_bundle
 from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fuse
@@ -27,8 +28,10 @@ from bozzetto_symmetry.ink.sides import Side, sides_of
 from bozzetto_symmetry.interpretation.candidate import Read
 from bozzetto_symmetry.interpretation.reader import Reader
 from bozzetto_symmetry.interpretation.view_pairing import pair_across
+from bozzetto_symmetry.model.canvas import Canvas, LaidInk
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
+from bozzetto_symmetry.solve.canvas_fit import fitted_in_plane, fitted_on_surface
 from bozzetto_symmetry.solve.curve_fit import Fit, sampled
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
@@ -179,7 +182,7 @@ def _traced(curve: Curve, state: SymmetryState) -> Trace:
     if not len(curve.strokes):
         raise UserError(f"“{curve.name}” has no ink. Draw it, or delete it.")
     if not curve.edits:
-        return _read(curve, state)
+        return _as_drawn(curve, state)
     base = trace_of(replace(curve, edits=()), state)
     if base.curve is None:
         return base
@@ -188,6 +191,38 @@ def _traced(curve: Curve, state: SymmetryState) -> Trace:
     return replace(
         base, curve=changed, points=points, sigma=sigma, warnings=(*base.warnings, *warnings)
     )
+
+
+def _as_drawn(curve: Curve, state: SymmetryState) -> Trace:
+    """Return a curve without its edits, its ends at the places that they were drawn to."""
+    if curve.canvas is not None:
+        base = _on_canvas(curve, curve.canvas, state)
+    elif curve.end_snaps or curve.axis >= 0:
+        base = trace_of(replace(curve, end_snaps=(), axis=-1), state)
+    else:
+        return _read(curve, state)
+    if base.curve is None:
+        return base
+    caught = with_end_snaps(base.curve, curve, base.sigma, state)
+    if caught is base.curve:
+        return base
+    points, sigma = _carried(base, caught)
+    return replace(base, curve=caught, points=points, sigma=sigma)
+
+
+def _on_canvas(curve: Curve, canvas: Canvas, state: SymmetryState) -> Trace:
+    """Return the curve on a plane or a surface that one side of ink says all of."""
+    views = views_of(curve.strokes, state)
+    stereo = views[0].stereo
+    if isinstance(canvas, LaidInk):
+        fit = fitted_on_surface(stereo, canvas, state.plane)
+    else:
+        fit = fitted_in_plane(stereo, views[0].sides, canvas, state.plane)
+    warnings = () if fit.rms <= ON_INK else (MISSES.format(fit.rms),)
+    return Trace(
+        fit.curve.reading, fit.curve, fit.points, fit.sigma, rms=fit.rms, choices=1, views=views,
+        warnings=warnings,
+    )  # fmt: skip
 
 
 def solve_curve(curve: Curve, state: SymmetryState) -> SpaceCurve | None:

@@ -10,18 +10,23 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import arc_length, is_one_view, on_canvas
-from bozzetto.plugin import Context, Gesture, Ink, NextStep, Preview, override
+from bozzetto.plugin import Context, Gesture, Ink, NextStep, Preview, Tap, override
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_strokes, waits
+from bozzetto_symmetry.operations.canvas_ink import add_in_plane, add_on_surface
+from bozzetto_symmetry.operations.drawn_snaps import known_places, with_drawn_snaps
+from bozzetto_symmetry.operations.snap_targets import Targets
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from bozzetto_symmetry.tools.erase import ErasingTool
 from bozzetto_symmetry.view.box import segments
+from bozzetto_symmetry.view.drawing_plane import PLANE_TOOL
 from bozzetto_symmetry.view.hints import FIRST, next_step
 from bozzetto_symmetry.view.live_preview import GrowingCurve
+from bozzetto_symmetry.view.magnets import caught_by, guide_layer, magnet_layer
 
 LIVE_WIDTH: Final = 2.5
 """Width of a curve that grows, px."""
@@ -36,6 +41,9 @@ RUNG_WIDTH, RUNG_OPACITY = 1.2, 0.6
 """Width in px and opacity 0 … 1: rungs are seen over the grid of the centre plane."""
 
 
+NO_PLANE: Final = "No drawing plane is set. Touch a place with the tool “Plane”, or draw in space."
+
+
 class DrawCurve(ErasingTool):
     """Draws left and right in any order, over and over, or across in one stroke."""
 
@@ -43,10 +51,13 @@ class DrawCurve(ErasingTool):
     title = "Draw curve"
     icon = "icons/draw.svg"
     hint = FIRST
+    hovers = True
 
     @override
     def next_step(self, state: SymmetryState) -> NextStep:
         """Return what the chosen curve was read as, what is wrong with it, and what comes next."""
+        if state.lay == "plane" and state.drawing_plane is None:
+            return NextStep(NO_PLANE, tool=PLANE_TOOL)
         return NextStep(next_step(state))
 
     @override
@@ -56,14 +67,24 @@ class DrawCurve(ErasingTool):
 
     @override
     def draw(self, state: SymmetryState, ink: Ink, context: Context) -> SymmetryState:
-        """Add the ink to the curve that it belongs to, or begin a new one.
+        """Add the ink to the curve that it belongs to, or begin a new one, and snap its ends.
 
         Raises
         ------
         UserError
-            If the ink is a dot.
+            If the ink is a dot, or does not lie on the plane or surface that is asked for.
         """
-        drawn = add_strokes(state, ink.strokes)
+        plane = state.drawing_plane
+        if state.lay == "surface":
+            drawn = add_on_surface(state, ink.strokes, context)
+        elif state.lay == "plane":
+            if plane is None:
+                raise UserError(NO_PLANE)
+            drawn = add_in_plane(state, ink.strokes, plane)
+        else:
+            drawn = add_strokes(state, ink.strokes)
+        if state.snapping:
+            drawn = with_drawn_snaps(drawn, context)
         # Solved here, the curve is remembered when several ask for it at once.
         if drawn.chosen is not None:
             with suppress(UserError):
@@ -80,19 +101,39 @@ class GrowingPreview(Preview[SymmetryState]):
 
     _side: tuple[Camera, GrowingCurve] | None = None
     _is_known = False
+    _places: Targets | None = None
 
     @override
     def update(self, gesture: Gesture) -> Scene:
-        """Return what has grown, with its mirror image; nothing where no side waits."""
+        """Return what has grown, with its mirror image, and what the pen is caught by."""
+        if isinstance(gesture, Tap):
+            return Scene(self._magnets(gesture.camera, np.array([[gesture.x, gesture.y]])))
         if not isinstance(gesture, Ink) or gesture.erases:
             return Scene()
+        stroke = gesture.strokes[-1]
+        held = self._magnets(gesture.camera, stroke.points[[0, -1]])
+        if self.state.snapping and self.state.lay == "space":
+            held = (*held, *guide_layer(self.state, stroke))
+        return Scene(held) + self._grown(gesture)
+
+    def _magnets(self, camera: Camera, pixels: Array) -> tuple[Layer, ...]:
+        if not self.state.snapping:
+            return ()
+        if self._places is None:
+            self._places = known_places(self.state, self.context)
+        tolerance = self.context.pen.tolerance
+        return magnet_layer(caught_by(pixel, camera, self._places, tolerance) for pixel in pixels)
+
+    def _grown(self, ink: Ink) -> Scene:
+        if self.state.lay != "space":
+            return Scene()
         if not self._is_known:
-            self._side = _waiting_side(self.state, gesture.camera)
+            self._side = _waiting_side(self.state, ink.camera)
             self._is_known = True
         if self._side is None:
             return Scene()
         canvas, growing = self._side
-        points = growing.points(on_canvas(gesture.strokes[-1], canvas).points)
+        points = growing.points(on_canvas(ink.strokes[-1], canvas).points)
         return _scene_of(self.state, points) if len(points) > 1 else Scene()
 
 

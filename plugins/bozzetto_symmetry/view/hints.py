@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from bozzetto.errors import UserError
+from bozzetto_symmetry.model.canvas import LaidInk
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import waits
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
@@ -23,6 +24,8 @@ TAKEN: Final = {
 SIMPLE: Final = {1: "A flat curve across the plane.", 2: "A straight bar across the plane."}
 """What a curve across the plane was taken for where the rays say nothing, by `Trace.planes`."""
 
+ON_PLANE: Final = "It lies in the drawing plane. Draw on; L leads back to curves in space."
+ON_SURFACE: Final = "It lies on the surface. Draw on; L leads back to curves in space."
 APART: Final = "Press X to read them in another way, or rub out the wrong one."
 OR_MIRROR: Final = (
     "If it is only one side, draw its mirror image. Press X to read it in another way."
@@ -59,6 +62,9 @@ def _expected(curve: Curve, trace: Trace) -> Iterator[str]:
     if trace.reading == "half":  # its warnings say what it waits for
         if any(len(view.sides) > 1 for view in trace.views):
             yield APART
+        return
+    if curve.canvas is not None:
+        yield ON_SURFACE if isinstance(curve.canvas, LaidInk) else ON_PLANE
         return
     yield SIMPLE.get(trace.planes, TAKEN[trace.reading])
     if trace.rest:

@@ -20,6 +20,7 @@ from bozzetto_symmetry.operations.construction_lines import line_layer
 from bozzetto_symmetry.solve.curve_solver import Trace, View
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.view.box import box_layers
+from bozzetto_symmetry.view.drawing_plane import plane_layers
 from bozzetto_symmetry.view.uncertainty_bands import heat_bands
 from bozzetto_symmetry.view.unmatched_ink import unmatched_ink
 
@@ -41,7 +42,7 @@ FAN: Final = 24
 
 def scene_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Scene:
     """Return the box, the curves, the chosen one's uncertainty, and what waits."""
-    layers = [*box_layers(state)]
+    layers = [*box_layers(state), *plane_layers(state)]
     shown = [(curve, traces[curve.id]) for curve in state.shown_curves if curve.id in traces]
     layers.append(Layer("curves", tuple(_items(state, shown))))
     layers.append(line_layer(state, state.shown_lines))

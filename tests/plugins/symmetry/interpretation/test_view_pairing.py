@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto_symmetry.interpretation.candidate import Read
-from bozzetto_symmetry.interpretation.view_pairing import SURE, pair_of_views
+from bozzetto_symmetry.interpretation.view_pairing import pair_of_views
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing
 from bozzetto_symmetry.solve.curve_solver import trace_of
@@ -18,6 +18,12 @@ from tests.plugins.symmetry import meant_drawings as m
 from tests.plugins.symmetry import scenes as s
 
 BOX = SymmetryState().bounds
+
+EXACT = 2.0
+"""Cost, px, of a pair that was drawn without tremor, at most: sides reach differently far."""
+
+TOLD = 3.0
+"""Largest error, in those that are told: 3 of a normal distribution, at 1 place of 20."""
 
 
 def read(one: Stroke, other: Stroke, box: s.Array | None = BOX) -> Read | None:
@@ -39,7 +45,7 @@ def test_rays_through_the_ink_meet_on_the_curve(seed: int) -> None:
     meant = m.two_views(0.0, np.random.default_rng(seed))
     found = read(*meant.strokes)
     assert found is not None
-    assert found.cost < SURE
+    assert found.cost < EXACT
     near = Stereo(meant.strokes[0].camera).project(found.points)
     image = Stereo(meant.strokes[1].camera).project(found.points * MIRROR)
     for places, stroke in ((near, meant.strokes[0]), (image, meant.strokes[1])):
@@ -55,7 +61,9 @@ def test_drawings_stroke_by_stroke_are_one_pair_each() -> None:
         trace = trace_of(curve, state)
         assert trace.reading == "pair"
         off.append(percent(trace.points, meant))
-    # Where the epipolar lines run along a curve, nothing says which places belong together.
+        # Where the epipolar lines run along a curve, nothing says which places belong together,
+        # and a hand of 1 px errs by more than 6 % there: then that is told.
+        assert off[-1] < max(6.0, TOLD * 100.0 * float(trace.sigma.max()) / meant.size)
     assert sum(each < 3.0 for each in off) >= 10
 
 
@@ -72,7 +80,11 @@ def test_either_side_may_come_first_and_run_either_way() -> None:
 
 
 def test_the_mirrored_drawing_gives_the_mirrored_curve() -> None:
-    one, other = m.two_views(1.0, np.random.default_rng(321)).strokes
+    # Places on the sheet are kept as 32 bits: only those on a grid have an exact mirror image.
+    one, other = (
+        Stroke(np.round(each.x * 16.0) / 16.0, np.round(each.y * 16.0) / 16.0, each.camera)
+        for each in m.two_views(1.0, np.random.default_rng(321)).strokes
+    )
 
     def reflected(stroke: Stroke) -> Stroke:
         x, y, z = stroke.camera.eye
@@ -82,8 +94,8 @@ def test_the_mirrored_drawing_gives_the_mirrored_curve() -> None:
     found, image = read(one, other), read(reflected(one), reflected(other))
     assert found is not None
     assert image is not None
-    np.testing.assert_allclose(image.points, found.points * MIRROR, atol=1e-3)
-    assert image.cost == pytest.approx(found.cost, rel=1e-3)
+    np.testing.assert_allclose(image.points, found.points * MIRROR, atol=1e-6)
+    assert image.cost == pytest.approx(found.cost, rel=1e-6)
 
 
 @pytest.mark.parametrize("kinds", [("orthographic", "perspective"), ("orthographic",) * 2])
@@ -94,8 +106,8 @@ def test_parallel_views_pair_as_well(kinds: tuple[str, str]) -> None:
     strokes = m.stroke(side, views[0], 0.0, random), m.stroke(side * MIRROR, views[1], 0.0, random)
     found = read(*strokes)
     assert found is not None
-    assert found.cost < SURE
-    assert np.median(s.distances(found.points, side)) < 0.02 * np.ptp(side[:, 0])
+    assert found.cost < EXACT
+    assert np.median(s.distances(found.points, side)) < 0.5
 
 
 @pytest.mark.parametrize("seed", range(330, 342))

@@ -100,7 +100,8 @@ def test_rungs_of_a_still_pen() -> None:
 
 def test_nothing_grows_from_another_view_or_a_hidden_curve_or_the_eraser(waiting) -> None:
     assert not preview(waiting, gesture(RAIL * MIRROR, s.camera(50, 20))).layers
-    hidden = replace(waiting, nodes=tuple(replace(n, visible=False) for n in waiting.nodes))
+    nodes = tuple(replace(n, visible=False) for n in waiting.nodes)
+    hidden = replace(waiting, nodes=nodes, snapping=False)
     assert not preview(hidden, gesture(RAIL * MIRROR)).layers
     (stroke,) = gesture(RAIL * MIRROR).strokes
     rubbed = Stroke(stroke.x, stroke.y, VIEW, tool="eraser")
