@@ -251,7 +251,7 @@ def _even(vertices: Array, faces: Index, free: Flags, spacing: Array, solid: Imp
         if not len(over):
             break
         patch = replace(patch, free=free[patch.parents] & _near(patch, over))
-        patch = _improved(solid, patch, 1)
+        patch = patch.with_loosened(_improved(solid, patch.loosened(), 1))
     patch = replace(patch, free=free[patch.parents])
     worse = (patch.facing() <= OVERTURNED).sum() > (before.facing() <= OVERTURNED).sum()
     if worse or not _fits(before, patch) or not np.isfinite(patch.vertices).all():
