@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final, Literal, TypeVar
 
-from bozzetto.geometry import FaceGroup, Mesh, Placement, Shapes, Solid, Surface, meshed
+from bozzetto.geometry import (
+    FaceGroup,
+    Mesh,
+    Placement,
+    Shapes,
+    Skin,
+    Solid,
+    Surface,
+    Texture,
+    meshed,
+)
 from bozzetto.plugin import Job, Modeler, Parameter, override
 from bozzetto.scene import Layer, Scene, Shaded
 
@@ -31,6 +42,12 @@ class MeshState:
         Of each, sRGB; none in such documents.
     groups : tuple of tuple of FaceGroup
         Of each; none in such documents.
+    textures : tuple of Texture or None
+        Of each; none in such documents, and where no mesh has one.
+    skins : tuple of Skin or None
+        Of each, likewise.
+    paths : tuple of tuple of str
+        What each was in, as `Solid.path`; likewise.
     up : {"z", "y"}
         The axis of the file that points up.
     unit : {"mm", "cm", "m", "in"}
@@ -42,6 +59,9 @@ class MeshState:
     names: tuple[str, ...] = ()
     colors: tuple[tuple[int, int, int] | None, ...] = ()
     groups: tuple[tuple[FaceGroup, ...], ...] = ()
+    textures: tuple[Texture | None, ...] = ()
+    skins: tuple[Skin | None, ...] = ()
+    paths: tuple[tuple[str, ...], ...] = ()
     up: Annotated[
         Literal["z", "y"],
         Parameter("Up in the file", choices=(("z", "Z"), ("y", "Y")), help="Y in most OBJ files."),
@@ -58,12 +78,35 @@ class MeshState:
     def __post_init__(self) -> None:
         if len(self.closed) != len(self.meshes):
             raise ValueError("every mesh is closed or is not")
-        for row in (self.names, self.colors, self.groups):
+        for row in (self.names, self.colors, self.groups, self.textures, self.skins, self.paths):
             if row and len(row) != len(self.meshes):
-                raise ValueError("every mesh has a name, a colour and groups, or none has")
-        for mesh, groups in zip(self.meshes, self.groups, strict=False):
-            if groups and sum(group.count for group in groups) != len(mesh.faces):
-                raise ValueError("groups must hold all triangles of their mesh")
+                raise ValueError("every mesh has a name, a colour and so on, or none has")
+        self.parts()  # they say what does not fit
+
+    def parts(self) -> tuple[Solid | Surface, ...]:
+        """Return the meshes with all that they came with.
+
+        Raises
+        ------
+        ValueError
+            If groups, a texture or a skin do not fit their mesh.
+        """
+        found: list[Solid | Surface] = []
+        for number, (mesh, closed) in enumerate(zip(self.meshes, self.closed, strict=True)):
+            kind = Solid if closed else Surface
+            name = self.names[number] if self.names else ""
+            found.append(
+                kind(
+                    mesh,
+                    name or ("solid" if closed else "surface"),
+                    self.colors[number] if self.colors else None,
+                    texture=self.textures[number] if self.textures else None,
+                    skin=self.skins[number] if self.skins else None,
+                    groups=self.groups[number] if self.groups else (),
+                    path=self.paths[number] if self.paths else (),
+                )
+            )
+        return tuple(found)
 
     def standing(self) -> MeshState:
         """Return the state with its meshes in millimetres and upright."""
@@ -71,7 +114,36 @@ class MeshState:
         placement = Placement(turn, MM_PER[self.unit])
         if placement.is_identity:
             return self
-        return replace(self, meshes=tuple(mesh.placed(placement) for mesh in self.meshes))
+        parts = [part.placed(placement) for part in self.parts()]
+        return replace(
+            self,
+            meshes=tuple(part.mesh for part in parts),
+            textures=_where_any(part.texture for part in parts),
+            skins=_where_any(part.skin for part in parts),
+        )
+
+
+_Kept = TypeVar("_Kept", Skin, Texture)
+
+
+def _where_any(row: Iterable[_Kept | None]) -> tuple[_Kept | None, ...]:
+    """Return a row; nothing where it is one of nothing."""
+    kept = tuple(row)
+    return () if all(one is None for one in kept) else kept
+
+
+def _shaded(part: Solid | Surface) -> tuple[Shaded, ...]:
+    """Return what is shown of a part: its colours and pictures at its vertices, or its groups."""
+    mesh = part.mesh if part.texture is None else part.texture.painted(part.mesh)
+    if mesh.colors is not None or not any(group.color for group in part.groups):
+        return (Shaded(mesh) if part.color is None else Shaded(mesh, part.color),)
+    found, begin = [], 0
+    for group in part.groups:
+        own = replace(mesh, faces=mesh.faces[begin : begin + group.count])
+        color = group.color or part.color
+        found.append(Shaded(own) if color is None else Shaded(own, color))
+        begin += group.count
+    return tuple(found)
 
 
 class ImportedMesh(Modeler[MeshState, MeshState]):
@@ -91,6 +163,9 @@ class ImportedMesh(Modeler[MeshState, MeshState]):
             tuple(part.name for part in parts),
             tuple(part.color for part in parts),
             tuple(part.groups for part in parts),
+            _where_any(part.texture for part in parts),
+            _where_any(part.skin for part in parts),
+            tuple(part.path for part in parts) if any(part.path for part in parts) else (),
         )
 
     @override
@@ -102,28 +177,14 @@ class ImportedMesh(Modeler[MeshState, MeshState]):
     def scene(self, state: MeshState, result: MeshState | None) -> Scene:
         """Return the meshes, shaded in their colours or else in clay."""
         shown = result or state.standing()
-        colors = shown.colors or (None,) * len(shown.meshes)
-        items = tuple(
-            Shaded(mesh) if color is None else Shaded(mesh, color)
-            for mesh, color in zip(shown.meshes, colors, strict=True)
-        )
+        items = tuple(item for part in shown.parts() for item in _shaded(part))
         return Scene((Layer("mesh", items),))
 
     @override
     def shapes(self, state: MeshState, result: MeshState) -> Shapes:
-        """Return the meshes with the names, colours and groups that they came with."""
-        count = len(result.meshes)
-        solids, surfaces = [], []
-        for mesh, closed, name, color, groups in zip(
-            result.meshes,
-            result.closed,
-            result.names or ("",) * count,
-            result.colors or (None,) * count,
-            result.groups or ((),) * count,
-            strict=True,
-        ):
-            if closed:
-                solids.append(Solid(mesh, name or "solid", color, groups=groups))
-            else:
-                surfaces.append(Surface(mesh, name or "surface", color, groups))
-        return Shapes(solids=tuple(solids), surfaces=tuple(surfaces))
+        """Return the meshes with all that they came with."""
+        parts = result.parts()
+        return Shapes(
+            solids=tuple(part for part in parts if isinstance(part, Solid)),
+            surfaces=tuple(part for part in parts if isinstance(part, Surface)),
+        )

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Index
 from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.formats import Format, Kind, find, function, readers
@@ -28,7 +29,8 @@ from bozzetto.exchange.read_files import file_size, read_bytes
 from bozzetto.exchange.read_process.parent import Checkpoint, read_in_child
 from bozzetto.exchange.reading import MeshFile, Reading
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.shapes import Shapes, Solid
+from bozzetto.geometry.rig import Skin
+from bozzetto.geometry.shapes import Shapes, Solid, Surface
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 
@@ -251,24 +253,55 @@ def _with_solids(shapes: Shapes, stem: str) -> Shapes:
     """Turn closed surfaces into solids; parts without a name are called like the file."""
     solids, surfaces = list(shapes.solids), []
     for part in shapes.surfaces:
-        closed = _as_closed(part.mesh)
+        closed = _as_closed(part)
         name = part.name or stem
         if closed is None:
             surfaces.append(replace(part, name=name))
         else:
-            solids.append(Solid(closed, name, part.color, groups=part.groups))
+            solids.append(
+                Solid(
+                    closed.mesh,
+                    name,
+                    part.color,
+                    part.texture,
+                    closed.skin,
+                    part.groups,
+                    path=part.path,
+                )
+            )
     return Shapes(tuple(solids), tuple(surfaces))
 
 
-def _as_closed(mesh: Mesh) -> Mesh | None:
+def _as_closed(part: Surface) -> Surface | None:
+    """Return a surface that bounds a volume, its doubled vertices one where it takes that."""
+    mesh, skin = part.mesh, part.skin
     if bounds_volume(mesh):
-        return mesh
-    kept, faces = weld(mesh.vertices, mesh.faces)
+        return part
+    rest = mesh if skin is None or skin.rest is None else skin.rest
+    kept, faces = weld(rest.vertices, rest.faces)
     if len(kept) == len(mesh.vertices):
         return None
+    back = np.empty(len(mesh.vertices), np.intp)
+    back[mesh.faces] = faces
+    if skin is not None:
+        same = (skin.joints[kept][back] == skin.joints) & (skin.weights[kept][back] == skin.weights)
+        if not same[np.unique(mesh.faces)].all():
+            return None  # what lies at one place goes its own ways
+        rest_kept = None if skin.rest is None else _welded(skin.rest, kept, back)
+        skin = Skin(skin.rig, skin.joints[kept], skin.weights[kept], rest_kept, skin.clips)
+    joined = _welded(mesh, kept, back)
+    return replace(part, mesh=joined, skin=skin) if bounds_volume(joined) else None
+
+
+def _welded(mesh: Mesh, kept: Index, back: Index) -> Mesh:
+    """Return a mesh of some of its vertices; normals only where those at one place are one."""
+    normals = mesh.normals
+    used = np.unique(mesh.faces)
+    if normals is not None and (normals[kept][back[used]] != normals[used]).any():
+        normals = None
     colors = None if mesh.colors is None else mesh.colors[kept]
-    joined = Mesh(mesh.vertices[kept], faces, colors=colors)
-    return joined if bounds_volume(joined) else None
+    normals = None if normals is None else normals[kept]
+    return Mesh(mesh.vertices[kept], back[mesh.faces].astype(np.int32), normals, colors)
 
 
 def _chosen(kind: str, path: str | os.PathLike[str]) -> tuple[Format, int]:

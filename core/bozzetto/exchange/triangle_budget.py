@@ -14,6 +14,7 @@ from bozzetto.geometry.decimation import decimated
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
+from bozzetto.geometry.texture_charts import charts, on_fewer
 
 LEAST: Final = 12
 """Triangles that each part keeps where it has as many: a box has so many."""
@@ -27,8 +28,9 @@ def triangle_count(shapes: Shapes) -> int:
 def within_budget(shapes: Shapes, triangles: int) -> Shapes:
     """Return shapes whose meshes have at most so many triangles, as far as they hold together.
 
-    Each part gets its share of them. Colours and bones stay with their vertices; pictures on
-    parts that lose triangles go, for they belong to the triangles.
+    Each part gets its share of them. Colours and bones stay with their vertices, and pictures
+    where they are: the seams of a picture are kept as edges are. A picture goes where its seams
+    leave more triangles than are allowed.
 
     Parameters
     ----------
@@ -64,22 +66,30 @@ def _shares(counts: Sequence[int], triangles: int) -> list[int]:
 
 
 def _with_fewer(part: Solid | Surface, triangles: int) -> Solid | Surface:
-    mesh = part.mesh
+    mesh, texture = part.mesh, part.texture
     groups = np.repeat(np.arange(len(part.groups)), [group.count for group in part.groups])
-    made = decimated(mesh, triangles, groups if part.groups else None)
+    if not part.groups:
+        groups = np.zeros(len(mesh.faces), np.intp)
+    chart = np.zeros(len(groups), np.intp) if texture is None else charts(mesh, texture)
+    many = int(chart.max(initial=0)) + 1
+    made = decimated(mesh, triangles, groups * many + chart)
+    if texture is not None and len(made.faces) > triangles:
+        texture, many = None, 1  # so many seams leave no room
+        made = decimated(mesh, triangles, groups)
     kept = made.vertices
-    counts = np.bincount(made.groups, minlength=len(part.groups))
+    counts = np.bincount(made.groups // many, minlength=len(part.groups))
     named = tuple(
         replace(group, count=int(count)) for group, count in zip(part.groups, counts, strict=False)
     )
     fewer = _some(mesh, kept, made.faces)
-    if isinstance(part, Surface):
-        return replace(part, mesh=fewer, groups=named, exact=None)
+    if texture is not None:
+        corners = kept[made.faces]
+        texture = on_fewer(mesh, texture, chart, corners, made.groups % many)
     skin = part.skin
     if skin is not None:
         rest = None if skin.rest is None else _some(skin.rest, kept, made.faces)
-        skin = Skin(skin.rig, skin.joints[kept], skin.weights[kept], rest)
-    return replace(part, mesh=fewer, groups=named, skin=skin, texture=None, exact=None)
+        skin = Skin(skin.rig, skin.joints[kept], skin.weights[kept], rest, skin.clips)
+    return replace(part, mesh=fewer, groups=named, skin=skin, texture=texture, exact=None)
 
 
 def _some(mesh: Mesh, kept: Index, faces: NDArray[np.int32]) -> Mesh:

@@ -35,6 +35,9 @@ class Rig:
     axes : (n, 3, 3) float64, optional
         Axes of each joint at rest as columns, in the model's: the second points along its bone.
         Those of the model where none are given. Turns are in the model's axes in any case.
+    shifts : (n, 3) float64, optional
+        Pose: how far each joint is moved before its parent turns, mm; not at all where none
+        are given.
 
     Raises
     ------
@@ -48,6 +51,7 @@ class Rig:
     turns: Array | None = None
     cuts: NDArray[np.int32] | None = None
     axes: Array | None = None
+    shifts: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", frozen(self.joints, np.float64, 3))
@@ -73,6 +77,15 @@ class Rig:
             fits = fits and np.allclose(axes.transpose(0, 2, 1) @ axes, np.eye(3), atol=1e-6)
             if not fits or (np.linalg.det(axes) < 0.0).any():
                 raise ValueError("a rig needs one right-handed frame of unit vectors per joint")
+        if self.shifts is not None:
+            object.__setattr__(self, "shifts", frozen(self.shifts, np.float64, 3))
+            if len(self.shifts) != count:
+                raise ValueError("a rig needs one shift per joint")
+
+    @property
+    def is_posed(self) -> bool:
+        """Whether joints may be turned or moved."""
+        return self.turns is not None or self.shifts is not None
 
     def placed(self, placement: Placement) -> Rig:
         """Return the rig moved by a placement; a mirror turns the other way round."""
@@ -84,10 +97,11 @@ class Rig:
                 # Bones keep their direction and their front; so the third axis turns over.
                 axes = axes * np.array([-1.0, 1.0, 1.0])
         joints = placement.points(self.joints)
-        return Rig(joints, self.parents, self.names, turns, self.cuts, axes)
+        shifts = None if self.shifts is None else _moved(self.shifts, placement)
+        return Rig(joints, self.parents, self.names, turns, self.cuts, axes, shifts)
 
     def posed(self) -> tuple[Array, Array]:
-        """Return where the turns take the joints.
+        """Return where turns and shifts take the joints.
 
         Returns
         -------
@@ -96,14 +110,15 @@ class Rig:
         places : (n, 3) float64 array
             mm.
         """
-        places = np.array(self.joints)
-        if self.turns is None:
+        places = np.array(self.joints if self.shifts is None else self.joints + self.shifts)
+        if not self.is_posed:
             return np.tile(np.eye(3), (len(places), 1, 1)), places
-        rotations = _matrices(self.turns)
+        still = np.tile((0.0, 0.0, 0.0, 1.0), (len(places), 1))
+        rotations = _matrices(still if self.turns is None else self.turns)
         for joint, parent in enumerate(self.parents.tolist()):
             if parent >= 0:
                 rotations[joint] = rotations[parent] @ rotations[joint]
-                arm = self.joints[joint] - self.joints[parent]
+                arm = places[joint] - self.joints[parent]
                 places[joint] = places[parent] + rotations[parent] @ arm
         return rotations, places
 
@@ -119,6 +134,8 @@ class Clip:
         Growing.
     turns : (k, n, 4) float64
         At each time a unit quaternion (x, y, z, w) per joint, as `Rig.turns`.
+    shifts : (k, n, 3) float64, optional
+        At each time how far each joint is moved, as `Rig.shifts`, mm.
 
     Raises
     ------
@@ -129,6 +146,7 @@ class Clip:
     name: str
     seconds: Array
     turns: Array
+    shifts: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", frozen(self.seconds, np.float64))
@@ -139,10 +157,15 @@ class Clip:
             raise ValueError("the times of a clip must grow")
         if not np.allclose(np.linalg.norm(self.turns, axis=2), 1.0, atol=1e-6):
             raise ValueError("a clip needs unit quaternions")
+        if self.shifts is not None:
+            object.__setattr__(self, "shifts", frozen(self.shifts, np.float64))
+            if self.shifts.shape != (*self.turns.shape[:2], 3):
+                raise ValueError("a clip needs a shift for each joint at each time")
 
     def placed(self, placement: Placement) -> Clip:
         """Return the clip moved by a placement, as `Rig.placed` does."""
-        return Clip(self.name, self.seconds, _carried(self.turns, placement))
+        shifts = None if self.shifts is None else _moved(self.shifts, placement)
+        return Clip(self.name, self.seconds, _carried(self.turns, placement), shifts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +180,7 @@ class Skin:
     weights : (v, 4) float32
         Not negative, sum 1 per vertex.
     rest : Mesh, optional
-        The mesh before the rig was turned, vertex for vertex; None where it is not turned.
+        The mesh before the rig was posed, vertex for vertex; None where it is not.
     clips : tuple of Clip
         Motions of the rig, for files that hold them.
 
@@ -199,7 +222,7 @@ class Skin:
         return Skin(self.rig.placed(placement), self.joints, self.weights, rest, clips)
 
     def posed(self, mesh: Mesh) -> Mesh:
-        """Return the rest mesh posed by the rig's turns: linear blend skinning, as in glTF.
+        """Return the rest mesh posed as the rig is: linear blend skinning, as in glTF.
 
         Parameters
         ----------
@@ -208,7 +231,7 @@ class Skin:
         """
         from scipy.sparse import csr_array
 
-        if self.rig.turns is None:
+        if not self.rig.is_posed:
             return mesh
         rotations, places = self.rig.posed()
         shifts = places - np.einsum("nij,nj->ni", rotations, self.rig.joints)
@@ -229,6 +252,11 @@ class Skin:
             known = length > 0.0
             normals = np.divide(turned, length, out=normals.astype(np.float64), where=known)
         return replace(mesh, vertices=vertices, normals=normals)
+
+
+def _moved(shifts: Array, placement: Placement) -> Array:
+    """Carry shifts into another frame."""
+    return placement.scale * placement.directions(shifts).reshape(shifts.shape)
 
 
 def _carried(turns: Array, placement: Placement) -> Array:

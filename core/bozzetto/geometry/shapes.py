@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,8 @@ class Solid:
         All triangles, in their order; none where the solid is one piece.
     exact : Brep, optional
         The same shape for formats that hold exact surfaces.
+    path : tuple of str
+        Names of what it is in, the outermost first, as assemblies have it.
     """
 
     mesh: Mesh
@@ -71,23 +73,14 @@ class Solid:
     skin: Skin | None = None
     groups: tuple[FaceGroup, ...] = ()
     exact: Brep | None = None
+    path: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_groups(self)
-        if self.texture is not None and len(self.texture.corners) != len(self.mesh.faces):
-            raise ValueError("a texture needs a place for every corner of every face")
-        if self.skin is not None and len(self.skin.joints) != len(self.mesh.vertices):
-            raise ValueError("a skin belongs to a mesh of as many vertices")
+        _check(self)
 
     def placed(self, placement: Placement) -> Solid:
         """Return the solid moved by a placement."""
-        texture = self.texture
-        if texture is not None and placement.mirrors:
-            texture = texture.turned_over()
-        skin = None if self.skin is None else self.skin.placed(placement)
-        exact = None if self.exact is None else self.exact.placed(placement)
-        mesh = self.mesh.placed(placement)
-        return replace(self, mesh=mesh, texture=texture, skin=skin, exact=exact)
+        return _placed(self, placement)
 
 
 @dataclass(frozen=True)
@@ -104,6 +97,8 @@ class Surface:
         All triangles, in their order; none where the surface is one piece.
     exact : Brep, optional
         The same shape for formats that hold exact surfaces.
+    texture, skin, path
+        As of a `Solid`.
     """
 
     mesh: Mesh
@@ -111,20 +106,39 @@ class Surface:
     color: Color | None = None
     groups: tuple[FaceGroup, ...] = ()
     exact: Brep | None = None
+    texture: Texture | None = None
+    skin: Skin | None = None
+    path: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_groups(self)
+        _check(self)
 
     def placed(self, placement: Placement) -> Surface:
         """Return the surface moved by a placement."""
-        exact = None if self.exact is None else self.exact.placed(placement)
-        return replace(self, mesh=self.mesh.placed(placement), exact=exact)
+        return _placed(self, placement)
 
 
-def _check_groups(part: Solid | Surface) -> None:
+_Part = TypeVar("_Part", Solid, Surface)
+
+
+def _check(part: Solid | Surface) -> None:
     counts = [group.count for group in part.groups]
     if counts and (min(counts) < 0 or sum(counts) != len(part.mesh.faces)):
         raise ValueError("groups must hold all triangles of their mesh")
+    if part.texture is not None and len(part.texture.corners) != len(part.mesh.faces):
+        raise ValueError("a texture needs a place for every corner of every face")
+    if part.skin is not None and len(part.skin.joints) != len(part.mesh.vertices):
+        raise ValueError("a skin belongs to a mesh of as many vertices")
+
+
+def _placed(part: _Part, placement: Placement) -> _Part:
+    texture = part.texture
+    if texture is not None and placement.mirrors:
+        texture = texture.turned_over()
+    skin = None if part.skin is None else part.skin.placed(placement)
+    exact = None if part.exact is None else part.exact.placed(placement)
+    mesh = part.mesh.placed(placement)
+    return replace(part, mesh=mesh, texture=texture, skin=skin, exact=exact)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
+from bozzetto.geometry.mesh import Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +39,18 @@ class Texture:
             raise ValueError("a texture needs pixels of the shape (height, width, 4)")
         if self.corners.ndim != 3 or self.corners.shape[1:] != (3, 2):
             raise ValueError("a texture needs a place for every corner of every face")
+
+    def painted(self, mesh: Mesh) -> Mesh:
+        """Return the mesh that is wrapped, with the picture's colours at its vertices.
+
+        A vertex at several places of the picture has the colour of one of them.
+        """
+        height, width = self.pixels.shape[:2]
+        places = np.zeros((len(mesh.vertices), 2), np.float32)
+        places[mesh.faces] = self.corners
+        column, row = np.clip(places * (width, height), 0, (width - 1, height - 1)).astype(int).T
+        colors = self.pixels[row, column]
+        return replace(mesh, colors=colors, cover=colors[:, 3])
 
     def turned_over(self) -> Texture:
         """Return the texture for the same faces with their corners in reverse order."""

@@ -235,15 +235,72 @@ def test_parts_share_the_budget_and_a_budget_that_is_too_small_is_told():
     assert len(stl_points(tight.data)) // 3 > 8
 
 
-def test_pictures_that_triangles_lose_are_told():
+def spread(mesh):
+    """A picture in two halves: what looks up in the left one, what looks down in the right one."""
+    from bozzetto.geometry import Texture
+
+    pixels = np.full((64, 128, 4), 255, np.uint8)
+    pixels[..., 0] = np.linspace(0, 255, 128).astype(np.uint8)
+    pixels[..., 1] = np.linspace(0, 255, 64).astype(np.uint8)[:, None]
+    corners = mesh.vertices[mesh.faces].astype(float)
+    low, high = mesh.bounds
+    places = ((corners - low) / (high - low))[..., :2] * (0.45, 0.9) + (0.02, 0.05)
+    down = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] < 0
+    places[down, :, 0] += 0.5
+    return Texture(pixels, places)
+
+
+def test_pictures_stay_where_they_are_on_fewer_triangles():
+    """Every corner that is left has a place that it had on its side of the seam."""
+    mesh = ball()
+    shapes = Shapes(solids=(Solid(mesh, "a", texture=spread(mesh)),))
+    (fewer,) = within_budget(shapes, 200).solids
+    assert len(fewer.mesh.faces) <= 200
+    assert fewer.texture is not None
+    before = np.column_stack(
+        (mesh.vertices[mesh.faces].reshape(-1, 3), spread(mesh).corners.reshape(-1, 2))
+    )
+    corners = fewer.mesh.vertices[fewer.mesh.faces].reshape(-1, 3)
+    after = np.column_stack((corners, fewer.texture.corners.reshape(-1, 2)))
+    known = {row.tobytes() for row in before.astype(np.float32)}
+    assert all(row.tobytes() in known for row in after.astype(np.float32))
+    halves = fewer.texture.corners[..., 0] > 0.5
+    assert (halves.all(axis=1) | ~halves.any(axis=1)).all()
+    made = prepare_export(shapes, "a.glb", handover=Handover(triangles=200))
+    assert made.warnings() == ()
+
+
+def test_a_picture_that_is_unrolled_around_stays_whole():
+    """The seam of a map of a ball has two places for each vertex: no triangle spans the map."""
     from bozzetto.geometry import Texture
 
     mesh = ball()
-    picture = Texture(np.zeros((4, 4, 4), np.uint8), np.zeros((len(mesh.faces), 3, 2)))
+    middle = mesh.bounds.mean(axis=0)
+    rays = mesh.vertices[mesh.faces].astype(float) - middle
+    around = np.arctan2(rays[..., 1], rays[..., 0]) / (2 * np.pi) + 0.5
+    around -= np.round(around - around[:, :1])  # each triangle in one piece
+    around = (around + 1.0) / 3.0
+    height = np.arccos(np.clip(rays[..., 2] / np.linalg.norm(rays, axis=2), -1, 1)) / np.pi
+    places = np.stack((around, height), axis=2).astype(np.float32)
+    picture = Texture(np.zeros((8, 8, 4), np.uint8), places)
+    (fewer,) = within_budget(Shapes(solids=(Solid(mesh, "a", texture=picture),)), 300).solids
+    assert fewer.texture is not None
+    assert bounds_volume(fewer.mesh)
+    assert np.ptp(fewer.texture.corners[..., 0], axis=1).max() < 0.3
+
+
+def test_a_picture_in_too_many_pieces_is_told_and_the_budget_kept():
+    """All triangles lie at random places: none could go without a hole in the picture."""
+    from bozzetto.geometry import Texture
+
+    mesh = ball()
+    places = np.random.default_rng(1).random((len(mesh.faces), 3, 2))
+    picture = Texture(np.zeros((4, 4, 4), np.uint8), places)
     shapes = Shapes(solids=(Solid(mesh, "a", texture=picture),))
-    assert prepare_export(shapes, "a.glb").warnings() == ()
-    told = prepare_export(shapes, "a.glb", handover=Handover(triangles=100)).warnings()
-    assert "picture" in " ".join(told)
+    (fewer,) = within_budget(shapes, 200).solids
+    assert len(fewer.mesh.faces) <= 200
+    made = prepare_export(shapes, "a.glb", handover=Handover(triangles=200))
+    assert "picture" in " ".join(made.warnings())
 
 
 @settings(max_examples=15, deadline=None)

@@ -76,6 +76,7 @@ def test_gltf_tells_what_it_leaves_out(tmp_path):
     def richer(document):
         document["animations"] = [{"channels": []}] * 2
         document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+        document["meshes"][0]["primitives"][0]["material"] = 0
         document["nodes"] = [{"mesh": 0, "skin": 0}, {"camera": 0}]
         document["scenes"] = [{"nodes": [0, 1]}]
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.exchange.mesh.gltf_skin import local_turns
+from bozzetto.exchange.mesh.gltf_skin import local_places, local_turns
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Clip, Rig
 from bozzetto.geometry.shapes import Shapes, Solid
@@ -78,7 +78,15 @@ def filmed_skins(frames: Sequence[Shapes], seconds: Sequence[float]) -> Shapes:
                 raise UserError(f"The joints of “{solid.name}” change while it moves.")
             still = np.tile([0.0, 0.0, 0.0, 1.0], (len(skin.rig.joints), 1))
             turns = [still if rig.turns is None else rig.turns for rig in rigs]
-            clip = Clip("motion", np.asarray(seconds, float), np.array(turns))
+            shifts = [np.zeros_like(rig.joints) if rig.shifts is None else rig.shifts
+                      for rig in rigs]  # fmt: skip
+            moved = any(rig.shifts is not None for rig in rigs)
+            clip = Clip(
+                "motion",
+                np.asarray(seconds, float),
+                np.array(turns),
+                np.array(shifts) if moved else None,
+            )
             solid = replace(solid, skin=replace(skin, clips=(clip,)))
         solids.append(solid)
     return replace(frames[0], solids=tuple(solids))
@@ -92,7 +100,7 @@ def add_clip(
     put: Put,
     component: int,
 ) -> None:
-    """Add the rotations of a rig's joints to the animation of their clip's name.
+    """Add the rotations and shifts of a rig's joints to the animation of their clip's name.
 
     Parameters
     ----------
@@ -108,22 +116,25 @@ def add_clip(
         The file's number of single precision.
     """
     none = np.tile([0.0, 0.0, 0.0, 1.0], (len(rig.joints), 1))
-    still, *turned = (np.asarray(local_turns(rig, row)) for row in (none, *clip.turns))
-    turns = np.array(turned)
+    still, turns = (np.array(local_turns(rig, rows)) for rows in (none, clip.turns))
+    rows = [("rotation", "VEC4", turns, (turns != still).any(axis=(0, 2)))]
+    if clip.shifts is not None:
+        places = local_places(rig, clip.shifts)
+        away = (places != local_places(rig, None)).any(axis=(0, 2))
+        rows.insert(0, ("translation", "VEC3", places, away))
     for before, after in itertools.pairwise(turns):
         after[np.einsum("ni,ni->n", before, after) < 0.0] *= -1.0
-    apart = 1.0 - np.abs(np.einsum("kni,ni->kn", turns, still)).min(axis=0)
-    moving = np.flatnonzero(apart > STILL**2)
-    if not len(moving):
+    if not any(moving.any() for *_, moving in rows):
         return
     times = clip.seconds.astype("<f4").reshape(-1, 1)
     keys = put(times, "SCALAR", component, min=times[0].tolist(), max=times[-1].tolist())
     known = animations.setdefault(clip.name, {"name": clip.name, "samplers": [], "channels": []})
-    for joint in moving.tolist():
-        target = {"node": first + joint, "path": "rotation"}
-        known["channels"].append({"sampler": len(known["samplers"]), "target": target})
-        values = put(turns[:, joint].astype("<f4"), "VEC4", component)
-        known["samplers"].append({"input": keys, "output": values, "interpolation": "LINEAR"})
+    for path, kind, values, moving in rows:
+        for joint in np.flatnonzero(moving).tolist():
+            target = {"node": first + joint, "path": path}
+            known["channels"].append({"sampler": len(known["samplers"]), "target": target})
+            output = put(values[:, joint].astype("<f4"), kind, component)
+            known["samplers"].append({"input": keys, "output": output, "interpolation": "LINEAR"})
 
 
 def animation(

@@ -1,17 +1,14 @@
-"""glTF 2.0, read: what is shown, every node at its place, from `.glb` and from `.gltf`.
+"""glTF 2.0, read: what is shown, every node at its place, with its bones, pictures and motions.
 
-Buffers are in the file, in links that hold them (``data:``), or beside it. Compression extensions
-are not read.
+From `.glb` and `.gltf`. Buffers are in the file, in links that hold them (``data:``), or beside it.
+Compression extensions are not read.
 """
 
 from __future__ import annotations
 
-import base64
-import binascii
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
-from urllib.parse import unquote
 
 import msgspec
 import numpy as np
@@ -20,6 +17,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.color import linear_to_srgb
 from bozzetto.exchange.limits import MAX_FACES, MAX_MESH_BYTES, MAX_VERTICES, at_most
+from bozzetto.exchange.mesh.gltf_pictures import Pictures, linked_bytes
 from bozzetto.exchange.mesh.gltf_scene import (
     AXES,
     BIN_CHUNK,
@@ -29,24 +27,24 @@ from bozzetto.exchange.mesh.gltf_scene import (
     MAGIC,
     MM_PER_METRE,
     TRIANGLES,
-    Accessor,
+    UNIT,
     Gltf,
     Material,
     Primitive,
-    View,
+    ShownMesh,
     item,
     placed_meshes,
 )
+from bozzetto.exchange.mesh.gltf_skinned import FollowedBones, SkinnedMeshes
+from bozzetto.exchange.mesh.gltf_values import Blobs, values_of
 from bozzetto.exchange.mesh.polygons import check_places, checked_mesh, without_degenerate
 from bozzetto.exchange.reading import Reading
 from bozzetto.geometry.shapes import FaceGroup, Finish, Shapes, Surface
+from bozzetto.geometry.texture import Texture
 from bozzetto.json_size import MAX_VALUES, json_values
 
 STRIP: Final = 5
 FAN: Final = 6
-
-COMPONENTS: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 MAX_PARTS: Final = 20_000
 """Primitives that are shown; an assembly of as many screws has not more."""
@@ -56,8 +54,6 @@ HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform")
 
 MAX_BUFFERS: Final = 64
 """Buffers of one file; most have one."""
-
-Blobs = list[bytes]
 
 
 def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
@@ -73,52 +69,93 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     reading = reading or Reading()
     gltf, blob = _opened(data)
     blobs = _buffers(gltf, blob, reading)
-    _tell(gltf, reading)
-    surfaces: list[Surface] = []
     _check_sum(gltf)
-    for name, mesh, matrix in placed_meshes(gltf):
-        for alike in _alike(mesh.primitives):
-            made = [(_surface(gltf, blobs, one, matrix, name), one) for one in alike]
-            parts = [(part, primitive) for part, primitive in made if part is not None]
+    surfaces: list[Surface] = []
+    bodies = SkinnedMeshes(gltf, blobs, reading)
+    pictures = Pictures(gltf, blobs, reading)
+    for shown in placed_meshes(gltf):
+        follow = bodies.followed(shown.place)
+        for alike in _alike(gltf, shown.mesh.primitives):
+            parts = [
+                (part, primitive)
+                for primitive in alike
+                for part in (_surface(gltf, blobs, primitive, shown, follow, pictures),)
+                if part is not None
+            ]
             if parts:
                 surfaces.append(_together(gltf, parts))
+    _tell(gltf, reading, bodies)
     if not surfaces:
         raise FormatError("There are no faces in this file.")
     return Shapes(surfaces=tuple(surfaces))
 
 
-def _alike(primitives: Sequence[Primitive]) -> list[list[Primitive]]:
-    """Return primitives, those that follow one another over the same vertices together."""
+def _alike(gltf: Gltf, primitives: Sequence[Primitive]) -> list[list[Primitive]]:
+    """Return primitives, those that follow one another over the same vertices together.
+
+    What has another picture is another part.
+    """
     found: list[list[Primitive]] = []
     for primitive in primitives:
-        if found and found[-1][0].attributes == primitive.attributes:
+        before = found[-1][0] if found else None
+        if (
+            before is not None
+            and before.attributes == primitive.attributes
+            and (_picture(gltf, before) == _picture(gltf, primitive))
+        ):
             found[-1].append(primitive)
         else:
             found.append([primitive])
     return found
 
 
+def _picture(gltf: Gltf, primitive: Primitive) -> tuple[int, int] | None:
+    """Return which picture is on a primitive, and by which of its places."""
+    link = _material(gltf, primitive).pbr_metallic_roughness.base_color_texture
+    return None if link is None else (link.index, link.tex_coord)
+
+
+def _material(gltf: Gltf, primitive: Primitive) -> Material:
+    if primitive.material is None:
+        return Material()
+    found: Material = item(gltf.materials, primitive.material, "material")
+    return found
+
+
 def _together(gltf: Gltf, parts: Sequence[tuple[Surface, Primitive]]) -> Surface:
-    """Return one surface with a group for each primitive, called like its material."""
+    """Return one surface with a group for each primitive, called like its material.
+
+    A single one that has the name of its material and looks matt is in one piece.
+    """
     first = parts[0][0]
-    if len(parts) == 1:
-        return first
-    faces = np.concatenate([part.mesh.faces for part, _ in parts])
     groups = []
     for part, primitive in parts:
-        name = part.name
-        finish: Finish = "matt"
-        if primitive.material is not None:
-            material: Material = item(gltf.materials, primitive.material, "material")
-            name, finish = material.name or name, _finish(material)
+        material = _material(gltf, primitive)
+        name = material.name or part.name
+        finish: Finish = "matt" if primitive.material is None else _finish(material)
         groups.append(FaceGroup(name, len(part.mesh.faces), part.color, finish))
-    return Surface(replace(first.mesh, faces=faces), first.name, groups=tuple(groups))
+    if len(parts) == 1:
+        (group,) = groups
+        plain = group.finish == "matt" and group.name in ("", first.name)
+        return first if plain else replace(first, color=None, groups=(group,))
+    faces = np.concatenate([part.mesh.faces for part, _ in parts])
+    skin, texture = first.skin, first.texture
+    if skin is not None and skin.rest is not None:
+        skin = replace(skin, rest=replace(skin.rest, faces=faces))
+    if texture is not None:
+        rows = [part.texture.corners for part, _ in parts if part.texture is not None]
+        texture = Texture(texture.pixels, np.concatenate(rows))
+    mesh = replace(first.mesh, faces=faces)
+    return Surface(
+        mesh, first.name, groups=tuple(groups), texture=texture, skin=skin, path=first.path
+    )
 
 
 def _finish(material: Material) -> Finish:
     """Return of what a material seems to be made: the finish whose looks are nearest."""
     looks = material.pbr_metallic_roughness
-    own = (looks.metallic_factor, looks.roughness_factor, looks.base_color_factor[3])
+    opacity = 1.0 if looks.base_color_factor is None else looks.base_color_factor[3]
+    own = (looks.metallic_factor, looks.roughness_factor, opacity)
     return min(LOOKS, key=lambda finish: float(np.square(np.subtract(LOOKS[finish], own)).sum()))
 
 
@@ -129,7 +166,7 @@ def _check_sum(gltf: Gltf) -> None:
     """
     counts: dict[int, tuple[int, int, int]] = {}
     parts = vertices = corners = 0
-    for _, mesh, _ in placed_meshes(gltf):
+    for _, mesh, _, _ in placed_meshes(gltf):
         if id(mesh) not in counts:
             sizes = [_sizes(gltf, primitive) for primitive in mesh.primitives]
             counts[id(mesh)] = (len(sizes), sum(v for v, _ in sizes), sum(c for _, c in sizes))
@@ -197,7 +234,7 @@ def _buffers(gltf: Gltf, blob: bytes | None, reading: Reading) -> list[bytes]:
     size = 0
     for number, buffer in enumerate(gltf.buffers):
         if buffer.uri is not None:
-            found.append(_linked(buffer.uri, reading))
+            found.append(linked_bytes(buffer.uri, reading, "buffer"))
         else:
             found.append(blob or b"" if number == 0 else b"")
         size += len(found[-1])
@@ -205,31 +242,25 @@ def _buffers(gltf: Gltf, blob: bytes | None, reading: Reading) -> list[bytes]:
     return found
 
 
-def _linked(uri: str, reading: Reading) -> bytes:
-    """Return the bytes of a link: those that it holds, or those of a file beside."""
-    if not uri.startswith("data:"):
-        return reading.beside(unquote(uri), "buffer")
-    head, comma, text = uri.partition(",")
-    if not comma or not head.endswith(";base64"):
-        raise FormatError("A buffer in its description is not in base64. Export it again.")
-    try:
-        return base64.b64decode(text, validate=True)
-    except (binascii.Error, ValueError):
-        raise FormatError("A buffer in its description is damaged.") from None
-
-
-def _tell(gltf: Gltf, reading: Reading) -> None:
-    """Tell what is left out: pictures, bones, motions, cameras, points and lines."""
-    pictured = sum(one.pbr_metallic_roughness.base_color_texture is not None
-                   for one in gltf.materials)  # fmt: skip
+def _tell(gltf: Gltf, reading: Reading, bodies: SkinnedMeshes) -> None:
+    """Tell what is left out: pictures of relief and shine, motions, cameras, points and lines."""
+    relief = sum(
+        one is not None
+        for material in gltf.materials
+        for one in (material.normal_texture, material.occlusion_texture, material.emissive_texture)
+    )
     thin = sum(one.mode not in (TRIANGLES, STRIP, FAN) for mesh in gltf.meshes
                for one in mesh.primitives)  # fmt: skip
+    morphs = sum(bool(one.targets) for mesh in gltf.meshes for one in mesh.primitives)
+    levels = sum("MSFT_lod" in node.extensions for node in gltf.nodes)
     for count, what, many, why in (
-        (pictured, "the picture of a material", "the pictures of {} materials",
-         "their colours are kept"),
-        (sum(node.skin is not None for node in gltf.nodes), "the bones of a part",
-         "the bones of {} parts", "they stand as in the file at rest"),
-        (len(gltf.animations), "a motion", "{} motions", "only shapes are read"),
+        (relief, "a picture of relief, shade or glow", "{} pictures of relief, shade or glow",
+         "colours are kept"),
+        (morphs, "the other forms of a part", "the other forms of {} parts", "its own is read"),
+        (bodies.loose_motions, "a motion", "{} motions",
+         "only those of bones are read; bind the parts to bones"),
+        (levels, "the coarser levels of a part", "the coarser levels of {} parts",
+         "the export makes them again"),
         (sum(node.camera is not None for node in gltf.nodes), "a camera", "{} cameras",
          "only shapes are read"),
         (thin, "a set of points or lines", "{} sets of points or lines", "they have no faces"),
@@ -240,20 +271,27 @@ def _tell(gltf: Gltf, reading: Reading) -> None:
 
 
 def _surface(
-    gltf: Gltf, blobs: Blobs, primitive: Primitive, matrix: NDArray[np.float64], name: str
+    gltf: Gltf,
+    blobs: Blobs,
+    primitive: Primitive,
+    shown: ShownMesh,
+    follow: FollowedBones | None,
+    pictures: Pictures,
 ) -> Surface | None:
     """Return one primitive in our axes; None for points and lines."""
     if primitive.mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in primitive.attributes:
         return None
-    local = _values(gltf, blobs, primitive.attributes["POSITION"], 3)
+    local = values_of(gltf, blobs, primitive.attributes["POSITION"], 3)
     check_places(local)
+    skin = None if follow is None else follow.skin(primitive, len(local))
+    matrix = shown.place.matrix if follow is None or skin is None else follow.change
     to_world = MM_PER_METRE * AXES.T @ matrix[:3, :3]
     places = local @ to_world.T + MM_PER_METRE * AXES.T @ matrix[:3, 3]
     order = np.arange(len(places))
     if primitive.indices is not None:
         if item(gltf.accessors, primitive.indices, "accessor").component_type == FLOAT:
             raise FormatError("Its indices are not whole numbers.")
-        order = _values(gltf, blobs, primitive.indices, 1)[:, 0].astype(np.int64)
+        order = values_of(gltf, blobs, primitive.indices, 1)[:, 0].astype(np.int64)
     faces = without_degenerate(_faces(order, primitive.mode).astype(np.int64))
     if not len(faces):
         return None
@@ -261,18 +299,25 @@ def _surface(
         faces = faces[:, ::-1]
     colors = None
     if "COLOR_0" in primitive.attributes:
-        linear = _values(gltf, blobs, primitive.attributes["COLOR_0"], None)
+        linear = values_of(gltf, blobs, primitive.attributes["COLOR_0"], None)
         alpha = linear[:, 3:4] if linear.shape[1] == 4 else np.ones((len(linear), 1))
         opaque = np.rint(255 * np.clip(np.nan_to_num(alpha), 0, 1)).astype(np.uint8)
         colors = np.hstack((linear_to_srgb(linear[:, :3]), opaque))
     color = None
-    if primitive.material is not None:
-        material: Material = item(gltf.materials, primitive.material, "material")
-        looks = material.pbr_metallic_roughness
-        red, green, blue = (int(v) for v in linear_to_srgb(looks.base_color_factor[:3]))
-        color = (red, green, blue) if (red, green, blue) != (255, 255, 255) else None
     mesh = checked_mesh(places, faces, _normals(gltf, blobs, primitive, to_world), colors)
-    return Surface(mesh, name, color)
+    material = _material(gltf, primitive)
+    texture = pictures.texture(primitive, material, faces.astype(np.int64))
+    factor = material.pbr_metallic_roughness.base_color_factor
+    if texture is not None:
+        mesh = replace(mesh, colors=None)
+    elif factor is not None:
+        red, green, blue = (int(v) for v in linear_to_srgb(factor[:3]))
+        color = (red, green, blue)
+    if skin is not None and skin.rig.is_posed:
+        posed = skin.posed(mesh)
+        check_places(posed.vertices)
+        mesh, skin = posed, replace(skin, rest=mesh)
+    return Surface(mesh, shown.name, color, texture=texture, skin=skin, path=shown.path)
 
 
 def _normals(
@@ -281,13 +326,14 @@ def _normals(
     """Return unit normals in our axes; None where the file has none that can be used."""
     if "NORMAL" not in primitive.attributes:
         return None
-    local = _values(gltf, blobs, primitive.attributes["NORMAL"], 3)
+    local = values_of(gltf, blobs, primitive.attributes["NORMAL"], 3)
     with np.errstate(all="ignore"):
         # Normals turn with the cofactors of the matrix, which exist where its inverse does not.
-        a, b, c = to_world.T
+        a, b, c = to_world.T / MM_PER_METRE
         cofactors = np.column_stack((np.cross(b, c), np.cross(c, a), np.cross(a, b)))
         turned = local @ cofactors.T * np.sign(np.linalg.det(to_world))
         length = np.linalg.norm(turned, axis=1, keepdims=True)
+        length[np.abs(length - 1.0) <= UNIT] = 1.0  # as it was written
         return np.asarray(turned / length) if (length > 0).all() else None
 
 
@@ -300,37 +346,3 @@ def _faces(order: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
     at = np.arange(count)
     odd = at % 2
     return np.column_stack((order[at], order[at + 1 + odd], order[at + 2 - odd]))
-
-
-def _values(gltf: Gltf, blobs: Blobs, index: int, width: int | None) -> NDArray[np.float64]:
-    """Return the values of an accessor, (n, width); integers are scaled only if normalised."""
-    accessor: Accessor = item(gltf.accessors, index, "accessor")
-    kind = COMPONENTS.get(accessor.component_type)
-    columns = WIDTHS.get(accessor.type)
-    if kind is None or columns is None or (width is not None and columns != width):
-        raise FormatError(f"Accessor {index} is of a type that does not fit its use.")
-    if accessor.sparse is not None or accessor.buffer_view is None:
-        raise FormatError("It uses sparse accessors, which cannot be read. Export it again.")
-    if columns < 3 and width is None:
-        raise FormatError(f"Accessor {index} has too few components for a colour.")
-    at_most(accessor.count, 3 * MAX_FACES, "values")
-    view: View = item(gltf.buffer_views, accessor.buffer_view, "buffer view")
-    blob: bytes = item(blobs, view.buffer, "buffer")
-    dtype = np.dtype(kind)
-    stride = view.byte_stride or dtype.itemsize * columns
-    begin = view.byte_offset + accessor.byte_offset
-    end = begin + stride * (accessor.count - 1) + dtype.itemsize * columns
-    if stride < dtype.itemsize * columns:
-        raise FormatError(f"Accessor {index} has a stride below the size of its values.")
-    if min(accessor.count, view.byte_offset, accessor.byte_offset) < 0:
-        raise FormatError(f"Accessor {index} has a size or an offset below zero.")
-    if accessor.count == 0:
-        return np.zeros((0, columns))
-    if end > min(len(blob), view.byte_offset + view.byte_length):
-        raise FormatError("This glTF file is damaged or cut short.")
-    raw = np.ndarray((accessor.count, columns), dtype, blob, begin, (stride, dtype.itemsize))
-    with np.errstate(invalid="ignore"):  # signalling NaNs; refused later
-        values = raw.astype(np.float64)
-    if accessor.normalized and dtype.kind != "f":
-        values = np.maximum(values / np.iinfo(dtype).max, -1.0)
-    return values

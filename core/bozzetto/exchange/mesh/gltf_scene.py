@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
-from bozzetto.exchange.limits import MAX_COORDINATE, MAX_DEPTH, at_most
+from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.geometry.shapes import Finish
 
 TRIANGLES: Final = 4
@@ -33,6 +34,12 @@ AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 MM_PER_METRE: Final = 1000.0
 
+UNIT: Final = 1e-6
+"""Difference from a length of one that is left as it is: the rounding of a file."""
+
+
+MAX_LEVELS: Final = 1000
+"""Nodes within one another: a chain of as many links."""
 
 MAX_NODES: Final = 100_000
 """Places in the tree: three seconds of work."""
@@ -70,6 +77,7 @@ class Primitive(Record):
     indices: int | None = None
     material: int | None = None
     mode: int = TRIANGLES
+    targets: list[msgspec.Raw] = []
 
 
 class MeshRecord(Record):
@@ -91,18 +99,72 @@ class Node(Record):
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    extras: Any = None
+    extensions: dict[str, msgspec.Raw] = {}
 
 
 class TextureLink(Record):
-    """The picture of a surface."""
+    """The picture of a surface, and the row of places in it that is meant."""
 
     index: int = 0
+    tex_coord: int = 0
+    extensions: dict[str, msgspec.Raw] = {}
+
+
+class TextureRecord(Record):
+    """A picture, and how it is laid on; of that we keep nothing."""
+
+    source: int | None = None
+
+
+class ImageRecord(Record):
+    """A picture: in a buffer view, or in a link."""
+
+    uri: str | None = None
+    buffer_view: int | None = None
+
+
+class SkinRecord(Record):
+    """The nodes that vertices follow, and the matrices that bring the mesh to each at rest."""
+
+    joints: list[int] = []
+    inverse_bind_matrices: int | None = None
+
+
+class Target(Record):
+    """What a channel of an animation moves."""
+
+    path: str
+    node: int | None = None
+
+
+class Channel(Record):
+    """One thing that moves, and its motion."""
+
+    sampler: int
+    target: Target
+
+
+class Sampler(Record):
+    """Times, and values at these."""
+
+    input: int
+    output: int
+    interpolation: str = "LINEAR"
+
+
+class AnimationRecord(Record):
+    """A motion of nodes."""
+
+    channels: list[Channel] = []
+    samplers: list[Sampler] = []
+    name: str = ""
 
 
 class Looks(Record):
     """The properties of a surface that we keep: a linear colour, metal and roughness, 0 … 1."""
 
-    base_color_factor: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    base_color_factor: tuple[float, float, float, float] | None = None
     metallic_factor: float = 1.0
     roughness_factor: float = 1.0
     base_color_texture: TextureLink | None = None
@@ -113,6 +175,10 @@ class Material(Record):
 
     pbr_metallic_roughness: Looks = msgspec.field(default_factory=Looks)
     name: str = ""
+    alpha_mode: str = "OPAQUE"
+    normal_texture: msgspec.Raw | None = None
+    occlusion_texture: msgspec.Raw | None = None
+    emissive_texture: msgspec.Raw | None = None
 
 
 class SceneRecord(Record):
@@ -147,7 +213,10 @@ class Gltf(Record):
     scenes: list[SceneRecord] = []
     scene: int | None = None
     extensions_required: list[str] = []
-    animations: list[msgspec.Raw] = []
+    skins: list[SkinRecord] = []
+    animations: list[AnimationRecord] = []
+    textures: list[TextureRecord] = []
+    images: list[ImageRecord] = []
 
 
 def item(items: list[Any], index: int, what: str) -> Any:
@@ -157,35 +226,93 @@ def item(items: list[Any], index: int, what: str) -> Any:
     return items[index]
 
 
-def placed_meshes(gltf: Gltf) -> Iterator[tuple[str, MeshRecord, NDArray[np.float64]]]:
-    """Yield every mesh of the scene with its name and its matrix (4, 4), parents first."""
+class Place(NamedTuple):
+    """A node of the scene.
+
+    Attributes
+    ----------
+    node : int
+        Its number.
+    parent : int
+        Number of the node that it is in, -1 for roots.
+    matrix : (4, 4) array
+        From its own axes to those of the scene.
+    depth : int
+        How many nodes it is in.
+    """
+
+    node: int
+    parent: int
+    matrix: NDArray[np.float64]
+    depth: int
+
+
+NOWHERE: Final = Place(-1, -1, np.eye(4), -1)
+"""The place of what is in no node."""
+
+
+class ShownMesh(NamedTuple):
+    """A mesh of the scene.
+
+    Attributes
+    ----------
+    name : str
+    mesh : MeshRecord
+    place : Place
+    path : tuple of str
+        Names of the nodes that it is in, the outermost first.
+    """
+
+    name: str
+    mesh: MeshRecord
+    place: Place
+    path: tuple[str, ...]
+
+
+def places_of(gltf: Gltf) -> Iterator[Place]:
+    """Yield every node of the scene, parents before what is in them."""
     if gltf.scenes:
         roots = item(gltf.scenes, gltf.scene or 0, "scene").nodes
-    elif gltf.nodes:
+    else:
         inner = {child for node in gltf.nodes for child in node.children}
         roots = [index for index in range(len(gltf.nodes)) if index not in inner]
-    else:
-        for mesh in gltf.meshes:
-            yield mesh.name, mesh, np.eye(4)
-        return
     seen: set[int] = set()
     at_most(len(gltf.nodes), MAX_NODES, "nodes")
-    stack = [(index, np.eye(4), 0) for index in reversed(roots)]
+    stack = [(index, NOWHERE) for index in reversed(roots)]
     while stack:
-        index, above, depth = stack.pop()
+        index, above = stack.pop()
         if index in seen:
             raise FormatError("Its nodes are not a tree: one has two parents.")
         seen.add(index)
-        at_most(depth, MAX_DEPTH, "levels of nodes")
         node: Node = item(gltf.nodes, index, "node")
+        at_most(above.depth + 1, MAX_LEVELS, "levels of nodes")
         with np.errstate(all="ignore"):
-            matrix = above @ _matrix(node)
+            matrix = above.matrix @ _matrix(node)
         if not (np.abs(matrix) <= MAX_COORDINATE).all():
             raise FormatError("A node is moved or stretched further than a mesh can reach.")
+        place = Place(index, above.node, matrix, above.depth + 1)
+        yield place
+        stack += [(child, place) for child in reversed(node.children)]
+
+
+def placed_meshes(gltf: Gltf) -> Iterator[ShownMesh]:
+    """Yield every mesh of the scene, parents first."""
+    if not gltf.scenes and not gltf.nodes:
+        for mesh in gltf.meshes:
+            yield ShownMesh(mesh.name, mesh, NOWHERE, ())
+        return
+    above: dict[int, int] = {}
+    for place in places_of(gltf):
+        above[place.node] = place.parent
+        node = gltf.nodes[place.node]
         if node.mesh is not None:
             mesh = item(gltf.meshes, node.mesh, "mesh")
-            yield node.name or mesh.name, mesh, matrix
-        stack += [(child, matrix, depth + 1) for child in reversed(node.children)]
+            path: list[str] = []
+            holder = place.parent
+            while holder >= 0:
+                path.append(gltf.nodes[holder].name)
+                holder = above[holder]
+            yield ShownMesh(node.name or mesh.name, mesh, place, tuple(reversed(path)))
 
 
 def _matrix(node: Node) -> NDArray[np.float64]:
@@ -194,6 +321,9 @@ def _matrix(node: Node) -> NDArray[np.float64]:
             raise FormatError("A node's matrix does not have sixteen numbers.")
         return np.reshape(node.matrix, (4, 4)).T
     x, y, z, w = node.rotation
+    length = math.hypot(x, y, z, w)
+    if abs(length - 1.0) < UNIT:  # rounded
+        x, y, z, w = x / length, y / length, z / length, w / length
     turn = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],

@@ -8,6 +8,7 @@ type and shape.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import msgspec
@@ -19,7 +20,9 @@ from bozzetto.exchange.frame_guess import FrameGuess
 from bozzetto.exchange.ink.ink_steps import VERBS
 from bozzetto.exchange.reading import MeshFile
 from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.rig import Clip, Rig, Skin
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
+from bozzetto.geometry.texture import Texture
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.steps import Step
@@ -31,17 +34,55 @@ Arrays = list[NDArray[Any]]
 Color = tuple[int, int, int]
 
 
+class _Mesh(msgspec.Struct, array_like=True):
+    """Numbers of arrays."""
+
+    vertices: int
+    faces: int
+    normals: int | None
+    colors: int | None
+
+
+class _Clip(msgspec.Struct, array_like=True):
+    name: str
+    seconds: int
+    turns: int
+    shifts: int | None
+
+
+class _Rig(msgspec.Struct, array_like=True):
+    names: tuple[str, ...]
+    joints: int
+    parents: int
+    turns: int | None
+    cuts: int | None
+    axes: int | None
+    shifts: int | None
+    clips: list[_Clip]
+
+
+class _Skin(msgspec.Struct, array_like=True):
+    rig: int
+    joints: int
+    weights: int
+    rest: _Mesh | None
+
+
 class _Part(msgspec.Struct, array_like=True):
     name: str
     color: Color | None
     solid: bool
-    normals: bool
-    colors: bool
-    groups: tuple[FaceGroup, ...] = ()
+    mesh: _Mesh
+    groups: tuple[FaceGroup, ...]
+    texture: tuple[int, int] | None
+    skin: _Skin | None
+    path: list[int]
 
 
 class _Meshes(msgspec.Struct, tag=True):
     parts: list[_Part]
+    rigs: list[_Rig]
+    names: list[str]
     guess: FrameGuess | None
     left_out: tuple[str, ...]
 
@@ -94,25 +135,73 @@ def _taken_apart(answer: Answer) -> tuple[_Record, Arrays]:
     return _Pixels(), [answer]
 
 
-def _meshes_record(file: MeshFile) -> tuple[_Record, Arrays]:
-    parts: list[_Part] = []
-    arrays: Arrays = []
-    row: list[Solid | Surface] = [*file.shapes.solids, *file.shapes.surfaces]
-    for part in row:
-        mesh = part.mesh
-        given = [array for array in (mesh.normals, mesh.colors) if array is not None]
-        arrays += [mesh.vertices, mesh.faces, *given]
-        parts.append(
-            _Part(
-                part.name,
-                part.color,
-                isinstance(part, Solid),
-                mesh.normals is not None,
-                mesh.colors is not None,
-                part.groups,
+@dataclass
+class _Shelf:
+    """Arrays and rigs of shapes, each once however often it is named."""
+
+    arrays: Arrays = field(default_factory=list)
+    rigs: list[_Rig] = field(default_factory=list)
+    names: dict[str, int] = field(default_factory=dict)
+    _numbers: dict[int, int] = field(default_factory=dict)
+    _rig_numbers: dict[tuple[int, int], int] = field(default_factory=dict)
+
+    def put(self, array: NDArray[Any]) -> int:
+        number = self._numbers.setdefault(id(array), len(self.arrays))
+        if number == len(self.arrays):
+            self.arrays.append(array)
+        return number
+
+    def perhaps(self, array: NDArray[Any] | None) -> int | None:
+        return None if array is None else self.put(array)
+
+    def mesh(self, mesh: Mesh) -> _Mesh:
+        normals, colors = self.perhaps(mesh.normals), self.perhaps(mesh.colors)
+        return _Mesh(self.put(mesh.vertices), self.put(mesh.faces), normals, colors)
+
+    def skin(self, skin: Skin) -> _Skin:
+        key = id(skin.rig), id(skin.clips)
+        number = self._rig_numbers.setdefault(key, len(self.rigs))
+        if number == len(self.rigs):
+            rig = skin.rig
+            clips = [
+                _Clip(c.name, self.put(c.seconds), self.put(c.turns), self.perhaps(c.shifts))
+                for c in skin.clips
+            ]
+            self.rigs.append(
+                _Rig(
+                    rig.names,
+                    self.put(rig.joints),
+                    self.put(rig.parents),
+                    self.perhaps(rig.turns),
+                    self.perhaps(rig.cuts),
+                    self.perhaps(rig.axes),
+                    self.perhaps(rig.shifts),
+                    clips,
+                )
             )
+        rest = None if skin.rest is None else self.mesh(skin.rest)
+        return _Skin(number, self.put(skin.joints), self.put(skin.weights), rest)
+
+
+def _meshes_record(file: MeshFile) -> tuple[_Record, Arrays]:
+    shelf = _Shelf()
+    parts = [
+        _Part(
+            part.name,
+            part.color,
+            isinstance(part, Solid),
+            shelf.mesh(part.mesh),
+            part.groups,
+            None
+            if part.texture is None
+            else (shelf.put(part.texture.pixels), shelf.put(part.texture.corners)),
+            None if part.skin is None else shelf.skin(part.skin),
+            [shelf.names.setdefault(name, len(shelf.names)) for name in part.path],
         )
-    return _Meshes(parts, file.guess, file.left_out), arrays
+        for part in file.shapes.meshes()
+    ]
+    record = _Meshes(parts, shelf.rigs, list(shelf.names), file.guess, file.left_out)
+    return record, shelf.arrays
 
 
 def _drawing_record(drawing: Drawing) -> tuple[_Record, Arrays]:
@@ -140,8 +229,8 @@ def unpack_answer(record: bytes, arrays: Sequence[NDArray[Any]]) -> Answer:
     """
     told: _Record = msgspec.msgpack.decode(record, type=_Record)
     match told:
-        case _Meshes(parts, guess, left_out):
-            return MeshFile(_shapes_of(parts, list(arrays)), guess, left_out)
+        case _Meshes():
+            return MeshFile(_shapes_of(told, arrays), told.guess, told.left_out)
         case _Drawing():
             return _drawing_of(told, arrays)
         case _Picture(name, width, height):
@@ -150,18 +239,59 @@ def unpack_answer(record: bytes, arrays: Sequence[NDArray[Any]]) -> Answer:
             return arrays[0]
 
 
-def _shapes_of(parts: Sequence[_Part], arrays: Arrays) -> Shapes:
+def _shapes_of(told: _Meshes, arrays: Sequence[NDArray[Any]]) -> Shapes:
+    def perhaps(number: int | None) -> NDArray[Any] | None:
+        return None if number is None else arrays[number]
+
+    def mesh_of(mesh: _Mesh) -> Mesh:
+        normals, colors = perhaps(mesh.normals), perhaps(mesh.colors)
+        return Mesh(arrays[mesh.vertices], arrays[mesh.faces], normals, colors)
+
+    rigs = [
+        (
+            Rig(
+                arrays[rig.joints],
+                arrays[rig.parents],
+                rig.names,
+                perhaps(rig.turns),
+                perhaps(rig.cuts),
+                perhaps(rig.axes),
+                perhaps(rig.shifts),
+            ),
+            tuple(
+                Clip(clip.name, arrays[clip.seconds], arrays[clip.turns], perhaps(clip.shifts))
+                for clip in rig.clips
+            ),
+        )
+        for rig in told.rigs
+    ]
+
+    def skin_of(skin: _Skin) -> Skin:
+        rig, clips = rigs[skin.rig]
+        rest = None if skin.rest is None else mesh_of(skin.rest)
+        return Skin(rig, arrays[skin.joints], arrays[skin.weights], rest, clips)
+
     solids: list[Solid] = []
     surfaces: list[Surface] = []
-    rest = iter(arrays)
-    for part in parts:
-        vertices, faces = next(rest), next(rest)
-        normals = next(rest) if part.normals else None
-        mesh = Mesh(vertices, faces, normals, next(rest) if part.colors else None)
-        if part.solid:
-            solids.append(Solid(mesh, part.name, part.color, groups=part.groups))
+    for part in told.parts:
+        kind = Solid if part.solid else Surface
+        texture = None
+        if part.texture is not None:
+            pixels, corners = part.texture
+            texture = Texture(arrays[pixels], arrays[corners])
+        made = kind(
+            mesh_of(part.mesh),
+            part.name,
+            part.color,
+            texture=texture,
+            skin=None if part.skin is None else skin_of(part.skin),
+            groups=part.groups,
+            path=tuple(told.names[number] for number in part.path),
+        )
+        if isinstance(made, Solid):
+            solids.append(made)
         else:
-            surfaces.append(Surface(mesh, part.name, part.color, part.groups))
+            surfaces.append(made)
     return Shapes(tuple(solids), tuple(surfaces))
 
 

@@ -1,0 +1,157 @@
+"""Pictures of glTF materials, read: unpacked once each, and laid on the corners of triangles."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from dataclasses import dataclass, field
+from urllib.parse import unquote
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.arrays import Bytes
+from bozzetto.errors import FormatError, UserError
+from bozzetto.exchange.color import linear_to_srgb, srgb_to_linear
+from bozzetto.exchange.image import read_pixels
+from bozzetto.exchange.limits import MAX_PIXELS, at_most
+from bozzetto.exchange.mesh.gltf_scene import (
+    Gltf,
+    ImageRecord,
+    Material,
+    Primitive,
+    TextureRecord,
+    item,
+)
+from bozzetto.exchange.mesh.gltf_values import Blobs, values_of, view_bytes
+from bozzetto.exchange.reading import Reading
+from bozzetto.geometry.texture import Texture
+
+ROUNDING = 1e-4
+"""Share of a picture by which a place may lie outside of it: at its border."""
+
+Tint = tuple[float, float, float]
+
+
+@dataclass
+class Pictures:
+    """The pictures of a file, those that were asked for so far.
+
+    Parameters
+    ----------
+    gltf, blobs
+        The file.
+    reading : Reading
+        Where pictures lie beside it, and what is told.
+    """
+
+    gltf: Gltf
+    blobs: Blobs
+    reading: Reading
+    _known: dict[tuple[int, bool, Tint], Bytes | None] = field(default_factory=dict)
+    _size: int = 0
+
+    def texture(
+        self, primitive: Primitive, material: Material, corners: NDArray[np.int64]
+    ) -> Texture | None:
+        """Return the picture of a material on triangles; None where there is none, or it is told.
+
+        Parameters
+        ----------
+        primitive, material
+            What the triangles are of.
+        corners : (f, 3) int
+            Their vertices in the file.
+        """
+        link = material.pbr_metallic_roughness.base_color_texture
+        if link is None:
+            return None
+        try:
+            name = f"TEXCOORD_{link.tex_coord}"
+            if name not in primitive.attributes:
+                raise FormatError("Its places on the surface are not in the file.")
+            if "KHR_texture_transform" in link.extensions:
+                self.reading.tell(
+                    "Left out of the glTF file: how pictures are shifted and scaled on a surface. "
+                    "Apply that in the program that made it."
+                )
+            places = values_of(self.gltf, self.blobs, primitive.attributes[name], 2)
+            if not np.isfinite(places).all() or np.abs(places).max(initial=0.0) > 1e6:
+                raise FormatError("Its places on the surface are not finite.")
+            source = item(self.gltf.textures, link.index, "texture")
+            factor = material.pbr_metallic_roughness.base_color_factor or (1.0, 1.0, 1.0, 1.0)
+            opaque = material.alpha_mode == "OPAQUE"
+            pixels = self._pixels(source, opaque, factor[:3])
+        except UserError as error:
+            self.reading.tell(
+                f"Left out of the glTF file: the picture of a material. {error.message}"
+            )
+            return None
+        return Texture(pixels, self._within(places[corners]).astype(np.float32))
+
+    def _within(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return places (f, 3, 2) in the picture itself, where those of a triangle lie in one."""
+        inner = places - np.floor(places.min(axis=1, keepdims=True) + ROUNDING)
+        if inner.max(initial=0.0) > 1.0 + ROUNDING:
+            self.reading.tell(
+                "Left out of the glTF file: that pictures repeat within a triangle. Bake them in "
+                "the program that made it."
+            )
+        return np.where((places < -ROUNDING) | (places > 1.0 + ROUNDING), inner, places)
+
+    def _pixels(self, texture: TextureRecord, opaque: bool, tint: Tint) -> Bytes:
+        """Return the pixels of a picture in the colour of its material."""
+        if texture.source is None:
+            raise FormatError("It is of a kind that cannot be read. Save it as PNG or JPEG.")
+        key = (texture.source, opaque, tint)
+        if key not in self._known:
+            self._known[key] = None
+            pixels = np.array(read_pixels(self._file(item(self.gltf.images, key[0], "picture"))))
+            self._size += pixels.shape[0] * pixels.shape[1]
+            at_most(self._size, MAX_PIXELS, "pixels in pictures")
+            if opaque:
+                pixels[..., 3] = 255
+            if tint != (1.0, 1.0, 1.0):
+                table = linear_to_srgb(srgb_to_linear(np.arange(256))[:, None] * tint)
+                for channel in range(3):
+                    pixels[..., channel] = table[pixels[..., channel], channel]
+            self._known[key] = pixels
+        found = self._known[key]
+        if found is None:
+            raise FormatError("It is damaged.")
+        return found
+
+    def _file(self, image: ImageRecord) -> bytes:
+        if image.buffer_view is not None:
+            return view_bytes(self.gltf, self.blobs, image.buffer_view)
+        if image.uri is None:
+            raise FormatError("It is not in the file.")
+        return linked_bytes(image.uri, self.reading, "picture")
+
+
+def linked_bytes(uri: str, reading: Reading, kind: str) -> bytes:
+    """Return the bytes of a link: those that it holds, or those of a file beside.
+
+    Parameters
+    ----------
+    uri : str
+        The link.
+    reading : Reading
+        Where other files lie.
+    kind : str
+        For messages, such as "buffer".
+
+    Raises
+    ------
+    UserError, FormatError
+        As `Reading.beside`, and if it is damaged.
+    """
+    if not uri.startswith("data:"):
+        return reading.beside(unquote(uri), kind)
+    head, comma, text = uri.partition(",")
+    if not comma or not head.endswith(";base64"):
+        raise FormatError(f"A {kind} in its description is not in base64. Export it again.")
+    try:
+        return base64.b64decode(text, validate=True)
+    except (binascii.Error, ValueError):
+        raise FormatError(f"A {kind} in its description is damaged.") from None
