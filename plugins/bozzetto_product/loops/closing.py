@@ -15,6 +15,10 @@ FLAT: Final = 0.01
 """Mean thickness of a closed part, as share of its extent, below which it is a sheet: a hand that
 draws on a plane is off by less."""
 
+SHALLOW: Final = 0.045
+"""Mean thickness, as share of the square root of its largest area, below which it is one, too: an
+area of a round shape that a curve is drawn across is two surfaces, not a body with the old one."""
+
 
 def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
     """Tell which loops close a flat sheet.
@@ -61,7 +65,8 @@ def _is_flat(net: Net, loops: Sequence[Loop]) -> bool:
         volume += float(area @ centre) / 3.0
         largest = max(largest, float(np.linalg.norm(area)))
     extent = float(np.linalg.norm(np.ptp(everything, axis=0)))
-    return abs(volume) <= FLAT * extent * largest
+    thickness = max(FLAT * extent, SHALLOW * float(np.sqrt(largest)))
+    return abs(volume) <= thickness * largest
 
 
 def _ring(net: Net, loop: Loop) -> Array:

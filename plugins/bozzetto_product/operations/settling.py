@@ -37,6 +37,13 @@ carry each other come nearer by their bend in each."""
 TOUCHING: Final = 1e-12
 """Distance from a place, as a share of the size of the curves, at which it is reached."""
 
+FARTHEST: Final = 4.0
+"""Most that a control point moves to pass places, in the longest way that a place asks for: places
+beside one another that ask for opposite ways would throw a curve far off."""
+
+SPREADS: Final = (1e-9, 1e-3, 1e-2, 3e-2, 0.1, 0.3)
+"""Shares of the largest singular value below which wishes are left out, tried in this order."""
+
 
 def settled(
     splines: Mapping[str, Spline],
@@ -172,7 +179,9 @@ def _brought(name: str, spline: Spline, goals: Sequence[_Goal], plane: Plane | N
 def passing(spline: Spline, places: Sequence[tuple[float, Array]]) -> Spline:
     """Return a curve that passes places, with the least change of its control points.
 
-    The ends of an open curve stay.
+    The ends of an open curve stay. Places that contradict one another, so that the curve would
+    have to leave them by more than `FARTHEST` times the longest way, are met half-way: what tells
+    them apart is left out.
 
     Parameters
     ----------
@@ -190,8 +199,19 @@ def passing(spline: Spline, places: Sequence[tuple[float, Array]]) -> Spline:
     rows = basis(spline, at)
     if not spline.closed:
         rows[:, [0, -1]] = 0.0
-    change = np.linalg.lstsq(rows, way, rcond=1e-9)[0]
+    left, values, right = np.linalg.svd(rows, full_matrices=False)
+    shares = left.T @ way
+    change = np.zeros((rows.shape[1], 3))
+    for spread in SPREADS:
+        kept = values > spread * values[0]
+        change = right[kept].T @ (shares[kept] / values[kept, None])
+        if _longest(change) <= FARTHEST * _longest(way):
+            break
     return with_controls(spline, free_controls(spline) + change)
+
+
+def _longest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())
 
 
 def _same(one: Spline, other: Spline) -> bool:

@@ -60,20 +60,22 @@ def _pressure() -> Iterator[Row]:
         yield f"cap of {name} radius: height", f"{off:.3f} %", "≤ 0.1 %", off <= 0.1
     off = turned = mirror = 0.0
     flat = middle_of_a_sheet(lambda x, y: 0.0 * x)
-    for start in (disc(), middle_of_a_sheet(), flat):
+    for made in (disc(), middle_of_a_sheet(), flat):
+        start = made.bent
+        assert start is not None
         origin = start.solution.loop.origin
         for pressure in (0.05, 0.2):
             wanted = volume_of_pressure(start.area, pressure)
             found = inflated(start, wanted)
             held = volume_of(found.fill.patches, origin) - volume_of(start.patches, origin)
-            off = max(off, abs(held - found.volume) / start.solution.loop.size**3)
+            off = max(off, abs(held - found.volume) / start.size**3)
             if pressure == 0.05:
                 more = np.nanmax([0.0, *found.fill.g1_degrees])
                 turned = max(turned, float(more - np.nanmax([0.0, *start.g1_degrees])))
     for start in (disc(), flat):
         volume = volume_of_pressure(start.area, 0.2)
         out, back = (places(inflated(start, s * volume).fill) for s in (1, -1))
-        away = np.abs(out * (1, 1, -1) - back).max() / start.solution.loop.size
+        away = np.abs(out * (1, 1, -1) - back).max() / start.size
         mirror = max(mirror, float(away))
     yield "pressure: volume, of size³", f"{off:.1e}", "≤ 1e-9", off <= 1e-9
     yield "pressure: out against in, of size", f"{mirror:.1e}", "≤ 1e-9", mirror <= 1e-9
@@ -115,7 +117,7 @@ def _pulls() -> Iterator[Row]:
         columns, tops = profile(found.fill, camera, np.sign(height))
         inside = (columns > stroke.x[8]) & (columns < stroke.x[-8])
         wanted = np.interp(columns[inside], stroke.x, stroke.y)
-        size = start.solution.loop.size * camera.pixels_per_mm
+        size = start.size * camera.pixels_per_mm
         worst = max(worst, 100 * float(np.abs(tops[inside] - wanted).max() / size))
         turned = max(turned, float(np.nanmax([0.0, *found.fill.g1_degrees])))
     yield "pull: contour off the stroke, of the size", f"{worst:.2f} %", "≤ 1 %", worst <= 1.0

@@ -245,3 +245,24 @@ def test_no_loop_closes_a_flat_sheet_unless_it_is_fixed() -> None:
     assert found == {frozenset((0, 6, 4, 5)), frozenset((1, 2, 3, 6))}
     rim: Loop = tuple((edge, True) for edge in range(6))
     assert edge_set(find_loops(net, fixed=[rim]).loops[0]) == frozenset(range(6))
+
+
+@pytest.mark.parametrize("height", [2.0, 4.0, 6.0])
+def test_a_curve_across_an_area_of_a_round_shape_makes_two_of_it(height) -> None:
+    """The loop round both would close them to a body of less than a tenth of its width."""
+    s = Sketch()
+    s.node(a=(0, 0, 0), b=(80, 0, 0), c=(80, 80, 0), d=(0, 80, 0), e=(40, 0, 0), f=(40, 80, 0))
+    for way in ("a e", "e b", "b c", "c f", "f d", "d a"):
+        s.curve(way)
+    s.curve("e", (40, 40, height), "f")
+    found = {edge_set(loop) for loop in find_loops(s.net()).loops}
+    assert found == {frozenset((0, 6, 4, 5)), frozenset((1, 2, 3, 6))}
+
+
+def test_what_is_higher_than_a_tenth_of_its_width_gets_its_bottom() -> None:
+    s = Sketch()
+    s.node(a=(0, 0, 0), b=(80, 0, 0), c=(80, 80, 0), d=(0, 80, 0), e=(40, 0, 0), f=(40, 80, 0))
+    for way in ("a e", "e b", "b c", "c f", "f d", "d a"):
+        s.curve(way)
+    s.curve("e", (40, 40, 30), "f")
+    assert len(find_loops(s.net()).loops) == 3
