@@ -34,7 +34,9 @@ OVERLAP: Final = 0.3
 
 
 def rows_of_dashes(segments: Segments, light: Flags, tolerance: float) -> tuple[Members, ...]:
-    """Put short light segments in straight rows; all other segments are by themselves.
+    """Put light segments in straight rows; all other segments are by themselves.
+
+    Light ones of any length: on paper dashes run together.
 
     Parameters
     ----------
@@ -45,10 +47,8 @@ def rows_of_dashes(segments: Segments, light: Flags, tolerance: float) -> tuple[
     tolerance : float
         Distance of the ends of dashes from the line through the row.
     """
-    short = segments.lengths < LONGEST_DASH
-    if light.any():
-        short &= light
-    left = np.flatnonzero(short)
+    may_be = light if light.any() else segments.lengths < LONGEST_DASH
+    left = np.flatnonzero(may_be)
     rows: list[Members] = []
     fewest = 2 if light.any() else FEWEST_DASHES
     if fewest <= len(left) <= MOST_DASHES:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from bozzetto_polyhedron.graph.build import (
     empty_graph,
@@ -19,7 +21,7 @@ from bozzetto_polyhedron.graph.likelihood import Fits
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.graph.repair import repair
 from bozzetto_polyhedron.graph.search import best_draft
-from bozzetto_polyhedron.graph.segments import Drawn, Pieces, Segments, pieces_of
+from bozzetto_polyhedron.graph.segments import Drawn, Pieces, Segments, pieces_of, samples_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +64,7 @@ def searched(
     size = size_of(strokes)
     if size == 0.0:
         return LiveGraph(empty_graph(len(strokes)), tuple(strokes))
-    pieces = tuple(pieces_of(each, size) for each in strokes)
+    pieces = _pieces(strokes, size, {})
     segments, origin = normalized(pieces, size)
     if not len(segments):
         graph = graph_of_draft(None, pieces, segments, size, origin)
@@ -97,7 +99,7 @@ def continued(
     if size == 0.0 or before.draft is None or before.segments is None:
         return searched(strokes, checkpoint=checkpoint)
     known = {id(s): p for s, p in zip(before.strokes, before.pieces, strict=True)}
-    pieces = tuple(known.get(id(each)) or pieces_of(each, size) for each in strokes)
+    pieces = _pieces(strokes, size, known)
     segments, origin = normalized(pieces, size)
     if not len(segments):
         return searched(strokes, checkpoint=checkpoint)
@@ -105,6 +107,21 @@ def continued(
     repair(draft, lambda: checkpoint(0.5, "Finding corners"), beside)
     graph = graph_of_draft(draft, pieces, segments, size, origin)
     return LiveGraph(graph, tuple(strokes), pieces, segments, draft)
+
+
+def _pieces(
+    strokes: Sequence[Drawn], size: float, known: Mapping[int, Pieces]
+) -> tuple[Pieces, ...]:
+    """Return the pieces of each stroke, those that are known as they are."""
+    both = [samples_of(each)[[0, -1]] if len(samples_of(each)) else None for each in strokes]
+    made = []
+    for number, stroke in enumerate(strokes):
+        others = [one for k, one in enumerate(both) if one is not None and k != number]
+        made.append(
+            known.get(id(stroke))
+            or pieces_of(stroke, size, np.concatenate([np.zeros((0, 2)), *others]))
+        )
+    return tuple(made)
 
 
 def _carried(

@@ -39,6 +39,16 @@ an arc it is under a half."""
 LEAST_TURN: Final = np.radians(15.0)
 """Turn (radians) under which two pieces are one."""
 
+LEAST_BEND: Final = np.radians(13.0)
+"""Turn (radians) of a stroke beside the end of another one from which on it is a corner: the halves
+of a bowed line seldom differ by more."""
+
+BESIDE: Final = 0.02
+"""Distance of such an end from the stroke, in shares of the diagonal, at most."""
+
+LEAST_HALF: Final = 0.03
+"""Length of both halves of such a stroke, in shares of the diagonal: dashes shake as much."""
+
 HOOK: Final = 0.08
 """Share of a stroke's length under which a piece at its end is a slip of the pen."""
 
@@ -152,7 +162,7 @@ def samples_of(stroke: Drawn) -> Array:
     return kept
 
 
-def pieces_of(stroke: Drawn, size: float) -> Pieces:
+def pieces_of(stroke: Drawn, size: float, ends: Array) -> Pieces:
     """Split a stroke at its corners into straight pieces.
 
     Parameters
@@ -161,6 +171,8 @@ def pieces_of(stroke: Drawn, size: float) -> Pieces:
         One stroke.
     size : float
         Diagonal of the drawing, px.
+    ends : (n, 2) float64
+        Where other strokes end, px: a bend is a corner there.
     """
     points = samples_of(stroke)
     pressure = np.asarray(stroke.pressure, float)
@@ -172,7 +184,7 @@ def pieces_of(stroke: Drawn, size: float) -> Pieces:
         place = points.mean(0) if len(points) else np.zeros(2)
         return Pieces(np.zeros((0, 2, 2)), np.zeros(0), mean, False, place)
     middle = path[len(path) // 2]
-    runs = _straight_runs(path, size)
+    runs = _cut_at_ends(path, size, _straight_runs(path, size), ends)
     if runs is None:
         return Pieces(np.zeros((0, 2, 2)), np.zeros(0), mean, True, middle)
     fitted = [_chord(path[first : last + 1]) for first, last in runs]
@@ -224,6 +236,38 @@ def _straight_runs(path: Array, size: float) -> list[tuple[int, int]] | None:
     if away <= deepest and _path_length(path) < 1.5 * length:
         return whole
     return None
+
+
+def _cut_at_ends(
+    path: Array, size: float, runs: list[tuple[int, int]] | None, ends: Array
+) -> list[tuple[int, int]] | None:
+    """Cut runs in two where they bend beside the end of another stroke; None if still curved.
+
+    Traced ink goes on through corners of which the edges bow so that nothing turns sharply there.
+    """
+    count = len(path)
+    apart = np.linalg.norm(path[:, None] - ends, axis=2).min(1, initial=np.inf)
+    beside = np.flatnonzero(apart < BESIDE * size)
+    cost = _line_costs(path)
+    made: list[tuple[int, int]] = []
+    for first, last in runs or [(0, count - 1)]:
+        away = np.linalg.norm(path[beside][:, None] - path[[first, last]], axis=2).min(1)
+        inner = beside[(beside > first + 2) & (beside < last - 2) & (away > LEAST_HALF * size)]
+        if not len(inner):
+            made.append((first, last))
+            continue
+        corner = int(inner[int((cost[first, inner] + cost[inner, last]).argmin())])
+        halves = [(first, corner), (corner, last)]
+        before, after = (_direction(path[a : b + 1]) for a, b in halves)
+        straight = all(_straight_runs(path[a : b + 1], size) == [(0, b - a)] for a, b in halves)
+        made += halves if straight and _angle(before, after) >= LEAST_BEND else [(first, last)]
+    return made if runs or len(made) > 1 else None
+
+
+def _direction(path: Array) -> Array:
+    """Return the direction of the line nearest to a run, (2,), the way that it goes."""
+    along: Array = np.linalg.svd(path - path.mean(0), full_matrices=False)[2][0]
+    return along if along @ (path[-1] - path[0]) >= 0.0 else -along
 
 
 def _deviation(path: Array) -> float:

@@ -27,7 +27,7 @@ def two_rows(places: Array, seed: int) -> tuple[Segments, set[frozenset[int]]]:
     """Dashes of two lines between places, and which ones belong together."""
     strokes, owners = owned_strokes_of(places, [(0, 1), (2, 3)], HAND, seed, (0, 1))
     size = size_of(strokes)
-    segments, _ = normalized([pieces_of(each, size) for each in strokes], size)
+    segments, _ = normalized([pieces_of(each, size, np.zeros((0, 2))) for each in strokes], size)
     return segments, {frozenset(np.flatnonzero(np.equal(owners, k)).tolist()) for k in (0, 1)}
 
 

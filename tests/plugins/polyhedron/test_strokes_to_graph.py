@@ -119,6 +119,30 @@ def test_a_stroke_with_a_corner_is_two_lines() -> None:
     ]
 
 
+def bent_at_its_middle(turn: float) -> Stroke:
+    """Return two bowed lines in one stroke that nowhere turns sharply."""
+    at = np.linspace(-1.0, 1.0, 81)
+    sagging = np.sqrt(at**2 + 0.1) * np.tan(np.radians(turn) / 2.0)
+    return stroke(np.column_stack([400.0 + 200.0 * at, 300.0 + 200.0 * sagging]))
+
+
+def test_a_slight_bend_is_a_corner_where_another_line_ends() -> None:
+    bent = bent_at_its_middle(24.0)
+    place = bent.points[40]
+    down = stroke(polyline((place[0], place[1] + 3.0), (place[0] + 20.0, place[1] + 200.0)))
+    graph = graph_of([bent, down])
+    assert len(graph.lines) == 3
+    assert np.linalg.norm(graph.places - place, axis=1).min() < 10.0
+    assert len(graph_of([bent]).lines) == 1
+
+
+def test_a_bow_is_no_corner_where_another_line_ends() -> None:
+    bow = bent_at_its_middle(9.0)
+    place = bow.points[40]
+    down = stroke(polyline((place[0], place[1] + 3.0), (place[0] + 20.0, place[1] + 200.0)))
+    assert len(graph_of([bow, down]).lines) == 2
+
+
 @pytest.mark.parametrize("turn", [1.5, 3.0, 6.2])
 def test_a_curved_stroke_is_set_aside_and_said(turn: float) -> None:
     strokes, places, edges = drawing("box", 3)

@@ -197,13 +197,7 @@ def trace(
             "picture."
         )
     checkpoint(0.9, "Weighing the lines")
-    placed = [
-        piece
-        for line in kept
-        for piece in (
-            [_even(line, width)] if is_closed(line) else split_at_corners(_even(line, width), width)
-        )
-    ]
+    placed = _strokes([_even(line, width) for line in kept], width)
     placed.sort(key=length, reverse=True)
     scale = sheet.size[0] / found.mask.shape[1]
     pressures = _pressures(placed, skeleton, found)
@@ -211,6 +205,17 @@ def trace(
         TracedLine(scale * points, pressure)
         for points, pressure in zip(placed, pressures, strict=True)
     )
+
+
+def _strokes(lines: list[Array], width: float) -> list[Array]:
+    """Return closed lines whole, and open ones from corner to corner."""
+    is_open = [line for line in lines if not is_closed(line)]
+    ends = np.array([line[[0, -1]] for line in is_open]).reshape(-1, 2, 2)
+    strokes = [line for line in lines if is_closed(line)]
+    for number, line in enumerate(is_open):
+        others = np.delete(ends, number, axis=0).reshape(-1, 2)
+        strokes += split_at_corners(line, width, others)
+    return strokes
 
 
 def _without_specks(lines: list[Array], shortest: float, width: float) -> list[Array]:

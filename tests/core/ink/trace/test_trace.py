@@ -71,6 +71,31 @@ def test_open_lines_end_at_corners_and_closed_ones_keep_them():
     assert hausdorff(square, outline.points) < 6.0
 
 
+def test_dashes_that_touch_in_a_corner_are_two() -> None:
+    corner = [line((300, 300), (340, 300)), line((342, 302), (342, 345))]
+    lines = found([line((100, 100), (700, 130)), *corner])
+    assert len(lines) == 3
+    for dash in corner:
+        assert min(hausdorff(dash, each.points) for each in lines) < 8.0
+
+
+def test_a_slight_bend_is_a_corner_where_another_line_ends_and_none_elsewhere() -> None:
+    slope = np.tan(np.deg2rad(24.0))
+    bent = np.vstack((line((100, 300), (400, 300)), line((400, 300), (700, 300 + 300 * slope))[1:]))
+    alone = found([bent])
+    met = found([bent, line((400, 120), (400, 300))])
+    assert len(alone) == 1
+    assert len(met) == 3
+    assert min(hausdorff(bent[:60], each.points) for each in met) < 8.0
+
+
+def test_an_arc_stays_whole_where_another_line_ends() -> None:
+    arc = circle(400, 400, 250)[60:120]
+    lines = found([arc, line((400, 20), (400, 150))])
+    assert len(lines) == 2
+    assert min(hausdorff(arc, each.points) for each in lines) < 8.0
+
+
 def test_gaps_are_bridged_and_dashes_stay():
     broken = [circle(250, 300, 150)[:59], circle(250, 300, 150)[59:]]
     dashes = [line((600, 60 + 60 * k), (600, 95 + 60 * k)) for k in range(8)]
