@@ -30,17 +30,17 @@ well in either sense: a wheel is an upright ellipse as well. What people draw mo
 side, the front or the top, and is evenly round, which the matching's own score counts."""
 
 BENT: Final = 0.5
-"""Price of a loop that does not lie in a plane, px. In the wrong sense only an ellipse is flat; what
-else people draw mostly is."""
+"""Price of a loop that does not lie in a plane, px. In the wrong sense only an ellipse is flat;
+what else people draw mostly is."""
 
 FLAT: Final = (1.0, 1.7)
 """How far (rms, in errors of a hand of 1 px) places are off their plane up to which a loop is
-flat, and from which it is not: flat ones in the right sense by 0.9, in the wrong one by 1.6 to 5."""
+flat, and from which it is not: in the right sense they are by 0.9, in the wrong one by 1.6 to 5."""
 
 BEGUN: Final = (0.8, 0.06)
-"""Price of two loops begun at places that do not belong together, px, and how far apart, in
-turns, places may be that do. People mostly begin the second side where they began the first; a loop that
-is begun elsewhere pays in both senses."""
+"""Price of two loops begun at places that do not belong together, px, and how far apart, in turns,
+places may be that do. People mostly begin the second side where they began the first; a loop begun
+elsewhere pays in both senses."""
 
 CONTINUED: Final = 1.0
 """Price of a pair of which one side smoothly continues the other, px: these match as well as
