@@ -6,6 +6,8 @@ import numpy as np
 
 from bozzetto.geometry import Curve, Shapes
 from bozzetto_car.body.build import Body
+from bozzetto_car.parts.closed_body import closed_body
+from bozzetto_car.parts.wheels import wheels_of
 from bozzetto_car.state import CarState
 from bozzetto_car.styling.curve_fit import as_curves
 from bozzetto_car.styling.scene import shown_styling
@@ -15,12 +17,24 @@ ONE_SPAN = np.repeat((0.0, 1.0), 4)
 
 
 def shapes_of(state: CarState, body: Body) -> Shapes:
-    """Return the surfaces as one shell, unless they are hidden, and the visible styling curves.
+    """Return the body, unless it is hidden, and the visible styling curves.
 
-    A car that nobody has begun exports nothing: the template is nobody's design.
+    The body is one shell of surfaces; of a complete car it is a closed one, beside its wheels
+    where these are shown. A car that nobody has begun exports nothing: the template is nobody's
+    design.
+
+    Raises
+    ------
+    UserError
+        If a complete body cannot be closed.
     """
-    skin = (body.patchwork,) if state.body and state.is_begun else ()
-    return Shapes(curves=styling_curves(state, body), patchworks=skin)
+    lines = styling_curves(state, body)
+    if not (state.body and state.is_begun):
+        return Shapes(curves=lines)
+    if not state.complete:
+        return Shapes(curves=lines, patchworks=(body.patchwork,))
+    wheels = wheels_of(body.network, body.nets) if state.wheels else []
+    return Shapes(curves=lines, breps=(closed_body(body.network, body.nets), *wheels))
 
 
 def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:

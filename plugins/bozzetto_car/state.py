@@ -292,6 +292,12 @@ class CarState(PartsState):
         float, _dimension("Front overhang", "From the nose to the front wheels.")
     ] = 0.0
     wheelbase: Annotated[float, _dimension("Wheelbase", "Between the wheels.")] = 0.0
+    complete: Annotated[
+        bool,
+        Parameter("Complete car",
+                  help="Hand over a closed body with panes, wheel arches and a floor, and wheels, "
+                  "instead of its surfaces alone."),
+    ] = False  # fmt: skip
     lock: Annotated[
         bool,
         Parameter("Keep while solving",

@@ -17,8 +17,8 @@ from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
 def meshed(shapes: Shapes) -> Shapes:
     """Return shapes with triangles in the place of all exact surfaces; curves stay.
 
-    Breps that are closed become solids, all others surfaces. Faces with names or colours of their
-    own become groups, and so do patches with names.
+    Breps that are closed become solids, all others surfaces. Rows of faces with names or looks
+    of their own become groups, and so do patches with names.
     """
     skins = tuple(_surface(patchwork) for patchwork in shapes.patchworks)
     solids: list[Solid] = []
@@ -50,10 +50,11 @@ def _surface(patchwork: Patchwork) -> Surface:
 
 
 def _groups(brep: Brep, counts: Sequence[int]) -> tuple[FaceGroup, ...]:
-    """Return a group for every face, if any has a name or a colour of its own."""
-    if not any(face.name or face.color for face in brep.faces):
+    """Return a group for every row of faces of one name and look; none where all are plain."""
+    looks = [(face.name or brep.name, face.color, face.finish) for face in brep.faces]
+    if set(looks) == {(brep.name, None, "matt")}:
         return ()
     return tuple(
-        FaceGroup(face.name or brep.name, count, face.color)
-        for face, count in zip(brep.faces, counts, strict=True)
+        FaceGroup(name, sum(count for _, count in row), color, finish)
+        for (name, color, finish), row in groupby(zip(looks, counts, strict=True), itemgetter(0))
     )

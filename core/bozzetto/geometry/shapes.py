@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
 from bozzetto.geometry.brep.brep import Brep
+from bozzetto.geometry.brep.brep import Finish as Finish
 from bozzetto.geometry.curve import Color as Color
 from bozzetto.geometry.curve import Curve as Curve
 from bozzetto.geometry.mesh import Mesh
@@ -18,9 +19,6 @@ from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.texture import Texture
-
-Finish = Literal["matt", "gloss", "rubber", "metal", "glass"]
-"""Materials that surfaces look as if they were made of."""
 
 
 @dataclass(frozen=True)

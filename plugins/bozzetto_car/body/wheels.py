@@ -97,6 +97,14 @@ def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
     return _as_mesh(right), _as_mesh(_mirrored(right))
 
 
+def wheel_places(network: Network, nets: Array) -> list[tuple[Array, float, float]]:
+    """Return centre, radius and the reach of the panel beside it, mm, of the right wheels."""
+    return [
+        (centre, radius, _beside(nets, centre, radius)[0] - DEEPEST * radius - LAID)
+        for centre, radius in _wheels(network)
+    ]
+
+
 def _wheels(network: Network) -> list[tuple[Array, float]]:
     """Return centre and radius, mm, of the right wheels that are above the ground."""
     centres = network.positions[network.template.wheels[:, 0]]

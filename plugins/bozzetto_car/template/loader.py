@@ -217,6 +217,9 @@ class _Whole:
     def _patches(self) -> tuple[Patch, ...]:
         made: list[Patch] = []
         mirrored: list[Patch] = []
+        for key in self.records.glass:
+            if key not in self.records.patches:
+                raise FormatError(f"glass: there is no patch {key}.")
         for key, corners in self.records.patches.items():
             place = f"patches, {key}"
             loop = [self._number(name, place) for name in corners]
@@ -230,7 +233,8 @@ class _Whole:
         sides = zip(loop, (*loop[1:], loop[0]), strict=True)
         a, b, c, d = (self._edge(start, end, place) for start, end in sides)
         n0, n1, n2, n3 = loop
-        return Patch(name, (a, b, c, d), (n0, n1, n2, n3))
+        glass = name[:-2] in self.records.glass
+        return Patch(name, (a, b, c, d), (n0, n1, n2, n3), glass)
 
     def _chains(self) -> tuple[Chain, ...]:
         made = []

@@ -74,11 +74,14 @@ class Patch:
     nodes : (int, int, int, int)
         The edge ``edges[i]`` leads from ``nodes[i]`` to the next. With u from ``nodes[0]``
         to ``nodes[1]`` and v from ``nodes[0]`` to ``nodes[3]``, x_u × x_v points outward.
+    glass : bool
+        Whether it is the frame of a window.
     """
 
     name: str
     edges: tuple[int, int, int, int]
     nodes: tuple[int, int, int, int]
+    glass: bool = False
 
 
 @dataclass(frozen=True)
@@ -229,6 +232,17 @@ class Template:
     def sides(self) -> Index:
         """The edges around each patch, (k, 4); ``~edge`` where one is run through backwards."""
         return np.array([patch.edges for patch in self.patches], np.intp)
+
+    def edge_of(self, patch: int, side: int) -> int:
+        """Return the edge along a side of a patch, whichever way it runs."""
+        signed = self.patches[patch].edges[side]
+        return max(signed, ~signed)
+
+    @cached_property
+    def rim(self) -> frozenset[int]:
+        """The edges of one patch: those along the sill."""
+        numbers, counts = np.unique(np.maximum(self.sides, ~self.sides), return_counts=True)
+        return frozenset(numbers[counts == 1].tolist())
 
     @cached_property
     def mirrored_edges(self) -> Index:

@@ -83,6 +83,7 @@ class Records(msgspec.Struct, forbid_unknown_fields=True):
     chains: dict[Label, ChainRecord]
     soundness: dict[Text, Text]
     order: Annotated[list[Text], Meta(max_length=2 * MOST_ITEMS)]
+    glass: Annotated[list[Label], Meta(max_length=MOST_ITEMS)] = []
 
 
 _SECTIONS: Final[Mapping[str, tuple[Any, Any]]] = {
@@ -113,7 +114,8 @@ def read_records(data: bytes) -> Records:
     top = _parsed(data)
     if top.get("format") != FORMAT:
         raise FormatError(f"This is not a car template: “format” must be “{FORMAT}”.")
-    for key in Records.__struct_fields__:
+    optional = len(Records.__struct_defaults__)
+    for key in Records.__struct_fields__[:-optional]:
         if key not in top:
             raise FormatError(f"“{key}” is missing from the template.")
     for key, (names, values) in _SECTIONS.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -139,7 +139,7 @@ def _faces(face: Face, cycles: Sequence[tuple[Trim, ...]]) -> Iterator[Face]:
         if not shapely.Polygon(rings[k], [rings[h] for h in holes[k]]).is_valid:
             raise UserError(CROSSES)
         loops = (cycles[k], *(cycles[h] for h in holes[k]))
-        yield Face(face.surface, loops, face.name, face.color)
+        yield replace(face, loops=loops)
 
 
 def _home(

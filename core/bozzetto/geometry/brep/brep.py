@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from bozzetto.geometry.basis import curve_derivative, span_parameters
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
 from bozzetto.geometry.placement import Placement
+
+Finish = Literal["matt", "gloss", "rubber", "metal", "glass"]
+"""Materials that surfaces look as if they were made of."""
 
 GAP: Final = 1e-8
 """Largest distance of an edge from the surface of a face, as share of the size of the whole:
@@ -138,6 +141,8 @@ class Face:
         "" for that of the whole.
     color : (r, g, b), optional
         sRGB; None for that of the whole.
+    finish : {"matt", "gloss", "rubber", "metal", "glass"}
+        Of what it is made, for files that know materials.
 
     Raises
     ------
@@ -149,6 +154,7 @@ class Face:
     loops: tuple[Loop, ...]
     name: str = ""
     color: Color | None = None
+    finish: Finish = "matt"
 
     def __post_init__(self) -> None:
         edged = [any(trim.edge is not None for trim in loop) for loop in self.loops]
@@ -187,12 +193,12 @@ class Face:
 
     def turned_over(self) -> Face:
         """Return the face with its normals the other way."""
-        return Face(self.surface.turned_over(), self._turned_loops(), self.name, self.color)
+        return replace(self, surface=self.surface.turned_over(), loops=self._turned_loops())
 
     def placed(self, placement: Placement) -> Face:
         """Return the face moved by a placement; turned over where that mirrors."""
         loops = self._turned_loops() if placement.mirrors else self.loops
-        return Face(self.surface.placed(placement), loops, self.name, self.color)
+        return replace(self, surface=self.surface.placed(placement), loops=loops)
 
     def _turned_loops(self) -> tuple[Loop, ...]:
         return tuple(tuple(t.turned_over() for t in reversed(loop)) for loop in self.loops)

@@ -99,6 +99,7 @@ def _brep(part: Brep) -> None:
     for face in part.faces:
         expect(type(face) is Face, "a face of a brep")
         expect(isinstance(face.name, str), "the name of a face")
+        expect(face.finish in get_args(Finish), "the finish of a face")
         _check_color(face.color, "a face")
         surface = face.surface
         expect(type(surface) is BSplineSurface, "the surface of a face")

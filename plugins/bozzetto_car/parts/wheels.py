@@ -1,0 +1,91 @@
+"""Wheels as exact solids: a tyre and a rim with spokes, in the well of their arch."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.geometry import Brep, Curve, Placement, sewn, surface_of_revolution
+from bozzetto_car.body.wheels import SPOKE, SPOKE_DEPTH, SPOKES, wheel_places
+from bozzetto_car.parts.looks import METAL, MIRRORED, RUBBER, looking
+from bozzetto_car.parts.trimmed_face import bezier
+from bozzetto_car.template.network import Network
+
+TYRE: Final = (
+    (0.70, -0.03), (0.72, -0.005), (0.80, 0.0), (0.90, -0.012), (0.965, -0.045), (0.99, -0.09),
+    (1.0, -0.16), (1.0, -0.46), (0.99, -0.53), (0.93, -0.60), (0.72, -0.62), (0.70, -0.60),
+    (0.70, -0.03),
+)  # fmt: skip
+RIM: Final = (
+    (0.0, -0.012), (0.09, -0.016), (0.125, -0.028), (0.135, -0.060), (0.63, -0.060),
+    (0.645, -0.030), (0.665, -0.012), (0.69, -0.008), (0.70, -0.03), (0.70, -0.60), (0.66, -0.60),
+    (0.62, -0.12), (0.0, -0.12),
+)  # fmt: skip
+"""Sections: distances from the axle and places along it, per radius. The outermost place is 0."""
+
+BEHIND: Final = 8.0
+"""How far a wheel lies behind the panel around its arch, mm."""
+
+AXLE: Final = (0.0, 1.0, 0.0)
+
+
+def wheels_of(network: Network, nets: Array) -> list[Brep]:
+    """Return the tyres and the rims of all wheels.
+
+    Parameters
+    ----------
+    network : Network
+        The car; its wheels stand on the ground, so that their height is their radius.
+    nets : (k, 4, 4, 3) array_like
+        Its patches, mm.
+    """
+    made = []
+    places = wheel_places(network, nets)
+    for (centre, radius, reach), where in zip(places, ("front", "rear"), strict=False):
+        to = Placement(scale=radius, offset=(float(centre[0]), reach - BEHIND, float(centre[2])))
+        for unit, name, look in ((_tyre(), "Tyre", RUBBER), (_rim(), "Rim", METAL)):
+            right = unit.placed(to)
+            made.append(looking(right, f"{name} {where} right", look))
+            made.append(looking(right.placed(MIRRORED), f"{name} {where} left", look))
+    return made
+
+
+@cache
+def _tyre() -> Brep:
+    """Return a right tyre of radius 1 whose outer face is at y = 0."""
+    return _turned(TYRE)
+
+
+@cache
+def _rim() -> Brep:
+    """Return the rim of such a tyre; spokes are solids that reach into its disc."""
+    spokes = [_spoke(turn) for turn in np.arange(SPOKES) * 2.0 * np.pi / SPOKES]
+    return sewn([_turned(RIM), *spokes])
+
+
+def _turned(section: tuple[tuple[float, float], ...]) -> Brep:
+    points = np.array([(away, along, 0.0) for away, along in section])
+    knots = np.concatenate(([0.0], np.linspace(0.0, 1.0, len(points)), [1.0]))
+    return surface_of_revolution(Curve(1, knots, points), (0.0, 0.0, 0.0), AXLE)
+
+
+def _spoke(turn: float) -> Brep:
+    """Return a spoke: hexahedra from the hub to the rim, as one solid."""
+    cos, sin = np.cos(turn), np.sin(turn)
+    rows = []
+    for away, half, along in SPOKE:
+        ring = ((away, along, -half), (away, along, half),
+                (away, along - SPOKE_DEPTH, half), (away, along - SPOKE_DEPTH, -half))  # fmt: skip
+        rows.append([(x * cos - z * sin, y, x * sin + z * cos) for x, y, z in ring])
+    rings = np.array(rows)
+    flanks = [
+        np.stack((one[[k, (k + 1) % 4]], two[[k, (k + 1) % 4]]), axis=1)
+        for one, two in pairwise(rings)
+        for k in range(4)
+    ]
+    ends = [rings[0][[[0, 1], [3, 2]]], rings[-1][[[0, 3], [1, 2]]]]
+    return sewn([Brep.of_surface(bezier(net)) for net in (*flanks, *ends)])

@@ -1,0 +1,139 @@
+"""The complete car: a closed body with panes, arches and a floor, and wheels as solids."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.geometry import brep_mesh, counted_mesh, meshed
+from bozzetto.geometry.patches import Places, coons_nets, points_at
+from bozzetto_car.body.build import body_of
+from bozzetto_car.body.wheels import SPOKES
+from bozzetto_car.export import shapes_of
+from bozzetto_car.parts.closed_body import closed_body
+from bozzetto_car.parts.wheel_arches import RADII, cut_panels
+from bozzetto_car.parts.wheels import wheels_of
+from bozzetto_car.parts.windows import SET_IN
+from bozzetto_car.state import CarState
+from bozzetto_car.template.network import Network
+from tests.plugins.car.held_out import near_template
+from tests.plugins.car.marked_car import marked
+
+TEMPLATES = ["sedan", "hatchback", "minivan"]
+
+
+def volume(mesh) -> float:
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces].astype(float), 1, 0)
+    return float((a * np.cross(b, c)).sum() / 6.0)
+
+
+def on_one(at) -> Places:
+    return Places(np.zeros(len(at), np.intp), at)
+
+
+def body(name: str):
+    return body_of(CarState(template=name))
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_the_body_is_one_closed_shell_within_its_box(name):
+    car = body(name)
+    closed = closed_body(car.network, car.nets)
+    assert closed.is_closed
+    assert len(closed.pieces) == 1
+    size = np.ptp(car.nets.reshape(-1, 3), axis=0)
+    assert 0.4 < volume(brep_mesh(closed)) / size.prod() < 0.9
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_each_wheel_has_an_arch_at_one_distance_from_its_axle(name):
+    car = body(name)
+    panels = cut_panels(car.network, car.nets)
+    centres = car.network.positions[car.template.wheels[:, 0]]
+    found = set()
+    for number, panel in panels.items():
+        for arc in panel.arcs:
+            at = arc.value(np.linspace(0.0, 1.0, 101))
+            places = points_at(car.nets[[number]], on_one(at))
+            away = np.linalg.norm(places[:, None, ::2] - centres[:, ::2], axis=2)
+            wheel = int(away.mean(axis=0).argmin())
+            found.add(wheel)
+            share = away[:, wheel] / centres[wheel, 2]
+            assert np.ptp(share) < 1e-3
+            assert min(abs(share.mean() - radius) for radius in RADII) < 1e-3
+    assert found == {0, 1}
+
+
+def test_both_sides_are_alike():
+    car = body("sedan")
+    closed = closed_body(car.network, car.nets)
+    places = closed.vertices[0]
+    images = places * (1.0, -1.0, 1.0)
+    away = np.linalg.norm(places[:, None] - images, axis=2).min(axis=1)
+    assert away.max() < 1e-9
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_panes_lie_below_the_body_by_the_depth_of_the_gap(name):
+    car = body(name)
+    closed = closed_body(car.network, car.nets)
+    nets = {patch.name: net for patch, net in zip(car.template.patches, car.nets, strict=True)}
+    glass = [face for face in closed.faces if face.finish == "glass"]
+    assert len(glass) == sum(patch.glass for patch in car.template.patches)
+    for face in glass:
+        words = face.name.removeprefix("Glass ")
+        own = [nets[word] for word in (words, f"{words}.R", f"{words}.L") if word in nets]
+        middle = face.surface.value([0.5], [0.5])[0]
+        at = np.stack(np.meshgrid(*2 * [np.linspace(0.0, 1.0, 161)]), axis=-1).reshape(-1, 2)
+        least = min(
+            np.linalg.norm(points_at(net[None], on_one(at)) - middle, axis=1).min() for net in own
+        )
+        assert 0.7 * SET_IN < least < 1.5 * SET_IN
+
+
+def test_wheels_are_solids_that_stand_on_the_ground():
+    car = body("hatchback")
+    wheels = wheels_of(car.network, car.nets)
+    assert len(wheels) == 8
+    for part in wheels:
+        assert part.is_closed
+        mesh = brep_mesh(part)
+        assert volume(mesh) > 0.0
+        if part.name.startswith("Tyre"):
+            assert abs(mesh.bounds[0, 2]) < 1.0
+
+
+def test_every_spoke_and_disc_looks_outward():
+    car = body("hatchback")
+    rim = next(part for part in wheels_of(car.network, car.nets) if part.name.startswith("Rim"))
+    mesh, counts = counted_mesh(rim)
+    bounds = np.cumsum([0, *counts])
+    assert len(rim.pieces) == 1 + SPOKES
+    for piece in rim.pieces:
+        faces = np.concatenate([mesh.faces[bounds[k] : bounds[k + 1]] for k in piece])
+        assert volume(replace(mesh, faces=faces)) > 0.0
+
+
+def test_what_is_handed_over_tells_glass_paint_rubber_and_metal():
+    state = replace(marked(3), complete=True)
+    solids = meshed(shapes_of(state, body_of(state))).solids
+    assert solids[0].name == "Body"
+    assert len(solids) == 9
+    finishes = {group.finish for solid in solids for group in solid.groups}
+    assert finishes >= {"gloss", "glass", "rubber", "metal"}
+    glass = [g.name for g in solids[0].groups if g.finish == "glass"]
+    assert len(glass) == len(set(glass)) == 6
+
+
+def test_without_wheels_only_the_body_is_handed_over():
+    state = replace(marked(3), complete=True, wheels=False)
+    (only,) = shapes_of(state, body_of(state)).breps
+    assert only.is_closed
+
+
+@pytest.mark.slow
+def test_cars_that_no_template_knows_are_closed():
+    for car in near_template(range(900, 904)):
+        network = Network.of(car.template, car.positions)
+        nets = coons_nets(network.control_points, network.template.sides)
+        assert closed_body(network, nets).is_closed
