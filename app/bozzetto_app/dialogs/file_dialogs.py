@@ -6,15 +6,16 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QDateTime, QLocale, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
-from bozzetto.atomic_files import FileChanged, FileStamp, Over
+from bozzetto.atomic_files import Over
 from bozzetto.document.recovery.file_lock import Locked
 from bozzetto.errors import UserError
 from bozzetto.exchange.formats import Format
 from bozzetto.exchange.handover import AS_USUAL, Handover
+from bozzetto_app.dialogs.hindrance import explained, said_of
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
 from bozzetto_app.session.films import LONGEST_FILM
@@ -29,50 +30,6 @@ PRINTED = frozenset({".stl", ".3mf"})
 
 def _nothing() -> None:
     """Do nothing after an answer that nobody waits for."""
-
-
-def said_of(problem: FileChanged | Locked) -> str:
-    """Return the obstacle to a save, as a sentence."""
-    if isinstance(problem, Locked):
-        return tr(
-            "Files",
-            "{user} on {host} has this document open.",
-            user=problem.holder.user,
-            host=problem.holder.host,
-        )
-    name = problem.path.name
-    if problem.expected is None:
-        return tr("Files", "There is a file “{name}” already.", name=name)
-    return tr("Files", "“{name}” was changed by another program.", name=name)
-
-
-def explained(hindrance: Hindrance) -> str:
-    """Return the facts that the person needs in order to choose."""
-    problem = hindrance.problem
-    if isinstance(problem, Locked):
-        return tr(
-            "Files",
-            "Take it over only if it is not being worked on there any more: who saves last "
-            "writes over the other.",
-        )
-    lines = [tr("Files", "On the disk: {facts}", facts=_facts(problem.found))]
-    if problem.expected is not None:
-        lines.append(tr("Files", "As you had it: {facts}", facts=_facts(problem.expected)))
-    return "\n".join(lines)
-
-
-def _facts(stamp: FileStamp) -> str:
-    """Time and size of a file."""
-    locale = QLocale()
-    when = QDateTime.fromMSecsSinceEpoch(stamp.modified // 1_000_000)
-    date = locale.toString(when.date(), QLocale.FormatType.ShortFormat)
-    return tr(
-        "Files",
-        "{date}, {time}, {bytes} bytes",
-        date=date,
-        time=when.toString("HH:mm:ss"),
-        bytes=locale.toString(stamp.size),
-    )
 
 
 class FileQuestions:

@@ -155,6 +155,7 @@ class HandoverDialog(Page):
         self.triangles.set_silently(_number(self._kept.value(f"{KEPT}triangles", 0), 0.0))
         self.triangles.edited.connect(self._change)
         self._add_row(tr("Handover", "Most triangles"), self.triangles)
+        self.levels = self._toggle(tr("Handover", "Coarser levels too (LOD)"), "levels")
         self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
         kinds = [
             ("curves", tr("Handover", "Curves")),
@@ -205,6 +206,7 @@ class HandoverDialog(Page):
             lay_flat=self.lay_flat.isChecked(),
             lines=cast(Lines, lines) if draws and lines != "curves" else None,
             hidden=self.hidden.isChecked(),
+            levels=self.levels.isChecked(),
         )
 
     @property
@@ -268,6 +270,7 @@ class HandoverDialog(Page):
             "lay_flat": "yes" if wanted.lay_flat else "",
             "lines": self.lines.value,
             "hidden": "yes" if wanted.hidden else "",
+            "levels": "yes" if wanted.levels else "",
         }
         for key, value in kept.items():
             self._kept.setValue(f"{KEPT}{key}", value)

@@ -16,6 +16,9 @@ def add_handover(command: argparse.ArgumentParser) -> None:
     group.add_argument("--scale", metavar="S", default="1", help="make it larger or smaller")
     group.add_argument("--triangles", metavar="N", help="at most so many triangles together")
     group.add_argument(
+        "--lods", action="store_true", help="two coarser levels of detail in the same GLB"
+    )
+    group.add_argument(
         "--lay-flat", action="store_true", help="lay it on its steadiest face, for printing"
     )
     group.add_argument(
@@ -45,6 +48,7 @@ def handover_of(options: argparse.Namespace) -> Any:
         lay_flat=options.lay_flat,
         lines=options.drawing,
         hidden=options.hidden,
+        levels=options.lods,
     )
 
 

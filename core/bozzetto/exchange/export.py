@@ -16,7 +16,7 @@ from bozzetto.atomic_files import write_bytes
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on, readable
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
-from bozzetto.exchange.handover import AS_USUAL, UNIT_NAMES, FileFrame, Handover
+from bozzetto.exchange.handover import AS_USUAL, LEVELS, UNIT_NAMES, FileFrame, Handover
 from bozzetto.exchange.left_out import LeftOut, parts_left_out, pictures_left_out, with_place
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.exchange.triangle_budget import triangle_count, within_budget
@@ -240,6 +240,14 @@ class Ready:
         most = self.handover.triangles
         return shapes if most is None else within_budget(shapes, most)
 
+    @cached_property
+    def coarser(self) -> tuple[Shapes, ...]:
+        """The same with fewer and fewer triangles, as many levels as are wanted besides."""
+        if not self.handover.levels:
+            return ()
+        count = triangle_count(self.triangles)
+        return tuple(within_budget(self.triangles, count // fewer) for fewer in LEVELS)
+
 
 def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | None) -> Exported:
     """Return the file of shapes that are ready.
@@ -263,6 +271,10 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
         for solid in written.solids:
             check_solid(solid)
         left_out += pictures_left_out(parts.solids, written.solids)
+    if "levels" in chosen.keeps:
+        coarser = [_readably_named(with_place(level, chosen)) for level in ready.coarser]
+        data = function(chosen, "write_shapes")(written, coarser=coarser)
+        return Exported(chosen, data, parts, left_out, notes=_notes(chosen, ready))
     if not chosen.choices:
         data = function(chosen, "write_shapes")(written)
         return Exported(chosen, data, parts, left_out, notes=_notes(chosen, ready))
@@ -319,6 +331,8 @@ def _notes(chosen: Format, ready: Ready) -> tuple[str, ...]:
             )
         if wanted.up not in (None, frame.up):
             found.append(f"{chosen.short} files always have {frame.up.upper()} up.")
+    if wanted.levels and "mesh" in chosen.holds and "levels" not in chosen.keeps:
+        found.append(f"{chosen.short} files hold one level of detail: the finest. GLB holds all.")
     if "mesh" in chosen.holds and wanted.triangles is not None:
         count = triangle_count(ready.triangles)
         if count > wanted.triangles:

@@ -32,7 +32,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
-Feature = Literal["colors", "bones", "trims"]
+Feature = Literal["colors", "bones", "levels", "trims"]
 Choice = Literal["unit", "up"]
 
 
@@ -54,9 +54,9 @@ class Format:
         Which ways we go.
     module : str
         The module of the functions, in this package.
-    keeps : tuple of {"colors", "bones", "trims"}
-        What is written of a mesh besides its shape: painted colours, and the bones that it
-        follows; and whether faces of exact surfaces may be trimmed.
+    keeps : tuple of {"colors", "bones", "levels", "trims"}
+        What is written of a mesh besides its shape: painted colours, the bones that it follows,
+        coarser levels of detail; and whether faces of exact surfaces may be trimmed.
     flat : bool
         Shapes are written as seen through a camera.
     frame : FileFrame
@@ -132,7 +132,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.glb",
-        ("colors", "bones"),
+        ("colors", "bones", "levels"),
         frame=METRES,
         links=True,
     ),

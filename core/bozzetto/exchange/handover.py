@@ -31,6 +31,9 @@ UNIT_NAMES: Final[dict[Unit, str]] = {
 Y_UP: Final = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0)
 """Rows of the turn that makes z the second axis: x stays, y of the file is our z."""
 
+LEVELS: Final = (4, 16)
+"""How many times fewer triangles the coarser levels of detail have."""
+
 FEWEST_TRIANGLES: Final = 4
 """A tetrahedron has so many."""
 
@@ -100,6 +103,9 @@ class Handover:
         dimensions, in the place of the curves.
     hidden : bool
         Whether such drawings show hidden lines, dashed.
+    levels : bool
+        Whether two coarser levels of detail lie in the same file, for what is seen from afar
+        (LODs), where its format has a place for them.
 
     Raises
     ------
@@ -114,6 +120,7 @@ class Handover:
     lay_flat: bool = False
     lines: Lines | None = None
     hidden: bool = False
+    levels: bool = False
 
     def __post_init__(self) -> None:
         for value, known, word in (

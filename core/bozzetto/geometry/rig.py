@@ -175,7 +175,7 @@ class Skin:
     Parameters
     ----------
     rig : Rig
-    joints : (v, 4) uint16
+    joints : (v, 4) int32
         Up to four joints per vertex, all different; 0 where the weight is 0.
     weights : (v, 4) float32
         Not negative, sum 1 per vertex.
@@ -192,17 +192,19 @@ class Skin:
     """
 
     rig: Rig
-    joints: NDArray[np.uint16]
+    joints: NDArray[np.int32]
     weights: Floats
     rest: Mesh | None = None
     clips: tuple[Clip, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "joints", frozen(self.joints, np.uint16, 4))
+        object.__setattr__(self, "joints", frozen(self.joints, np.int32, 4))
         object.__setattr__(self, "weights", frozen(self.weights, np.float32, 4))
         if len(self.joints) != len(self.weights):
             raise ValueError("a skin needs four weights for the four joints of a vertex")
-        if self.joints.size and self.joints.max() >= len(self.rig.joints):
+        if self.joints.size and not 0 <= self.joints.min() <= self.joints.max() < len(
+            self.rig.joints
+        ):
             raise ValueError("a skin names a joint that does not exist")
         sums = self.weights.sum(axis=1, dtype=np.float64)
         if (self.weights < 0).any() or (np.abs(sums - 1.0) > UNIT_SUM).any():

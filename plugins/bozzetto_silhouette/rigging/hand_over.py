@@ -51,7 +51,7 @@ def handed_over(armature: Armature, skin: Skin) -> Skin:
         cuts if cuts is not None and len(cuts) else None,
         bone_axes(armature)[kept],
     )
-    joints = np.where(skin.weights > 0.0, number[skin.joints], 0).astype(np.uint16)
+    joints = np.where(skin.weights > 0.0, number[skin.joints], 0).astype(np.int32)
     clips = tuple(replace(clip, turns=clip.turns[:, kept]) for clip in skin.clips)
     return Skin(made, joints, skin.weights, skin.rest, clips)
 

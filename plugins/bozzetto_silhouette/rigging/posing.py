@@ -57,7 +57,7 @@ class _Rest(NamedTuple):
     """A mesh for the screen before any turn, and what its vertices follow."""
 
     mesh: Mesh
-    joints: NDArray[np.uint16]
+    joints: NDArray[np.int32]
     weights: NDArray[np.float32]
 
     def posed(self, rig: Rig) -> Mesh:
@@ -67,7 +67,7 @@ class _Rest(NamedTuple):
 @remembered(limit=16, key=lambda nodes, armature, body, checkpoint: (nodes, body))
 def _weights(
     nodes: tuple[Any, ...], armature: Armature, body: Body, checkpoint: Checkpoint
-) -> tuple[NDArray[np.uint16], NDArray[np.float32]]:
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     return followed(armature, body, checkpoint)
 
 

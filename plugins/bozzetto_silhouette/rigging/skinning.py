@@ -49,7 +49,7 @@ Follower = Callable[[Array], Table]
 
 def followed(
     armature: Armature, body: Body, checkpoint: Checkpoint = ignore
-) -> tuple[NDArray[np.uint16], Singles]:
+) -> tuple[NDArray[np.int32], Singles]:
     """Assign joints and weights to the vertices of a body.
 
     Parameters
@@ -63,7 +63,7 @@ def followed(
 
     Returns
     -------
-    joints : (v, 4) uint16 array
+    joints : (v, 4) int32 array
         All different where the weight is not 0; 0 where it is.
     weights : (v, 4) float32 array
         Sum 1.
@@ -116,13 +116,13 @@ def _mixed(bones: Sequence[Bones], points: Array) -> Table:
     return Table(np.concatenate(joints), np.concatenate(shares, axis=1))
 
 
-def _strongest(shares: Array) -> tuple[NDArray[np.uint16], Singles]:
+def _strongest(shares: Array) -> tuple[NDArray[np.int32], Singles]:
     """Return the joints with the largest shares, (n, 4), and their weights."""
     shares = np.pad(shares, ((0, 0), (0, max(0, MOST - shares.shape[1]))))
     columns = np.argsort(-shares, axis=1, kind="stable")[:, :MOST]
     weights = np.take_along_axis(shares, columns, axis=1)
     weights = (weights / weights.sum(axis=1, keepdims=True)).astype(np.float32)
-    return np.where(weights > 0.0, columns, 0).astype(np.uint16), weights
+    return np.where(weights > 0.0, columns, 0).astype(np.int32), weights
 
 
 def _sew(

@@ -51,6 +51,49 @@ def test_what_was_closed_stays_closed() -> None:
     assert [s.mesh for s in handed.surfaces] == [s.mesh for s in GIVEN.surfaces]
 
 
+def _rigged() -> Shapes:
+    from tests.core.exchange.skinned import skinned
+    from tests.core.exchange.test_gltf_round_trip import in_groups, moving
+
+    worm = moving(in_groups(skinned(7, 40.0, texture=True, turned=True)), shifts=True)
+    posed = replace(worm, path=("animals", "worms"))
+    # As files have it: posed by exactly what its rig says.
+    rest = posed.skin.rest
+    rig = replace(posed.skin.rig, shifts=np.full((7, 3), 0.5))
+    skin = replace(posed.skin, rig=rig)
+    return Shapes(solids=(replace(posed, skin=skin, mesh=skin.posed(rest)), Solid(_block(2.0))))
+
+
+def test_skins_pictures_and_hierarchy_are_kept_in_documents() -> None:
+    given = _rigged()
+    state = ImportedMesh().read_shapes(given)
+    kept = decode_state(MeshState, encode_state(state))
+    assert same(kept, state)
+    handed = ImportedMesh().shapes(kept, ImportedMesh().solve(kept, Job()))
+    assert same(handed, given)
+
+
+def test_skins_are_turned_upright_with_their_meshes() -> None:
+    state = replace(ImportedMesh().read_shapes(_rigged()), up="y", unit="cm")
+    (worm, _) = ImportedMesh().shapes(state, ImportedMesh().solve(state, Job())).solids
+    before = _rigged().solids[0].mesh.vertices.astype(float)
+    wanted = 10.0 * before[:, [0, 2, 1]] * (1.0, -1.0, 1.0)
+    np.testing.assert_allclose(worm.mesh.vertices, wanted, atol=1e-3)
+    np.testing.assert_allclose(worm.skin.posed(worm.skin.rest).vertices, wanted, atol=1e-2)
+
+
+def test_groups_and_pictures_are_shown_in_their_colours() -> None:
+    (layer,) = ImportedMesh().scene(ImportedMesh().read_shapes(_rigged()), None).layers
+    worm = layer.items[0]
+    assert worm.mesh.colors is not None
+    plain = replace(_rigged().solids[0], texture=None)
+    (layer,) = (
+        ImportedMesh().scene(ImportedMesh().read_shapes(Shapes(solids=(plain,))), None).layers
+    )
+    assert [item.color for item in layer.items] == [group.color for group in plain.groups]
+    assert sum(len(item.mesh.faces) for item in layer.items) == len(plain.mesh.faces)
+
+
 def test_exact_surfaces_come_as_meshes() -> None:
     can = cylinder((0, 0, 0), (0, 0, 10), 4.0)
     open_side = ruled_surface(can.edges[0], can.edges[0].placed(Placement(offset=(0, 0, 3))))

@@ -96,6 +96,11 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         reading.tell(f"Left out: {what}; save curves as DXF or SVG to draw with them.")
     if not found:
         raise FormatError(" ".join(("There are no faces in this file.", *reading.left_out)))
+    off = f"{OFF * size:.2g} mm"
+    reading.tell(
+        f"Left out: the exact surfaces; their {triangles:,} triangles are at most {off} off. "
+        "Keep the file for CAD."
+    )
     return Shapes(surfaces=tuple(found))
 
 

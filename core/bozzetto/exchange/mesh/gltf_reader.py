@@ -35,7 +35,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
     item,
     placed_meshes,
 )
-from bozzetto.exchange.mesh.gltf_skinned import FollowedBones, SkinnedMeshes
+from bozzetto.exchange.mesh.gltf_skins import FollowedBones, Skins
 from bozzetto.exchange.mesh.gltf_values import Blobs, values_of
 from bozzetto.exchange.mesh.polygons import check_places, checked_mesh, without_degenerate
 from bozzetto.exchange.reading import Reading
@@ -71,7 +71,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     blobs = _buffers(gltf, blob, reading)
     _check_sum(gltf)
     surfaces: list[Surface] = []
-    bodies = SkinnedMeshes(gltf, blobs, reading)
+    bodies = Skins(gltf, blobs, reading)
     pictures = Pictures(gltf, blobs, reading)
     for shown in placed_meshes(gltf):
         follow = bodies.followed(shown.place)
@@ -242,7 +242,7 @@ def _buffers(gltf: Gltf, blob: bytes | None, reading: Reading) -> list[bytes]:
     return found
 
 
-def _tell(gltf: Gltf, reading: Reading, bodies: SkinnedMeshes) -> None:
+def _tell(gltf: Gltf, reading: Reading, bodies: Skins) -> None:
     """Tell what is left out: pictures of relief and shine, motions, cameras, points and lines."""
     relief = sum(
         one is not None

@@ -106,7 +106,7 @@ class FollowedBones:
         shares = np.where(np.abs(sums - 1.0) <= ROUNDING, shares, shares / sums)
         joints = np.where(shares > 0.0, joints, 0)
         weights = shares.astype(np.float32)
-        return Skin(self.rig, joints.astype(np.uint16), weights, clips=self.clips)
+        return Skin(self.rig, joints.astype(np.int32), weights, clips=self.clips)
 
 
 def _join_repeated(joints: Index, shares: Array) -> None:
@@ -119,7 +119,7 @@ def _join_repeated(joints: Index, shares: Array) -> None:
 
 
 @dataclass
-class SkinnedMeshes:
+class Skins:
     """The skins of a file, each read once.
 
     Parameters
