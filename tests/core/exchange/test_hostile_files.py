@@ -50,10 +50,10 @@ LARGE = 16 * SIZES[-1]
 def seconds(family, size):
     """Processor time of a usual machine."""
     data = family.make(size)
-    kind = {".svg": "ink", ".json": "ink", ".inkml": "ink"}.get(family.ending)
     chosen = importing.find(f"a{family.ending}", importing.readers())
-    name = "read_drawing" if kind else "read_pixels" if family.ending == ".bmp" else "read_shapes"
-    given = (data, "a") if kind else (data,)
+    is_mesh, is_ink = (kind in chosen.holds for kind in ("mesh", "ink"))
+    name = "read_shapes" if is_mesh else "read_drawing" if is_ink else "read_pixels"
+    given = (data, "a") if name == "read_drawing" else (data,)
     started = time.process_time()
     with contextlib.suppress(UserError):
         importing.function(chosen, name)(*given)
