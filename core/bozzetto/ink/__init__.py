@@ -44,6 +44,10 @@ if TYPE_CHECKING:
     from bozzetto.ink.merge.merge import MergedStrokes as MergedStrokes
     from bozzetto.ink.merge.merge import merge_strokes as merge_strokes
     from bozzetto.ink.merge.weights import stroke_weights as stroke_weights
+    from bozzetto.ink.oversketch.contour_nodes import contour_nodes as contour_nodes
+    from bozzetto.ink.oversketch.displacement import displaced_spline as displaced_spline
+    from bozzetto.ink.oversketch.displacement import held_solution as held_solution
+    from bozzetto.ink.oversketch.displacement import spline_weights as spline_weights
     from bozzetto.ink.oversketch.lift import lift_curve as lift_curve
     from bozzetto.ink.oversketch.ordered_feet import FEET_LAPS as FEET_LAPS
     from bozzetto.ink.oversketch.ordered_feet import ordered_feet as ordered_feet
@@ -76,6 +80,8 @@ else:
             "point_rows",
             "bozzetto.ink.merge.merge": "MergedStrokes merge_strokes",
             "bozzetto.ink.merge.weights": "stroke_weights",
+            "bozzetto.ink.oversketch.contour_nodes": "contour_nodes",
+            "bozzetto.ink.oversketch.displacement": "displaced_spline held_solution spline_weights",
             "bozzetto.ink.oversketch.lift": "lift_curve",
             "bozzetto.ink.oversketch.ordered_feet": "FEET_LAPS ordered_feet",
             "bozzetto.ink.oversketch.snake": "DEFAULT_FORCES Oversketched SnakeForces "

@@ -6,6 +6,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
+from bozzetto.ink import spline_weights
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_product.model.state import ProductState
@@ -15,7 +16,7 @@ from bozzetto_product.operations.pieces import split_curve
 from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.projection.depth_fit import SAMPLES, at_depth, look_along
 from bozzetto_product.projection.ink_curve import creases_along
-from bozzetto_product.projection.spline_basis import basis, with_controls
+from bozzetto_product.projection.spline_basis import with_controls
 from bozzetto_product.projection.views import seen_at
 
 
@@ -72,7 +73,7 @@ def _laid(spline: Spline, camera: Camera, scene: Scene) -> Spline:
     seen = seen_at(camera, spline.value(at))
     if not np.isfinite(seen).all():
         return spline
-    controls = np.linalg.lstsq(basis(finer, at), seen, rcond=None)[0]
+    controls = np.linalg.lstsq(spline_weights(finer, at), seen, rcond=None)[0]
     sheet = with_controls(finer, np.asarray(controls, float))
     sight = look_along(sheet, camera, scene)
     # The ends are on the edge itself: rays through them may pass it.

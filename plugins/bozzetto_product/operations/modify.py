@@ -18,6 +18,7 @@ from bozzetto.geometry import Spline
 from bozzetto.ink import (
     Stroke,
     arc_length,
+    contour_nodes,
     lift_curve,
     oversketch_curve,
 )
@@ -35,12 +36,6 @@ from bozzetto_product.projection.views import pixel_size, seen_at
 SPACING: Final = 2.0
 """Distance of the contour's nodes along the image, px: about the finest detail of a hand."""
 
-NODES: Final = (16, 1200)
-"""Fewest and most nodes of a contour."""
-
-LOOKS: Final = 1024
-"""Places by which the length of an image is measured."""
-
 BLEND: Final = 40.0
 """Least length, px, from an end that is held over which the change fades; at least twice the
 step by which the end would have moved."""
@@ -50,7 +45,6 @@ STEEPEST: Final = 20.0
 about it."""
 
 _NOTHING = "There is no curve near the strokes. Draw over the curve that is to change."
-_UNSEEN = "The curve is not seen from here. Turn the view, then draw over it."
 _EDGE_ON = (
     "Where the stroke leads, the plane of the curve is seen edge-on. Turn the view, then draw over "
     "the curve."
@@ -140,7 +134,7 @@ def drawn_over(
         If the curve is not seen, or its plane is seen edge-on.
     """
     camera = strokes[0].camera
-    at, points, whole = contour_nodes(spline, camera, mirror)
+    at, points, whole = image_nodes(spline, camera, mirror)
     pixels = seen_at(camera, points)
     new = oversketch_curve(
         pixels,
@@ -170,31 +164,14 @@ def drawn_over(
     return Spline(made.knots, flat, made.closed)
 
 
-def contour_nodes(
-    spline: Spline, camera: Camera, mirror: Plane | None
-) -> tuple[Array, Array, bool]:
-    """Return places at equal steps along the image: parameters, points, whether they close.
+def image_nodes(spline: Spline, camera: Camera, mirror: Plane | None) -> tuple[Array, Array, bool]:
+    """Return places at equal steps along the image: parameters, points, whether they close."""
 
-    Of a curve that passes the eye the longest part that is seen.
-    """
-    dense = np.linspace(*spline.range, LOOKS)
-    points = spline.value(dense)
-    pixels = seen_at(camera, points if mirror is None else mirror_image(points, mirror))
-    seen = np.isfinite(pixels).all(axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], seen, [False])).astype(int)))
-    runs = edges.reshape(-1, 2)
-    if not len(runs):
-        raise UserError(_UNSEEN)
-    first, last = runs[np.argmax(runs[:, 1] - runs[:, 0])]
-    if last - first < 2:
-        raise UserError(_UNSEEN)
-    whole = bool(spline.closed and last - first == LOOKS)
-    along = arc_length(pixels[first:last])
-    count = int(np.clip(along[-1] / SPACING, *NODES))
-    stations = np.linspace(0.0, along[-1], count, endpoint=not whole)
-    at = np.interp(stations, along, dense[first:last])
-    places = spline.value(at)
-    return at, places if mirror is None else mirror_image(places, mirror), whole
+    def image(points: Array) -> Array:
+        return points if mirror is None else mirror_image(points, mirror)
+
+    at, whole = contour_nodes(spline, lambda points: seen_at(camera, image(points)), SPACING)
+    return at, image(spline.value(at)), whole
 
 
 def _with_ends_held(

@@ -10,9 +10,10 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Spline, closest_on_mesh
+from bozzetto.ink import spline_weights
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import curve_of, spline_of
-from bozzetto_product.projection.spline_basis import basis, with_controls
+from bozzetto_product.projection.spline_basis import with_controls
 
 LOOKS: Final = 129
 """Places that walk over the surface."""
@@ -80,7 +81,7 @@ def offset_spline(spline: Spline, distance: float, mesh: Mesh) -> Spline:
         new = _smooth_normals(mesh, found.faces, found.weights)
         # Straight ahead: the direction goes along with the tangent plane.
         ways = _unit(ways - np.einsum("nk,nk->n", ways, new)[:, None] * new)
-    controls = np.asarray(np.linalg.lstsq(basis(spline, at), points, rcond=1e-9)[0], float)
+    controls = np.asarray(np.linalg.lstsq(spline_weights(spline, at), points, rcond=1e-9)[0], float)
     return with_controls(spline, controls)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
+from bozzetto.ink import spline_weights
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.model.planes import Plane
@@ -28,7 +29,7 @@ from bozzetto_product.operations.meetings import (
     with_splines,
 )
 from bozzetto_product.projection.planes import in_plane, mirror_image
-from bozzetto_product.projection.spline_basis import basis, free_controls, with_controls
+from bozzetto_product.projection.spline_basis import free_controls, with_controls
 
 ROUNDS: Final = 60
 """Most rounds. Chains of curves that carry one another need as many as they are long; two that
@@ -196,7 +197,7 @@ def passing(spline: Spline, places: Sequence[tuple[float, Array]]) -> Spline:
     size = max(1e-300, float(np.ptp(spline.control_points, axis=0).max()))
     if np.abs(way).max() <= TOUCHING * size:
         return spline
-    rows = basis(spline, at)
+    rows = spline_weights(spline, at)
     if not spline.closed:
         rows[:, [0, -1]] = 0.0
     left, values, right = np.linalg.svd(rows, full_matrices=False)

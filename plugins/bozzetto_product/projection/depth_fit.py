@@ -17,11 +17,12 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags
 from bozzetto.geometry import Spline
+from bozzetto.ink import spline_weights
 from bozzetto.scene import Hits, Scene, cast_rays, depth_breaks, unbroken_runs
 from bozzetto.view import Camera, Rays
 from bozzetto_product.model.planes import Plane
 from bozzetto_product.projection.planes import heights, in_plane, plane_of
-from bozzetto_product.projection.spline_basis import basis, free_controls, with_controls
+from bozzetto_product.projection.spline_basis import free_controls, with_controls
 from bozzetto_product.projection.views import seen_at
 
 SAMPLES: Final = 241
@@ -161,7 +162,7 @@ def at_depth(sheet: Spline, camera: Camera, sight: Sight) -> Spline:
     drawn = sheet.value(at)
     for held in HELD if sight.on.all() else HELD[-1:]:
         say = np.where(sight.on, held, 1.0) * weight
-        curve = with_controls(sheet, np.zeros((basis(sheet, at[:1]).shape[1], 3)))
+        curve = with_controls(sheet, np.zeros((spline_weights(sheet, at[:1]).shape[1], 3)))
         places = at
         for step in range(ROUNDS):
             curve = _solved(curve, places, goals, directions, across, axes, say, price)
@@ -247,7 +248,7 @@ def _solved(
     price: float,
 ) -> Spline:
     """Solve for the control points: image, distance from the surface, and bending of the depth."""
-    rows, bending = basis(curve, places), basis(curve, places, 2)
+    rows, bending = spline_weights(curve, places), spline_weights(curve, places, 2)
     count = rows.shape[1]
     span = curve.range[1] - curve.range[0]
     held = np.full(len(rows), IMAGE)

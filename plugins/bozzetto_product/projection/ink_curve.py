@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
-from bozzetto.ink import Stroke, distances_to_polyline
+from bozzetto.ink import Stroke, distances_to_polyline, spline_weights
 from bozzetto.plugin import Context
 from bozzetto.scene import Scene, project_stroke
 from bozzetto.view import Camera
@@ -19,7 +19,7 @@ from bozzetto_product.model.planes import Plane, Point
 from bozzetto_product.projection.depth_fit import SAMPLES, at_depth, look_along
 from bozzetto_product.projection.planes import canvas_plane, heights, in_plane
 from bozzetto_product.projection.sheet_curve import FAR, SheetCurve, curve_on_sheet
-from bozzetto_product.projection.spline_basis import basis, bent, chord_length, with_controls
+from bozzetto_product.projection.spline_basis import bent, chord_length, with_controls
 from bozzetto_product.projection.views import pixel_size, seen_at
 
 AT_PLANE: Final = 6.0
@@ -202,7 +202,7 @@ def _on_plane(sheet: SheetCurve, plane: Plane) -> Spline:
     points = camera.on_plane(pixels, plane.point, plane.normal)
     if not np.isfinite(points).all() or _is_edge_on(points, pixels, camera):
         raise UserError("The plane is seen edge-on from here. Turn the view, then draw the curve.")
-    rows = basis(sheet.spline, at)
+    rows = spline_weights(sheet.spline, at)
     middle = points.mean(axis=0)
     controls = np.linalg.lstsq(rows, points - middle, rcond=None)[0] + middle
     if not sheet.spline.closed:
@@ -212,7 +212,9 @@ def _on_plane(sheet: SheetCurve, plane: Plane) -> Spline:
         feet = curve.foot_points(points, at)
         if not curve.closed:
             feet[[0, -1]] = curve.range
-        controls = np.linalg.lstsq(basis(curve, feet), points - middle, rcond=None)[0] + middle
+        controls = (
+            np.linalg.lstsq(spline_weights(curve, feet), points - middle, rcond=None)[0] + middle
+        )
         curve = with_controls(curve, controls)
     flat = in_plane(curve.control_points, plane)
     return Spline(curve.knots, flat, curve.closed)

@@ -23,10 +23,11 @@ from bozzetto.ink import (
     fit_spline,
     merge_strokes,
     places_on_sheet,
+    spline_weights,
     stroke_weights,
 )
 from bozzetto.view import Camera
-from bozzetto_product.projection.spline_basis import basis, with_controls
+from bozzetto_product.projection.spline_basis import with_controls
 
 FEWEST_CONTROLS: Final = 4
 """A cubic needs four control points."""
@@ -191,7 +192,7 @@ def _least_squares(spline: Spline, line: Array, at: Array) -> Spline:
     say = np.ones(len(line))
     if not spline.closed:  # the ends are drawn: each counts like a stretch of the curve
         say[[0, -1]] = END * len(line)
-    rows = say[:, None] * basis(spline, at)
+    rows = say[:, None] * spline_weights(spline, at)
     controls = np.linalg.lstsq(rows, say[:, None] * line, rcond=None)[0]
     return with_controls(spline, np.asarray(controls, float))
 
@@ -216,7 +217,7 @@ def _along_principal(
         raise UserError("The ink is a dot: draw a curve.")
     spline = Spline.uniform(np.zeros((count, 2)))
     say = np.sqrt(weight)[:, None]
-    rows = basis(spline, (along - along.min()) / extent)
+    rows = spline_weights(spline, (along - along.min()) / extent)
     controls = np.linalg.lstsq(say * rows, say * points, rcond=None)[0]
     spline = Spline.uniform(controls)
     worst = float(distances_to_polyline(points, spline.sampled(SHOWN + 1)).max())

@@ -21,24 +21,6 @@ def with_controls(spline: Spline, controls: Array) -> Spline:
     return Spline(spline.knots, points, spline.closed)
 
 
-def basis(spline: Spline, parameters: ArrayLike, order: int = 0) -> Array:
-    """Return the weight of each control point at each place, or a derivative of it, (n, k).
-
-    Control points of a closed curve that are repeated beyond the seam count once.
-    """
-    from scipy.interpolate import BSpline
-
-    at = spline.within(parameters)
-    count = len(spline.control_points)
-    functions = BSpline(spline.knots, np.eye(count), DEGREE)
-    rows = np.asarray(functions.derivative(order)(at) if order else functions(at))
-    if not spline.closed:
-        return rows
-    once = rows[:, :-DEGREE].copy()
-    once[:, :DEGREE] += rows[:, -DEGREE:]
-    return once
-
-
 def chord_length(spline: Spline) -> float:
     """Return the length of a chain of 64 chords along a curve, mm: quick, and close enough."""
     points = spline.sampled(65)

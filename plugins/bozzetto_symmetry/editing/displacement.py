@@ -13,21 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Flags
-from bozzetto.geometry import DEGREE, Spline
+from bozzetto.geometry import Spline
+from bozzetto.ink import displaced_spline, held_solution, spline_weights
 from bozzetto_symmetry.fitting.half_curve import Halves, halves_of, symmetrize
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
 CLOSE_ENOUGH: Final = 0.3
 """Distance from where a place should be, px, that is not worth a further knot."""
 
-FEWEST: Final = 4
-"""Places on a span that is halved, at least: what lies between places is not known."""
-
 MOST_HALVINGS: Final = 6
 """How often spans are halved at most."""
-
-HOLD: Final = 1e-7
-"""Weight, per weight of the places, with which a control point stays that they leave free."""
 
 
 def displace(
@@ -70,16 +65,18 @@ def displace(
         station, wanted, unit, moved = station[known], wanted[known], unit[known], moved[known]
     if (np.linalg.norm(wanted, axis=1) <= CLOSE_ENOUGH * unit).all():
         return spline
-    finer = spline
-    change, off = _change(finer, station, wanted, unit, moved, symmetric)
-    for _ in range(MOST_HALVINGS):
-        knots = _halvings(finer, station, off > CLOSE_ENOUGH)
-        if not len(knots):
-            break
-        finer = finer.refined(_both_sides(finer, knots) if symmetric else knots)
-        finer = symmetrize(finer) if symmetric else finer
-        change, off = _change(finer, station, wanted, unit, moved, symmetric)
-    return Spline(finer.knots, finer.control_points + change, finer.closed)
+
+    def refined(finer: Spline, knots: Array) -> Spline:
+        return symmetrize(finer.refined(_both_sides(finer, knots)))
+
+    return displaced_spline(
+        spline,
+        station,
+        lambda finer: _change(finer, station, wanted, unit, moved, symmetric),
+        close=CLOSE_ENOUGH,
+        halvings=MOST_HALVINGS,
+        refined=refined if symmetric else Spline.refined,
+    )
 
 
 def _known(halves: Halves, at: Array, moved: Flags) -> Flags:
@@ -105,7 +102,7 @@ def _change(
     spline: Spline, at: Array, shifts: Array, unit: Array, moved: Flags, symmetric: bool
 ) -> tuple[Array, Array]:
     """Return the displacement of the control points, and how far each place is off then, px."""
-    basis = _basis(spline, at)
+    basis = spline_weights(spline, at)
     numbers = np.arange(basis.shape[1])
     partner = halves_of(spline).partner if symmetric else numbers
     touched = basis + basis[:, partner]
@@ -117,44 +114,11 @@ def _change(
         lone = numbers == partner
         sought = np.flatnonzero(free & ((numbers < partner) | (lone & (factor > 0.0))))
         columns = basis[:, sought] + np.where(lone[sought], 0.0, factor * basis[:, partner[sought]])
-        rows = columns / unit[:, None]
-        normal = rows.T @ rows
-        normal[np.diag_indices_from(normal)] += HOLD * max(1e-300, float(np.trace(normal)))
-        solution = np.linalg.solve(normal, rows.T @ (shifts[:, axis] / unit))
+        solution = held_solution(columns / unit[:, None], shifts[:, axis] / unit)
         change[partner[sought], axis] = factor * solution
         change[sought, axis] = solution
     off = np.linalg.norm(basis @ change - shifts, axis=1) / unit
-    if spline.closed:
-        change = np.vstack((change, change[:DEGREE]))
     return change, np.asarray(off)
-
-
-def _basis(spline: Spline, at: Array) -> Array:
-    """Return the weight of each control point at each place, (n, k).
-
-    Repeated control points of a closed curve count once.
-    """
-    from scipy.interpolate import BSpline
-
-    begin, end = spline.range
-    inside = np.minimum(spline.within(at), np.nextafter(end, begin))
-    rows = BSpline.design_matrix(inside, spline.knots, DEGREE).toarray()
-    if not spline.closed:
-        return np.asarray(rows)
-    once = rows[:, :-DEGREE].copy()
-    once[:, :DEGREE] += rows[:, -DEGREE:]
-    return once
-
-
-def _halvings(spline: Spline, at: Array, off: Flags) -> Array:
-    """Return the middles of the spans that hold a place that is off, and places enough."""
-    breaks = np.unique(spline.knots[DEGREE:-DEGREE])
-    count = len(breaks) - 1
-    span = np.clip(np.searchsorted(breaks, spline.within(at), "right") - 1, 0, count - 1)
-    enough = np.bincount(span, minlength=count) >= FEWEST
-    bad = np.bincount(span, off, minlength=count) > 0
-    middles = 0.5 * (breaks[:-1] + breaks[1:])
-    return np.asarray(middles[enough & bad])
 
 
 def _both_sides(spline: Spline, knots: Array) -> Array:

@@ -19,25 +19,17 @@ from bozzetto.ink import (
     DEFAULT_FORCES,
     SnakeForces,
     Stroke,
-    arc_length,
-    is_on_sheet,
+    contour_nodes,
     lift_curve,
     oversketch_curve,
 )
 from bozzetto_symmetry.editing.displacement import displace
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
-from bozzetto_symmetry.ink.polyline import runs
 from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 SPACING: Final = 2.5
 """Distance of the contour's nodes along the picture, px: about the finest detail of a hand."""
-
-MOST_NODES: Final = 1200
-"""Most nodes of a contour; a curve longer than the sheet gets coarser ones."""
-
-LOOKS: Final = 1024
-"""Places by which the length of a picture is measured."""
 
 STEEPEST: Final = 20.0
 """How much farther a place may go in the plane than it seems to, before the view says too
@@ -103,22 +95,8 @@ def oversketch(
 
 
 def _nodes(spline: Spline, stereo: Stereo, image: Array) -> tuple[Array, Array, bool]:
-    """Return places at equal steps along the picture: parameters, points, and whether they close.
-
-    Of a curve that passes the eye the longest part that is seen.
-    """
-    begin, end = spline.range
-    dense = np.linspace(begin, end, LOOKS)
-    pixels = stereo.project(spline.value(dense) * image)
-    seen = np.array([is_on_sheet(place) for place in pixels])
-    first, last = max(runs(seen), key=lambda run: run[1] - run[0], default=(0, 0))
-    if last - first < 2:
-        raise UserError("The curve is not seen from here. Turn the view, then draw over it.")
-    whole = spline.closed and last - first == LOOKS
-    along = arc_length(pixels[first:last])
-    count = int(np.clip(along[-1] / SPACING, 16, MOST_NODES))
-    stations = np.linspace(0.0, along[-1], count, endpoint=not whole)
-    at = np.interp(stations, along, dense[first:last])
+    """Return places at equal steps along the picture: parameters, points, whether they close."""
+    at, whole = contour_nodes(spline, lambda points: stereo.project(points * image), SPACING)
     return at, spline.value(at) * image, whole
 
 

@@ -25,7 +25,7 @@ from bozzetto.view import Camera
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import splines_of
-from bozzetto_product.operations.modify import contour_nodes, drawn_over, modify
+from bozzetto_product.operations.modify import drawn_over, image_nodes, modify
 from bozzetto_product.operations.trim import trim
 from bozzetto_product.projection.ink_curve import curve_from_ink
 from bozzetto_product.projection.sheet_curve import curve_on_sheet
@@ -206,7 +206,7 @@ def modify_rows(first: int, count: int) -> Iterator[Row]:
         ink = piece + np.outer(np.sin(share) ** 2, random.normal(0.0, 25.0, 2))
         stroke = one_stroke(ink)
         new = drawn_over(spline, [stroke], held=(True, True))
-        _, places, _ = contour_nodes(spline, SHEET, None)
+        _, places, _ = image_nodes(spline, SHEET, None)
         nodes = seen_at(SHEET, places)
         contour = oversketch_curve(nodes, [(stroke.points, stroke.pressure)]).points
         image = seen_at(SHEET, new.sampled(1500))
