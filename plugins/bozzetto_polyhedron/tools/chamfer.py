@@ -77,7 +77,9 @@ class ChamferTool(EdgeTool):
     icon = "icons/chamfer.svg"
     hint = "Touch an edge of a solid to bevel it."
     makes = Chamfer
-    then = NextStep("Drag its dot or type its width, or touch another edge.", tool="push")
+    then = NextStep(
+        "Touch another edge, type its width, or drag its dot with “Push or pull”.", tool="push"
+    )
 
     @override
     def most(self, body: PlanarBody, edge: tuple[int, int]) -> float:
@@ -93,7 +95,9 @@ class RoundEdge(EdgeTool):
     icon = "icons/round.svg"
     hint = "Touch an edge of a solid to round it."
     makes = Fillet
-    then = NextStep("Drag its dot or type its radius, or touch another edge.", tool="push")
+    then = NextStep(
+        "Touch another edge, type its radius, or drag its dot with “Push or pull”.", tool="push"
+    )
 
     @override
     def most(self, body: PlanarBody, edge: tuple[int, int]) -> float:

@@ -65,7 +65,7 @@ class DrawOnFace(ErasingTool):
         if not solids_in(state):
             return NextStep("Turn a drawing into a solid first.", tool="turn")
         if state.chosen_of(Push) is not None:
-            return NextStep("Drag its dot in or out.", tool=PushLoop.id)
+            return NextStep("Take “Push or pull” and drag its dot in or out.", tool=PushLoop.id)
         return NextStep(self.hint)
 
 
