@@ -13,6 +13,7 @@ import tempfile
 import zlib
 from collections.abc import Callable, Iterator
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ from bozzetto.plugin.host.manifest import read_manifest
 from bozzetto.view import Camera
 from bozzetto_car.template.loader import read_template
 from tests.document_kit import FakeRegistry
+from tests.hostile_files import dxf, dxf_block, dxf_insert, dxf_line, tags
 from tests.reliability.mutated_documents import cases as document_cases
 from tests.reliability.mutated_documents import mutated as bytes_changed
 from tests.reliability.mutated_documents import other_value
@@ -97,6 +99,23 @@ MARKS = json.dumps(
     }
 ).encode()
 
+GLTF = b"""{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,
+"name":"a","translation":[1,2,3],"children":[1]},{"mesh":0,"scale":[1,2,1]}],"meshes":[{"primitives":
+[{"attributes":{"POSITION":0},"material":0}]}],"materials":[{"pbrMetallicRoughness":{"baseColorFactor":
+[1,0.5,0,1]}}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":
+"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"""
+
+DXF = dxf(
+    dxf_line(0, 0, 9, 0), dxf_line(9, 0, 9, 5), dxf_line(9, 5, 0, 0),
+    tags((0, "CIRCLE"), (100, "AcDbEntity"), (8, "a"), (62, 3), (100, "AcDbCircle"),
+         (10, 1), (20, 2), (30, 0), (40, 4)),
+    tags((0, "LWPOLYLINE"), (100, "AcDbEntity"), (8, "0"), (100, "AcDbPolyline"), (90, 3), (70, 1),
+         (10, 0), (20, 0), (42, 0.5), (10, 4), (20, 0), (10, 4), (20, 3)),
+    dxf_insert("b", (41, 2), (42, 3), (50, 30), (70, 2), (71, 2), (44, 5), (45, 5)),
+    blocks=dxf_block("b", dxf_line(0, 0, 1, 1)),
+)  # fmt: skip
+
 PLUGINS = Path(__file__).parents[2] / "plugins"
 
 
@@ -149,7 +168,9 @@ def seeds() -> list[Case]:
         (".template", (PLUGINS / "bozzetto_car" / "templates" / "sedan.json").read_bytes()),
         (".journal", _journal()),
     ]  # fmt: skip
-    return found + list(_pictures())
+    if find_spec("ezdxf"):
+        found.append((".dxf", DXF))
+    return [*found, (".gltf", GLTF), *_pictures()]
 
 
 # -- injuries --------------------------------------------------------------------------------------

@@ -77,8 +77,13 @@ class Hung(TimeoutError):
         super().__init__(f"no answer within {limit:g} s")
         self.limit = limit
         self.thread = thread
-        frame = sys._current_frames().get(thread.ident or 0)
-        self.stack = "".join(traceback.format_stack(frame)) if frame is not None else ""
+        self.stack = _stack(thread)
+
+
+def _stack(thread: threading.Thread | None) -> str:
+    """Return what a thread is doing, as in a traceback; "" if it has ended."""
+    frame = sys._current_frames().get((thread and thread.ident) or 0)
+    return "".join(traceback.format_stack(frame)) if frame is not None else ""
 
 
 @dataclass(eq=False)
@@ -351,7 +356,8 @@ class Channel(QObject):
             return
         if not (deaf or late):
             return
-        log.warning("%s did not stop or answer in time; its thread is left behind", self.name)
+        left = "%s did not stop or answer in time; its thread is left behind, at\n%s"
+        log.warning(left, self.name, _stack(request.thread))
         wanted = not request.abandoned
         request.abandon()
         self._finish()

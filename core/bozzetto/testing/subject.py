@@ -146,3 +146,5 @@ def _odd_strokes() -> Iterator[tuple[str, Stroke]]:
     yield "a shaking hand", pen.but(tremor=60.0).circle()
     for odd in odd_cameras()[1:]:
         yield f"a circle in another view ({odd.kind})", Pen(odd).circle()
+    far = Camera("orthographic", eye=(0.0, -1e11, 0.0), height=1e10)
+    yield "a circle in a view of everything", Pen(far).circle()

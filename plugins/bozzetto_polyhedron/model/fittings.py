@@ -33,7 +33,7 @@ class Spot:
     corner: Place | None = None
 
     def __post_init__(self) -> None:
-        require_near((*self.point, *(self.corner or ())), "a spot")
+        require_near((*self.point, *(self.corner or ())), "A spot")
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Anchor:
     at: Point | None = None
 
     def __post_init__(self) -> None:
-        require_near(self.at or (), "a held corner")
+        require_near(self.at or (), "A held corner")
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.plugin import UserError
+
 FARTHEST: Final = 1e9
 """Largest number of a place, a velocity or a momentum, in whatever unit it is kept."""
 
@@ -17,6 +19,9 @@ def is_near(values: ArrayLike) -> bool:
 
 
 def require_near(values: ArrayLike, what: str) -> None:
-    """Raise ValueError where a value is beyond bounds, or no number."""
+    """Raise UserError where a value is beyond bounds, or no number: a view can lead there."""
     if not is_near(values):
-        raise ValueError(f"{what} is farther away than anything can be drawn")
+        raise UserError(
+            f"{what} is farther away than anything can be drawn. Show all of the drawing, and draw "
+            "there."
+        )

@@ -90,7 +90,7 @@ class Moved:
         if counts != {len(self.turns) / 3}:
             raise ValueError("every piece needs a place, a turn, a velocity and a momentum")
         for values in (self.places, self.turns, self.velocities, self.momenta, self.seconds):
-            require_near(values, "a piece")
+            require_near(values, "A piece")
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ class Recording:
         if 3 * len(self.places) != len(self.turns) or (count and len(self.places) % count):
             raise ValueError("every pose needs a place and a turn of each piece")
         for values in (self.seconds, self.places, self.turns):
-            require_near(values, "a piece")
+            require_near(values, "A piece")
 
 
 @dataclass(frozen=True)
@@ -205,12 +205,12 @@ class Body(Part):
 
     def __post_init__(self) -> None:
         for camera in {stroke.camera for stroke in self.strokes}:
-            require_near((*camera.eye, *camera.target, camera.height), "a drawing")
+            require_near((*camera.eye, *camera.target, camera.height), "A drawing")
             if min(camera.viewport) < 1.0:
                 raise ValueError("a drawing needs a canvas of a pixel at least")
         for stroke in self.strokes:
-            require_near(stroke.points, "ink")
-        require_near((*self.placement.offset, self.placement.scale), "a body")
+            require_near(stroke.points, "Ink")
+        require_near((*self.placement.offset, self.placement.scale), "A body")
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import frozen
 from bozzetto.geometry import Spline
 from bozzetto.ink import Strokes
-from bozzetto.plugin import Parameter, Part
+from bozzetto.plugin import Parameter, Part, UserError
 from bozzetto_product.model.appearance import Color
 from bozzetto_product.model.planes import Plane
 
@@ -103,4 +103,7 @@ class Curve(Part):
 
     def __post_init__(self) -> None:
         if self.spline is not None and np.abs(self.spline.control_points).max() > FARTHEST:
-            raise ValueError("a curve is farther away than anything can be drawn")
+            raise UserError(
+                "A curve is farther away than anything can be drawn. Show all of the drawing, and "
+                "draw there."
+            )

@@ -206,3 +206,20 @@ def test_damaged_files_raise_nothing_but_sentences():
     assert outcome(good[:2000])
     assert "text" in outcome(b"AutoCAD Binary DXF\r\n\x1a\0")
     assert "not a DXF" in outcome(b"hello")
+
+
+def test_entities_of_other_programs_are_left_out_and_told():
+    known, last = drawn(square).rsplit(b"  0\nLINE\n", 1)
+    of_it, rest = last.split(b"  0\n", 1)
+    unknown = b"  0\nVENDOR_THING\n  5\nFFF" + of_it[of_it.index(b"\n330\n") :]
+    drawing = read_drawing(known + b"  0\nLINE\n" + of_it + unknown + b"  0\n" + rest, "a")
+    assert len(drawing.strokes) == 1
+    assert "VENDOR_THING" in " ".join(drawing.left_out)
+
+
+def test_many_lines_on_one_another_stay_apart():
+    def pile(space):
+        for _ in range(3000):
+            space.add_line((0, 0), (30, 40))
+
+    assert len(read_drawing(drawn(pile), "a").strokes) == 3000

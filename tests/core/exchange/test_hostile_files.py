@@ -60,6 +60,11 @@ def seconds(family, size):
     return (time.process_time() - started) / slowness()
 
 
+def test_every_format_that_is_read_has_such_files():
+    read = {one.endings[0] for one in importing.readers()}
+    assert read <= {family.ending for family in FAMILIES}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("family", GROWING, ids=lambda family: family.name)
 def test_the_cost_grows_no_faster_than_the_file(family):

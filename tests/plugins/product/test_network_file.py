@@ -222,7 +222,7 @@ def test_curves_beyond_all_measure_are_refused_with_a_sentence() -> None:
 
 
 def test_a_recipe_holds_no_curve_beyond_all_measure() -> None:
-    with pytest.raises(ValueError, match="farther"):
+    with pytest.raises(UserError, match="farther"):
         Curve("c", "c", spline=Spline.uniform(1e12 * np.eye(4, 3)))
 
 

@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_COORDINATE, MAX_DEPTH, MAX_STROKES, at_most
 from bozzetto.exchange.optional_libraries import library
@@ -116,16 +116,19 @@ def _entities(document: Any) -> tuple[list[Any], Counter[str]]:
     waiting = [(entity, 0) for entity in reversed(list(document.modelspace()))]
     seen = 0
     while waiting:
+        at_most(seen + len(waiting), MAX_STROKES, "lines")
         entity, depth = waiting.pop()
         seen += 1
-        at_most(seen, MAX_STROKES, "lines")
         at_most(depth, MAX_DEPTH, "levels of blocks")
-        layer = str(entity.dxf.get("layer", "0")).lower()
-        if layer in hidden or entity.dxf.get("invisible", 0):
-            continue
         kind = entity.dxftype()
+        if not entity.is_supported_dxf_attrib("layer"):  # of a program that the library ignores
+            others[kind] += 1
+            continue
+        if str(entity.dxf.get("layer", "0")).lower() in hidden or entity.dxf.get("invisible", 0):
+            continue
         if kind == "INSERT":
-            waiting += [(one, depth + 1) for one in reversed(_taken_apart(entity, seen))]
+            inside = _taken_apart(entity, seen + len(waiting))
+            waiting += [(one, depth + 1) for one in reversed(inside)]
         elif kind in DRAWN and not (kind == "POLYLINE" and not _is_line(entity)):
             found.append(entity)
         elif kind not in ("VERTEX", "SEQEND", "VIEWPORT", "ATTDEF"):
@@ -237,32 +240,30 @@ def _with_rings(lines: Sequence[Line], near: float) -> list[Line]:
     list of ((n, 2) array, colour)
         In the order of the first line of each.
     """
-    from scipy.spatial import cKDTree
-
-    ends = np.array([[line[0], line[-1]] for line, _ in lines]).reshape(-1, 2)
-    tree = cKDTree(ends)
-    place = np.arange(len(ends))
-    for a, b in sorted(tree.query_pairs(max(near, 1e-300))):
-        place[b] = min(place[b], place[a])
+    place = _places(np.array([[line[0], line[-1]] for line, _ in lines]).reshape(-1, 2), near)
     at: dict[int, list[int]] = defaultdict(list)
     for end, where in enumerate(place.tolist()):
         at[where].append(end)
-    used = [False] * len(lines)
+    used, opened = [False] * len(lines), [False] * len(lines)
     found: list[Line] = []
     for first, (line, color) in enumerate(lines):
+        if opened[first]:  # nor does the row close from its middle
+            found.append((line, color))
         if used[first]:
             continue
         used[first] = True
         row, pieces, end = [first], [line], 2 * first + 1
         while place[end] != place[2 * first]:
-            others = [one for one in at[int(place[end])] if one != end]
-            after = others[0] // 2 if len(others) == 1 else -1
-            if after < 0 or used[after] or after in row or lines[after][1] != color:
+            meeting = at[int(place[end])]
+            if len(meeting) != 2:
+                break
+            other = meeting[0] if meeting[1] == end else meeting[1]
+            after = other // 2
+            if used[after] or lines[after][1] != color:
                 break
             row.append(after)
-            forward = others[0] % 2 == 0
-            pieces.append(lines[after][0] if forward else lines[after][0][::-1])
-            end = others[0] ^ 1
+            pieces.append(lines[after][0] if other % 2 == 0 else lines[after][0][::-1])
+            end = other ^ 1
         closes = place[end] == place[2 * first] and len(at[int(place[end])]) == 2
         if len(row) > 1 and closes:
             for one in row:
@@ -272,4 +273,24 @@ def _with_rings(lines: Sequence[Line], near: float) -> list[Line]:
             found.append((whole, color))
         else:
             found.append((line, color))
+            for one in row[1:]:
+                used[one] = opened[one] = True
     return found
+
+
+def _places(ends: Array, near: float) -> Index:
+    """Return the number of the place of each end, (n,): those in reach of one another have one.
+
+    Ends are first put together by cells of a grid, so that the cost does not grow with the square
+    of the ends that meet in one place.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    side = max(near, 1e-300) / math.sqrt(2.0)  # all places of a cell are in reach of one another
+    cells = np.floor((ends - ends.min(axis=0)) / side)
+    _, first, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    pairs = cKDTree(ends[first]).query_pairs(max(near, 1e-300), output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(first), len(first)))
+    return np.asarray(connected_components(links, directed=False)[1][cell.reshape(-1)])
