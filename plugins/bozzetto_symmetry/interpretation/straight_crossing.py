@@ -19,9 +19,9 @@ from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.degeneracies import intersect_rays
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
-ON_LINE: Final = (1.5, 0.01)
+ON_LINE: Final = (2.5, 0.01)
 """Distance from one epipolar line (rms, px; as a share of the length) up to which a line is
-straight along it: what a careful hand strays."""
+straight along it: a short stroke from corner to corner that misses either by 4 px."""
 
 LONGEST: Final = 1.1
 """Length of a straight line, in distances of its ends: more turns back."""

@@ -33,6 +33,8 @@ class LaidInk:
         On the surface as it was when the stroke was drawn.
     points, normals : (n, 3) float
         The same places in the frame of the model, mm, and the surface's unit normals.
+    image_off : float
+        How far the mirror image of these places is off the surface at most, mm.
 
     Raises
     ------
@@ -43,6 +45,7 @@ class LaidInk:
     places: SurfacePlaces
     points: NDArray[np.float64]
     normals: NDArray[np.float64]
+    image_off: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", frozen(self.points, np.float64, 3))

@@ -8,13 +8,16 @@ from typing import Final
 import numpy as np
 
 from bozzetto.errors import UserError
+from bozzetto.geometry import closest_on_mesh
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.model.canvas import DrawingPlane, LaidInk
 from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.operations.assign_stroke import runs_along
 from bozzetto_symmetry.solve.curve_solver import trace_of
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
 BRIDGE: Final = 24.0
 """Longest way beside a surface, px, over which ink goes on."""
@@ -54,11 +57,11 @@ def add_on_surface(
         If there is no surface under the ink, or only under less than half of it.
     """
     for stroke in strokes:
-        state = _with_curve(state, stroke, laid_ink(stroke, context))
+        state = _with_curve(state, stroke, laid_ink(stroke, context, state.plane))
     return state
 
 
-def laid_ink(stroke: Stroke, context: Context) -> LaidInk:
+def laid_ink(stroke: Stroke, context: Context, plane: CentrePlane) -> LaidInk:
     """Return where a stroke lies on the surface of another object.
 
     Parameters
@@ -67,6 +70,8 @@ def laid_ink(stroke: Stroke, context: Context) -> LaidInk:
         In the frame of the model.
     context : Context
         What is visible, in the same frame.
+    plane : CentrePlane
+        In which its mirror image is looked for on the same surface.
 
     Raises
     ------
@@ -81,7 +86,9 @@ def laid_ink(stroke: Stroke, context: Context) -> LaidInk:
     seen = stroke.points[(number >= run.at[0]) & (number <= run.at[-1])]
     if len(seen) < 2 or length_of(seen) < 0.5 * length_of(stroke.points):
         raise UserError("The stroke leaves the surface. Draw it so that it stays on one surface.")
-    return LaidInk(run.places, run.points, run.normals)
+    image = plane.placement.points(plane.inverse.points(run.points) * MIRROR)
+    off = closest_on_mesh(run.item.mesh, image).distances
+    return LaidInk(run.places, run.points, run.normals, float(off.max()))
 
 
 def _with_curve(

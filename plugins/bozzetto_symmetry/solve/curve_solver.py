@@ -51,6 +51,14 @@ MISSES: Final = (
     "in another way."
 )
 
+IMAGE_OFF: Final = 0.005
+"""Distance of a mirror image from the surface, in diagonals of the box, that a person is told."""
+
+BESIDE_SURFACE: Final = (
+    "The surface is not symmetric there: the mirror image is up to {:.3g} mm off it. Move the "
+    "object over the centre plane to have both on it."
+)
+
 MOST_MARGIN: Final = 1000.0
 """Greatest margin that is given, also where there is no other reading."""
 
@@ -219,6 +227,8 @@ def _on_canvas(curve: Curve, canvas: Canvas, state: SymmetryState) -> Trace:
     else:
         fit = fitted_in_plane(stereo, views[0].sides, canvas, state.plane)
     warnings = () if fit.rms <= ON_INK else (MISSES.format(fit.rms),)
+    if isinstance(canvas, LaidInk) and canvas.image_off > IMAGE_OFF * state.diagonal:
+        warnings = (*warnings, BESIDE_SURFACE.format(canvas.image_off))
     return Trace(
         fit.curve.reading, fit.curve, fit.points, fit.sigma, rms=fit.rms, choices=1, views=views,
         warnings=warnings,

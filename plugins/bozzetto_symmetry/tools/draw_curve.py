@@ -41,6 +41,10 @@ RUNG_WIDTH, RUNG_OPACITY = 1.2, 0.6
 """Width in px and opacity 0 … 1: rungs are seen over the grid of the centre plane."""
 
 
+DRAW_ON: Final = {
+    "plane": "Draw in the plane: its mirror image comes with it. L leads back to curves in space.",
+    "surface": "Draw on the surface of another object. L leads back to curves in space.",
+}
 NO_PLANE: Final = "No drawing plane is set. Touch a place with the tool “Plane”, or draw in space."
 
 
@@ -58,6 +62,9 @@ class DrawCurve(ErasingTool):
         """Return what the chosen curve was read as, what is wrong with it, and what comes next."""
         if state.lay == "plane" and state.drawing_plane is None:
             return NextStep(NO_PLANE, tool=PLANE_TOOL)
+        chosen = state.chosen
+        if state.lay != "space" and (chosen is None or chosen.canvas is None):
+            return NextStep(DRAW_ON[state.lay])
         return NextStep(next_step(state))
 
     @override

@@ -24,8 +24,12 @@ TAKEN: Final = {
 SIMPLE: Final = {1: "A flat curve across the plane.", 2: "A straight bar across the plane."}
 """What a curve across the plane was taken for where the rays say nothing, by `Trace.planes`."""
 
-ON_PLANE: Final = "It lies in the drawing plane. Draw on; L leads back to curves in space."
-ON_SURFACE: Final = "It lies on the surface. Draw on; L leads back to curves in space."
+ON_PLANE: Final = (
+    "It lies in its plane. Draw the next curve, or press X to read it as drawn in space."
+)
+ON_SURFACE: Final = (
+    "It lies on the surface. Draw the next curve, or press X to read it as in space."
+)
 APART: Final = "Press X to read them in another way, or rub out the wrong one."
 OR_MIRROR: Final = (
     "If it is only one side, draw its mirror image. Press X to read it in another way."

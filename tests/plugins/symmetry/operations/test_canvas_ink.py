@@ -16,6 +16,7 @@ from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.model.canvas import DrawingPlane, LaidInk
 from bozzetto_symmetry.model.state import Curve, EndSnap, SymmetryState
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from bozzetto_symmetry.tools.draw_curve import DrawCurve
@@ -187,6 +188,13 @@ def test_a_curve_on_a_surface_lies_on_it_and_so_does_its_image() -> None:
     for points in (made.points, made.points * MIRROR):
         assert np.abs(points[:, 2] - hill(points[:, 0], points[:, 1])).max() < 0.3
     assert s.distances(made.points, ON_HILL).max() < 0.5
+
+
+def test_an_image_beside_the_surface_is_told() -> None:
+    assert trace(draw(LAID, ON_HILL, SEEN)).warnings == ()
+    aside = replace(LAID, symmetry="free", free_plane=CentrePlane((0.0, 12.0, 0.0)))
+    (told,) = trace(draw(aside, ON_HILL, SEEN)).warnings
+    assert "not symmetric there" in told
 
 
 def test_beside_every_surface_it_is_told() -> None:
