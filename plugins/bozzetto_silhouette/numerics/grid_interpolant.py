@@ -72,8 +72,11 @@ class Lattice:
 
     @cached_property
     def _padded(self) -> tuple[Array, int, Index]:
-        """The coefficients in a row, mirrored at the border; how many make a row of nodes; and
-        where the sixteen around a cell lie after the first of them."""
+        """All coefficients in one row, mirrored at the border, and how to find sixteen of them.
+
+        With the row come the number of nodes across, and where the others around a cell lie after
+        the first.
+        """
         padded = np.pad(self.coefficients, 1, mode="reflect")
         width = padded.shape[1]
         return padded.ravel(), width, (width * np.arange(4)[:, None] + np.arange(4)).ravel()

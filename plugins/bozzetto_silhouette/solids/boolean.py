@@ -12,6 +12,7 @@ from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Operation
 from bozzetto_silhouette.numerics.grouping import connected_pieces
+from bozzetto_silhouette.numerics.handle_removal import without_narrow_handles
 from bozzetto_silhouette.solids.assembly import Assembly, assembled, remade
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.lump import meet
@@ -23,6 +24,10 @@ from bozzetto_silhouette.solids.volume_check import RESAMPLED, is_allowed
 SPECK = 8.0
 """Volume, in cubes of the spacing of the finer mesh, below which a piece by itself is no part: the
 smallest part has hundreds, for its own spacing suits it."""
+
+NARROW = 3.0
+"""Length of a loop around a tunnel or a handle of a fillet, in its cells, up to which nobody means
+it: where a fillet goes under the mesh of a body the two meet in slivers."""
 
 
 def combined(
@@ -108,6 +113,11 @@ def meshed(assembly: Assembly, checkpoint: Checkpoint = ignore) -> Body:
     kept = _without_specks(vertices, faces, assembly.step)
     faces = (np.cumsum(kept, dtype=np.int32) - np.int32(1))[faces[kept[faces[:, 0]]]]
     vertices, parents, seam = vertices[kept], parents[kept], seam[kept]
+    if (seam >= 0).any():
+        longest = NARROW * np.array([*(fillet.cell for fillet in assembly.fillets), 0.0])[seam]
+        cut, copies = without_narrow_handles(vertices, faces.astype(np.intp), longest)
+        faces = cut.astype(np.int32)
+        vertices, parents, seam = vertices[copies], parents[copies], seam[copies]
     new = parents < 0
     of_fillet = parents >= count
     normals = np.vstack([
