@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.exchange.color import WHITE, srgb_to_linear
+from bozzetto.exchange.mesh.creases import divided
 from bozzetto.exchange.mesh.face_groups import proper_groups
 from bozzetto.exchange.mesh.gltf_motion import add_clip, animation, filmed_skins, rigid_motions
 from bozzetto.exchange.mesh.gltf_reader import read_shapes as read_shapes
@@ -111,10 +112,14 @@ def write_shapes(
         if skin is not None and skin.rest is not None:
             mesh = replace(mesh, vertices=skin.rest.vertices, normals=skin.rest.normals)
         vertex, faces, texels = corners_of(mesh, texture)
+        normals = _unit_normals(mesh)[vertex]
+        if mesh.normals is None and texture is None and skin is None:
+            vertex, faces = divided(replace(mesh, faces=faces.astype(np.int32)))
+            normals = _unit_normals(Mesh(mesh.vertices[vertex], faces.astype(np.int32)))
         places = (mesh.vertices[vertex] @ AXES.T / MM_PER_METRE).astype("<f4")
         reach = {"min": places.min(0).tolist(), "max": places.max(0).tolist()}
         attributes = {"POSITION": put(places, "VEC3", FLOAT, ARRAY_BUFFER, **reach)}
-        attributes["NORMAL"] = put(_unit_normals(mesh)[vertex], "VEC3", FLOAT, ARRAY_BUFFER)
+        attributes["NORMAL"] = put(normals, "VEC3", FLOAT, ARRAY_BUFFER)
         base = part.color or WHITE
         colors = mesh.colors_over(base)
         if texels is not None:
