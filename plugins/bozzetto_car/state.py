@@ -282,6 +282,12 @@ class CarState(PartsState):
     body: Annotated[bool, Parameter("Body", help="Show the surfaces of the template.")] = True
     network: Annotated[bool, Parameter("Edges", help="Show the edges of the template.")] = True
     wheels: Annotated[bool, Parameter("Wheels", help="Show the wheels.")] = True
+    complete: Annotated[
+        bool,
+        Parameter("Complete car",
+                  help="Hand over a closed body with panes, wheel arches and a floor, and wheels, "
+                  "instead of its surfaces alone."),
+    ] = False  # fmt: skip
     creases: Annotated[
         bool, Parameter("Creases", help="Show by how many degrees surfaces meet at an angle.")
     ] = False
@@ -292,12 +298,6 @@ class CarState(PartsState):
         float, _dimension("Front overhang", "From the nose to the front wheels.")
     ] = 0.0
     wheelbase: Annotated[float, _dimension("Wheelbase", "Between the wheels.")] = 0.0
-    complete: Annotated[
-        bool,
-        Parameter("Complete car",
-                  help="Hand over a closed body with panes, wheel arches and a floor, and wheels, "
-                  "instead of its surfaces alone."),
-    ] = False  # fmt: skip
     lock: Annotated[
         bool,
         Parameter("Keep while solving",

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Brep, ParameterCurve
-from bozzetto.geometry.patches import Places, grid, normals_at
+from bozzetto.geometry import Brep, Mesh, ParameterCurve
+from bozzetto.geometry.patches import Patchwork, Places, grid, normals_at, shaded, sides_of
 from bozzetto_car.parts.trimmed_face import bezier, cubic_piece, edge_along, polyline
-from bozzetto_car.template.model import Patch, Template
+from bozzetto_car.template.model import MIRROR, Patch, Template
 
 FRAME: Final = 42.0
 """Width of the frame around a pane, mm."""
 
 WIDEST: Final = 0.3
 """Largest share of the patch that a frame takes on each side."""
+
+LAID: Final = 1.5
+"""Distance of a pane outside the body where it is only seen, mm: more than triangles of the body
+differ from it."""
 
 SET_IN: Final = 6.0
 """Depth of a pane below the body around it, mm."""
@@ -100,6 +104,18 @@ def gap(window: Window, net: Array) -> list[Brep]:
     step = _step(window, _piece(window, net))
     edges = (edge_along(bezier(net), path).control_points[::-1] for path in window.paths)
     return [Brep.of_surface(bezier(np.stack((edge, edge + step), axis=1))) for edge in edges]
+
+
+def pane_mesh(template: Template, nets: Array) -> Mesh | None:
+    """Return all panes as triangles for the eye, `LAID` outside the body; None without windows."""
+    right = [_piece(window, nets[window.patch]) for window in windows_of(template, nets)]
+    if not right:
+        return None
+    pieces = np.array([*right, *(piece.swapaxes(0, 1) * MIRROR for piece in right)])
+    sides = np.arange(4 * len(pieces), dtype=np.int32).reshape(-1, 4)
+    mesh = shaded(Patchwork(pieces, sides_of(pieces).reshape(-1, 4, 3), sides))
+    assert mesh.normals is not None
+    return replace(mesh, vertices=mesh.vertices + np.float32(LAID) * mesh.normals)
 
 
 def _piece(window: Window, net: Array) -> Array:

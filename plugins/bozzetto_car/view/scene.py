@@ -13,6 +13,8 @@ from bozzetto.scene import Image, Item, Layer, Scene, Shaded
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.body.wheels import wheel_meshes
+from bozzetto_car.parts.looks import GLASS
+from bozzetto_car.parts.windows import pane_mesh
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.styling.scene import styling_items
 from bozzetto_car.view.edge_items import (
@@ -106,7 +108,9 @@ def _picture(sketch: Sketch | None, body: Body) -> Iterator[Image]:
         yield sketch_camera.image(sketch.picture, sketch.opacity)
 
 
-@remembered(limit=REMEMBERED, key=lambda state, body: (body, state.body, state.shading))
+@remembered(
+    limit=REMEMBERED, key=lambda state, body: (body, state.body, state.shading, state.complete)
+)
 def _body_layer(state: CarState, body: Body) -> Layer:
     return Layer("body", tuple(_skin(state, body)))
 
@@ -124,6 +128,9 @@ def _skin(state: CarState, body: Body) -> Iterator[Shaded]:
         opacity=DRAFT if state.shading == "draft" else 1.0,
         finish="zebra" if state.shading == "zebra" else "clay",
     )
+    panes = pane_mesh(body.template, body.nets) if state.complete else None
+    if panes is not None and state.shading == "shaded":
+        yield Shaded(panes, GLASS.color, pickable=False, finish="gloss")
 
 
 @remembered(limit=REMEMBERED, key=lambda state, body: (body, state.wheels, state.shading))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.exchange.color import WHITE, srgb_to_linear
+from bozzetto.exchange.mesh.creases import divided
 from bozzetto.exchange.mesh.face_groups import proper_groups
 from bozzetto.exchange.mesh.gltf_buffers import GltfBuffers
 from bozzetto.exchange.mesh.gltf_groups import in_groups
@@ -181,10 +182,14 @@ def _mesh(file: GltfBuffers, looks: Looks, part: Solid | Surface) -> dict[str, A
     if skin is not None and skin.rest is not None:
         mesh = replace(mesh, vertices=skin.rest.vertices, normals=skin.rest.normals)
     vertex, faces, texels = corners_of(mesh, part.texture)
+    normals = _unit_normals(mesh)[vertex]
+    if mesh.normals is None and part.texture is None and skin is None:
+        vertex, faces = divided(replace(mesh, faces=faces.astype(np.int32)))
+        normals = _unit_normals(Mesh(mesh.vertices[vertex], faces.astype(np.int32)))
     places = (mesh.vertices[vertex] @ AXES.T / MM_PER_METRE).astype("<f4")
     reach = {"min": places.min(0).tolist(), "max": places.max(0).tolist()}
     attributes = {"POSITION": file.put(places, "VEC3", FLOAT, ARRAY_BUFFER, **reach)}
-    attributes["NORMAL"] = file.put(_unit_normals(mesh)[vertex], "VEC3", FLOAT, ARRAY_BUFFER)
+    attributes["NORMAL"] = file.put(normals, "VEC3", FLOAT, ARRAY_BUFFER)
     colors = mesh.colors_over(part.color or WHITE)
     if texels is not None:
         attributes["TEXCOORD_0"] = file.put(texels.astype("<f4"), "VEC2", FLOAT, ARRAY_BUFFER)

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry import brep_mesh, counted_mesh, meshed
-from bozzetto.geometry.patches import Places, coons_nets, points_at
+from bozzetto.geometry.patches import Places, coons_nets, foot_points, points_at
 from bozzetto_car.body.build import body_of
+from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.wheels import SPOKES
 from bozzetto_car.export import shapes_of
 from bozzetto_car.parts.closed_body import closed_body
 from bozzetto_car.parts.wheel_arches import RADII, cut_panels
 from bozzetto_car.parts.wheels import wheels_of
-from bozzetto_car.parts.windows import SET_IN
+from bozzetto_car.parts.windows import LAID, SET_IN, pane_mesh
 from bozzetto_car.state import CarState
-from bozzetto_car.template.network import Network
 from tests.plugins.car.held_out import near_template
 from tests.plugins.car.marked_car import marked
 
@@ -133,7 +133,19 @@ def test_without_wheels_only_the_body_is_handed_over():
 
 @pytest.mark.slow
 def test_cars_that_no_template_knows_are_closed():
-    for car in near_template(range(900, 904)):
-        network = Network.of(car.template, car.positions)
+    cars = [*near_template(range(900, 904)), *near_template(range(911, 912))]
+    for car in cars:
+        network = fair_network(car.template, car.positions)
         nets = coons_nets(network.control_points, network.template.sides)
         assert closed_body(network, nets).is_closed
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_panes_are_seen_just_outside_the_body_on_both_sides(name):
+    car = body(name)
+    mesh = pane_mesh(car.template, car.nets)
+    some = mesh.vertices[::40].astype(float)
+    away = np.linalg.norm(points_at(car.nets, foot_points(car.nets, some)) - some, axis=1)
+    assert np.abs(away - LAID).max() < 0.2
+    low, high = mesh.bounds
+    assert abs(low[1] + high[1]) < 1e-2
