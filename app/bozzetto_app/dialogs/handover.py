@@ -155,7 +155,7 @@ class HandoverDialog(Page):
         self.triangles.set_silently(_number(self._kept.value(f"{KEPT}triangles", 0), 0.0))
         self.triangles.edited.connect(self._change)
         self._add_row(tr("Handover", "Most triangles"), self.triangles)
-        self.levels = self._toggle(tr("Handover", "Coarser levels too (LOD)"), "levels")
+        self.levels = self._toggle(tr("Handover", "Coarser levels (LOD)"), "levels")
         self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
         kinds = [
             ("curves", tr("Handover", "Curves")),
@@ -225,6 +225,7 @@ class HandoverDialog(Page):
 
     def _change(self, *_: object) -> None:
         self.go.setEnabled(False)
+        self.warning.setText("")  # it was about something else; its place stays until the answer
         if not self.chosen:
             self.state.setText(tr("Handover", "Choose a format."))
         elif self.names == ():
@@ -253,7 +254,13 @@ class HandoverDialog(Page):
         )
         self.warning.setText("\n".join(seen.warnings))
         self.warning.setVisible(bool(seen.warnings))
+        self._grow()
         self.go.setEnabled(True)
+
+    def _grow(self) -> None:
+        """Make room for what is said, as far as the screen has it."""
+        wanted = max(self.height(), self.sizeHint().height())
+        self.resize(self.width(), min(wanted, self.screen().availableGeometry().height()))
 
     def _refuse(self, words: str) -> None:
         self.state.setText(words)

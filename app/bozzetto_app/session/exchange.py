@@ -148,6 +148,8 @@ class Exchange(QObject):
 
         def write(job: Job) -> tuple[str, ...]:
             objects, made = work(job, paths)
+            # Making files asks nobody; who stopped it meanwhile was told that nothing is changed.
+            job.checkpoint(1.0, ", ".join(path.name for path in paths))
             for path, file in zip(paths, made, strict=True):
                 file.write(path)
             told = (*objects.warnings(baseless_only=True), *_warnings(made))

@@ -270,7 +270,7 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
         written = _readably_named(with_place(ready.triangles, chosen))
         for solid in written.solids:
             check_solid(solid)
-        left_out += pictures_left_out(parts.solids, written.solids)
+        left_out += pictures_left_out(tuple(parts.meshes()), tuple(written.meshes()))
     if "levels" in chosen.keeps:
         coarser = [_readably_named(with_place(level, chosen)) for level in ready.coarser]
         data = function(chosen, "write_shapes")(written, coarser=coarser)

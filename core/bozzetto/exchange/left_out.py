@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from bozzetto.exchange.formats import Format
 from bozzetto.geometry.brep.brep import Brep
-from bozzetto.geometry.shapes import Shapes, Solid
+from bozzetto.geometry.shapes import Shapes, Solid, Surface
 
 MESH_FILES: Final = {"solid": "3MF or STL", "open surface": "GLB or OBJ"}
 """Formats that take parts made of triangles, by the name of the part."""
@@ -104,7 +104,7 @@ def parts_left_out(shapes: Shapes, chosen: Format) -> tuple[LeftOut, ...]:
         reason, advice = "no format has a place for them", "other modelers can start from them"
         found.append(LeftOut(what, names, reason, advice, is_content=False))
     found += _trims_left_out(kept.breps, chosen)
-    return (*found, *_properties_left_out(kept.solids, chosen))
+    return (*found, *_properties_left_out(tuple(kept.meshes()), chosen))
 
 
 def _trims_left_out(breps: Sequence[Brep], chosen: Format) -> list[LeftOut]:
@@ -120,25 +120,27 @@ def _trims_left_out(breps: Sequence[Brep], chosen: Format) -> list[LeftOut]:
     return [LeftOut(what, named, reason, advice)]
 
 
-def _properties_left_out(solids: Sequence[Solid], chosen: Format) -> list[LeftOut]:
-    """Return which properties the written solids lose."""
+def _properties_left_out(parts: Sequence[Solid | Surface], chosen: Format) -> list[LeftOut]:
+    """Return which properties the written parts lose."""
     found = []
-    painted = [s for s in solids if s.mesh.colors is not None or s.texture is not None]
+    painted = [s for s in parts if s.mesh.colors is not None or s.texture is not None]
     if painted and "colors" not in chosen.keeps:
-        what = f"the colours of {_count(len(painted), 'solid')}"
+        what = f"the colours of {_count_parts(painted)}"
         advice = "save as GLB, 3MF, OBJ or PLY to keep them"
         found.append(LeftOut(what, _names(painted), "it holds shapes without colours", advice))
-    jointed = [s for s in solids if s.skin is not None]
+    jointed = [s for s in parts if s.skin is not None]
     if jointed and "bones" not in chosen.keeps:
-        what = f"the bones of {_count(len(jointed), 'solid')}"
+        what = f"the bones of {_count_parts(jointed)}"
         reason = "the shape is written as it is posed now"
         advice, posed = "save as GLB to keep them", any(map(_is_posed, jointed))
         found.append(LeftOut(what, _names(jointed), reason, advice, is_content=posed))
     return found
 
 
-def pictures_left_out(before: Sequence[Solid], written: Sequence[Solid]) -> tuple[LeftOut, ...]:
-    """Return the pictures that solids lost with some of their triangles."""
+def pictures_left_out(
+    before: Sequence[Solid | Surface], written: Sequence[Solid | Surface]
+) -> tuple[LeftOut, ...]:
+    """Return the pictures that parts lost with some of their triangles."""
     lost = [
         one
         for one, other in zip(before, written, strict=False)
@@ -146,15 +148,21 @@ def pictures_left_out(before: Sequence[Solid], written: Sequence[Solid]) -> tupl
     ]
     if not lost:
         return ()
-    what = f"the {_count(len(lost), 'picture')} on {_count(len(lost), 'solid')}"
+    what = f"the {_count(len(lost), 'picture')} on {_count_parts(lost)}"
     reason, advice = "pictures belong to the triangles, which are fewer now", "allow all triangles"
     return (LeftOut(what, _names(lost), reason, advice),)
 
 
-def _is_posed(solid: Solid) -> bool:
-    """Whether somebody bent a solid: bones alone come with every drawing."""
-    rest = None if solid.skin is None else solid.skin.rest
-    return rest is not None and bool((rest.vertices != solid.mesh.vertices).any())
+def _count_parts(parts: Sequence[Solid | Surface]) -> str:
+    """Return how many there are, in the word for all of them."""
+    solid = all(isinstance(part, Solid) for part in parts)
+    return _count(len(parts), "solid" if solid else "part")
+
+
+def _is_posed(part: Solid | Surface) -> bool:
+    """Whether somebody bent a part: bones alone come with every drawing."""
+    rest = None if part.skin is None else part.skin.rest
+    return rest is not None and bool((rest.vertices != part.mesh.vertices).any())
 
 
 def _left_out(word: str, parts: Sequence[Any], reason: str, files: str) -> LeftOut:

@@ -91,9 +91,15 @@ def gentle(
     found, least = _settled(skin, rig, found, checkpoint)
     if least == 0.0:
         return found
-    again, _ = _diffused(skin, rig, found, checkpoint)
-    again, excess = _settled(skin, rig, again, checkpoint)
-    return again if excess < least else found
+    # What the clusters did is mended on the skin itself, or else all is done there anew.
+    for begin in (found, shares):
+        again, _ = _diffused(skin, rig, begin, checkpoint)
+        again, excess = _settled(skin, rig, again, checkpoint)
+        if excess < least:
+            found, least = again, excess
+        if least == 0.0:
+            break
+    return found
 
 
 def _diffused(

@@ -242,6 +242,30 @@ def test_a_cancelled_export_writes_nothing(session, boxes, settle, qtbot, tmp_pa
     assert words(session, "error") == []
 
 
+def test_an_export_that_is_cancelled_while_its_file_is_made_writes_nothing(
+    session, boxes, settle, qtbot, tmp_path, monkeypatch
+):
+    """The formats ask nobody whether to go on: that is looked at before the file is put there."""
+    from bozzetto.exchange.mesh import stl
+
+    draw(session, settle)
+    begun, gate, written = threading.Event(), threading.Event(), stl.write_shapes
+
+    def slow(*arguments):
+        begun.set()
+        gate.wait(10)
+        return written(*arguments)
+
+    monkeypatch.setattr(stl, "write_shapes", slow)
+    session.files.exchange.export(tmp_path / "out.stl")
+    qtbot.waitUntil(begun.is_set)
+    session.cancel_work()
+    gate.set()
+    settle(session)
+    qtbot.wait(300)
+    assert list(tmp_path.glob("out*")) == []
+
+
 # -- bringing in ---------------------------------------------------------------------------------
 
 

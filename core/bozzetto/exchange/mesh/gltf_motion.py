@@ -14,7 +14,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.mesh.gltf_skin import local_places, local_turns
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Clip, Rig
-from bozzetto.geometry.shapes import Shapes, Solid
+from bozzetto.geometry.shapes import Shapes, Solid, Surface
 
 RIGID: Final = 1e-4
 """Distance, in the extent of a part, by which its vertices may miss the nearest rigid motion."""
@@ -46,7 +46,7 @@ def rigid_motions(frames: Sequence[Shapes]) -> list[list[Placement]]:
         if [part.name for part in parts] != [part.name for part in first]:
             raise UserError("Parts come or go while it moves. A film of them can be a GIF.")
         for part, start, known in zip(parts, first, motions, strict=True):
-            if isinstance(start, Solid) and start.skin is not None:
+            if start.skin is not None:
                 known.append(Placement())  # its joints move: see `filmed_skins`
                 continue
             before, after = start.mesh.vertices, part.mesh.vertices
@@ -68,14 +68,15 @@ def filmed_skins(frames: Sequence[Shapes], seconds: Sequence[float]) -> Shapes:
     UserError
         If a skin has other joints in a later frame.
     """
-    solids = []
-    for number, solid in enumerate(frames[0].solids):
-        skin = solid.skin
+    rows = [list(frame.meshes()) for frame in frames]
+    found: list[Solid | Surface] = []
+    for number, part in enumerate(rows[0]):
+        skin = part.skin
         if skin is not None:
-            skins = [frame.solids[number].skin for frame in frames]
+            skins = [row[number].skin for row in rows]
             rigs = [one.rig for one in skins if one is not None and one.rig.names == skin.rig.names]
             if len(rigs) < len(frames):
-                raise UserError(f"The joints of “{solid.name}” change while it moves.")
+                raise UserError(f"The joints of “{part.name}” change while it moves.")
             still = np.tile([0.0, 0.0, 0.0, 1.0], (len(skin.rig.joints), 1))
             turns = [still if rig.turns is None else rig.turns for rig in rigs]
             shifts = [np.zeros_like(rig.joints) if rig.shifts is None else rig.shifts
@@ -87,9 +88,13 @@ def filmed_skins(frames: Sequence[Shapes], seconds: Sequence[float]) -> Shapes:
                 np.array(turns),
                 np.array(shifts) if moved else None,
             )
-            solid = replace(solid, skin=replace(skin, clips=(clip,)))
-        solids.append(solid)
-    return replace(frames[0], solids=tuple(solids))
+            part = replace(part, skin=replace(skin, clips=(clip,)))
+        found.append(part)
+    return replace(
+        frames[0],
+        solids=tuple(part for part in found if isinstance(part, Solid)),
+        surfaces=tuple(part for part in found if isinstance(part, Surface)),
+    )
 
 
 def add_clip(

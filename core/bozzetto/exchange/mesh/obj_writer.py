@@ -57,7 +57,7 @@ def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES, *, beside: str 
         pieces.append(f"mtllib {_word(beside)}.mtl\n")
     first = np.zeros(3, np.int64) + 1  # of vertices, places in pictures, and normals
     for part in shapes.meshes():
-        texture = part.texture if isinstance(part, Solid) and beside else None
+        texture = part.texture if beside else None
         pieces.append(f"o {_word(part.name)}\n{_vertices(part, texture)}")
         normals = corner_normals(part.mesh)
         pieces.append(_rows("vn %.5g %.5g %.5g\n", normals.vectors))
@@ -84,7 +84,7 @@ def files_beside(shapes: Shapes, beside: str) -> tuple[tuple[str, bytes], ...]:
         pieces.append(_look(material))
         if material.picture and all(name != material.picture for name, _ in found):
             base = material.part.color or WHITE
-            texture = material.part.texture if isinstance(material.part, Solid) else None
+            texture = material.part.texture
             if texture is not None:
                 found.append((material.picture, picture_file(texture, base)))
     return ((f"{_word(beside)}.mtl", "".join(pieces).encode()), *found)
@@ -124,7 +124,7 @@ def _materials(shapes: Shapes, beside: str) -> list[_Material]:
     pictures = 0
     for part in shapes.meshes():
         picture = ""
-        if isinstance(part, Solid) and part.texture is not None:
+        if part.texture is not None:
             pictures += 1
             picture = f"{beside}-{pictures}.png"
         for group in part.groups or (FaceGroup("", len(part.mesh.faces)),):
