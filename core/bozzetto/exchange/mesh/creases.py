@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.mesh import Mesh
 
 SHARP: Final = np.cos(np.radians(40.0))
@@ -41,8 +41,8 @@ def divided(mesh: Mesh) -> tuple[Index, Index]:
     normals = _face_normals(mesh, faces)
     own = np.flatnonzero(paired)
     facing = np.einsum("ij,ij->i", normals[own // 3], normals[other[own] // 3])
-    flat = ~normals.any(axis=1)
-    smooth = (facing > SHARP) | flat[own // 3] | flat[other[own] // 3]
+    flat: Flags = ~normals.any(axis=1)
+    smooth: Flags = (facing > SHARP) | flat[own // 3] | flat[other[own] // 3]
     if smooth.all():
         return np.arange(count), faces
     following = np.roll(corners, -1, axis=1).ravel()
@@ -54,17 +54,24 @@ def divided(mesh: Mesh) -> tuple[Index, Index]:
 
 def _face_normals(mesh: Mesh, faces: Index) -> Array:
     a, b, c = np.moveaxis(mesh.vertices[faces].astype(float), 1, 0)
-    across = np.cross(b - a, c - a)
+    across: Array = np.cross(b - a, c - a)
     length = np.linalg.norm(across, axis=1, keepdims=True)
     return np.asarray(np.divide(across, length, out=np.zeros_like(across), where=length > 0.0))
 
 
 def _connected(starts: Index, pairs: Index) -> tuple[Index, Index]:
-    """Return vertices and faces when pairs of corners are one vertex each."""
+    """Return vertices and faces when pairs of corners are one vertex each.
+
+    They follow one another as they do in the mesh: who puts together what is at one place, by
+    first occurrence, has that mesh again.
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(starts),) * 2)
     _, labels = connected_components(links, directed=False)
-    _, first, faces = np.unique(labels, return_index=True, return_inverse=True)
-    return starts[first], faces.reshape(-1, 3)
+    _, first, corners = np.unique(labels, return_index=True, return_inverse=True)
+    order = np.argsort(starts[first], kind="stable")
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return starts[first[order]], rank[corners].reshape(-1, 3)
