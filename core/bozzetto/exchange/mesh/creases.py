@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry.mesh import Mesh
 
 SHARP: Final = np.cos(np.radians(40.0))
@@ -41,8 +41,8 @@ def divided(mesh: Mesh) -> tuple[Index, Index]:
     normals = _face_normals(mesh, faces)
     own = np.flatnonzero(paired)
     facing = np.einsum("ij,ij->i", normals[own // 3], normals[other[own] // 3])
-    flat: Flags = ~normals.any(axis=1)
-    smooth: Flags = (facing > SHARP) | flat[own // 3] | flat[other[own] // 3]
+    flat = np.asarray(~normals.any(axis=1))
+    smooth = (facing > SHARP) | flat[own // 3] | flat[other[own] // 3]
     if smooth.all():
         return np.arange(count), faces
     following = np.roll(corners, -1, axis=1).ravel()
