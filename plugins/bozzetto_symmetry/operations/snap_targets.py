@@ -135,7 +135,7 @@ def _end_ways(controls: Array) -> Array:
     """Return the unit directions in which a line leaves its ends, by its control points, (2, 3)."""
     ways = np.stack((controls[0] - controls[1], controls[-1] - controls[-2]))
     length = np.linalg.norm(ways, axis=1, keepdims=True)
-    return np.divide(ways, length, out=np.zeros_like(ways), where=length > 0)
+    return np.asarray(np.divide(ways, length, out=np.zeros_like(ways), where=length > 0))
 
 
 def polyline(curve: ShapeCurve) -> Array:
