@@ -24,7 +24,8 @@ def divided(mesh: Mesh) -> tuple[Index, Index]:
     Returns
     -------
     vertex : (n,) int
-        For each vertex, that of the mesh; all of them in order where no crease is between two.
+        For each vertex, that of the mesh, in its order; just these where no crease is between two
+        triangles.
     faces : (f, 3) int
         The triangles with these vertices.
     """
@@ -41,7 +42,7 @@ def divided(mesh: Mesh) -> tuple[Index, Index]:
     normals = _face_normals(mesh, faces)
     own = np.flatnonzero(paired)
     facing = np.einsum("ij,ij->i", normals[own // 3], normals[other[own] // 3])
-    flat = ~normals.any(axis=1)
+    flat = np.asarray(~normals.any(axis=1))
     smooth = (facing > SHARP) | flat[own // 3] | flat[other[own] // 3]
     if smooth.all():
         return np.arange(count), faces
@@ -67,4 +68,7 @@ def _connected(starts: Index, pairs: Index) -> tuple[Index, Index]:
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(starts),) * 2)
     _, labels = connected_components(links, directed=False)
     _, first, faces = np.unique(labels, return_index=True, return_inverse=True)
-    return starts[first], faces.reshape(-1, 3)
+    order = np.argsort(starts[first], kind="stable")
+    rank = np.empty(len(order), np.intp)
+    rank[order] = np.arange(len(order))
+    return starts[first][order], rank[faces].reshape(-1, 3)
