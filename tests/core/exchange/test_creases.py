@@ -15,6 +15,7 @@ def test_a_box_gets_three_vertices_in_every_corner():
     faces = np.concatenate((SIDES[:, [0, 1, 2]], SIDES[:, [0, 2, 3]]))
     vertex, split = divided(Mesh(BOX, faces))
     assert (np.bincount(vertex) == 3).all()
+    assert (np.diff(vertex) >= 0).all()
     assert (vertex[split] == faces).all()
 
 

@@ -24,7 +24,8 @@ def divided(mesh: Mesh) -> tuple[Index, Index]:
     Returns
     -------
     vertex : (n,) int
-        For each vertex, that of the mesh; all of them in order where no crease is between two.
+        For each vertex, that of the mesh, in its order; just these where no crease is between two
+        triangles.
     faces : (f, 3) int
         The triangles with these vertices.
     """
@@ -54,24 +55,20 @@ def divided(mesh: Mesh) -> tuple[Index, Index]:
 
 def _face_normals(mesh: Mesh, faces: Index) -> Array:
     a, b, c = np.moveaxis(mesh.vertices[faces].astype(float), 1, 0)
-    across: Array = np.cross(b - a, c - a)
+    across = np.cross(b - a, c - a)
     length = np.linalg.norm(across, axis=1, keepdims=True)
     return np.asarray(np.divide(across, length, out=np.zeros_like(across), where=length > 0.0))
 
 
 def _connected(starts: Index, pairs: Index) -> tuple[Index, Index]:
-    """Return vertices and faces when pairs of corners are one vertex each.
-
-    They follow one another as they do in the mesh: who puts together what is at one place, by
-    first occurrence, has that mesh again.
-    """
+    """Return vertices and faces when pairs of corners are one vertex each."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(starts),) * 2)
     _, labels = connected_components(links, directed=False)
-    _, first, corners = np.unique(labels, return_index=True, return_inverse=True)
+    _, first, faces = np.unique(labels, return_index=True, return_inverse=True)
     order = np.argsort(starts[first], kind="stable")
-    rank = np.empty_like(order)
+    rank = np.empty(len(order), np.intp)
     rank[order] = np.arange(len(order))
-    return starts[first[order]], rank[corners].reshape(-1, 3)
+    return starts[first][order], rank[faces].reshape(-1, 3)
