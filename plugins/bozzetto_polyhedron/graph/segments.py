@@ -260,8 +260,19 @@ def _cut_at_ends(
         halves = [(first, corner), (corner, last)]
         before, after = (_direction(path[a : b + 1]) for a, b in halves)
         straight = all(_straight_runs(path[a : b + 1], size) == [(0, b - a)] for a, b in halves)
-        made += halves if straight and _angle(before, after) >= LEAST_BEND else [(first, last)]
+        bends = _angle(before, after) >= LEAST_BEND and (
+            cost[first, corner] + cost[corner, last] < _bow_cost(path[first : last + 1])
+        )
+        made += halves if straight and bends else [(first, last)]
     return made if runs or len(made) > 1 else None
+
+
+def _bow_cost(path: Array) -> float:
+    """Return the sum of squared distances of a run from the parabola nearest to it, across it."""
+    away = path - path.mean(0)
+    x, y = np.linalg.svd(away, full_matrices=False)[2] @ away.T
+    fitted = np.polynomial.Polynomial.fit(x, y, 2)
+    return float(((y - fitted(x)) ** 2).sum())
 
 
 def _direction(path: Array) -> Array:
