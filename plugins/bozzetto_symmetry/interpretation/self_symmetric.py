@@ -20,7 +20,7 @@ from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangul
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
 
-NEEDLESS: Final = 0.9
+NEEDLESS: Final = 0.7
 """Price of a curve that is bent more than the ink asks for, px, beside a simpler one: what the two
 halves of a careful hand stray by."""
 
