@@ -200,12 +200,17 @@ class FileQuestions:
         box.open()
 
     def ask_export(self) -> None:
-        """Ask for formats and how to export."""
+        """Ask for formats and how to export; a question that is open comes to the front."""
         from bozzetto_app.dialogs.handover import HandoverDialog
 
-        dialog = HandoverDialog(self._session, self, self._window)
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        asking = self._window.findChildren(HandoverDialog)
+        dialog = next((one for one in asking if one.isVisible()), None)
+        if dialog is None:
+            dialog = HandoverDialog(self._session, self, self._window)
+            dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.show()
+        dialog.raise_()
+        dialog.activateWindow()
 
     def ask_place_of_export(
         self,

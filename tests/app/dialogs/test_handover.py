@@ -118,3 +118,10 @@ def test_each_file_that_is_there_is_asked_about(window, qtbot, settle, tmp_path,
     assert (tmp_path / "a.obj").read_bytes() == b"theirs"
     assert not (tmp_path / "a.stl").exists()
     assert np.isfinite(dialog.scale.value())
+
+
+def test_asking_twice_opens_one_dialog_and_again_another_one(window, qtbot):
+    first = opened(window)
+    assert opened(window) is first
+    first.close()
+    assert opened(window) is not first
