@@ -21,7 +21,7 @@ READ = """
 path = sys.argv[1]
 ending = path.rpartition(".")[2]
 if ending == "glb":
-    bpy.ops.import_scene.gltf(filepath=path, merge_vertices=True)
+    bpy.ops.import_scene.gltf(filepath=path)
 else:
     getattr(bpy.ops.wm, ending + "_import")(filepath=path)
 found = []
@@ -30,10 +30,14 @@ for one in bpy.data.objects:
         continue
     mesh = one.data
     places = [one.matrix_world @ v.co for v in mesh.vertices]
+    # Along creases there are several vertices at one place.
+    at = {}
+    number = [at.setdefault(tuple(place), len(at)) for place in places]
     uses = {}
     for face in mesh.polygons:
         for edge in face.edge_keys:
-            uses[edge] = uses.get(edge, 0) + 1
+            key = tuple(sorted(number[k] for k in edge))
+            uses[key] = uses.get(key, 0) + 1
     mesh.calc_loop_triangles()
     volume = sum(
         places[a].dot(places[b].cross(places[c])) / 6

@@ -37,7 +37,10 @@ PICTURES = (".png", ".tif", ".webp", ".jpg")
 HEAVY = ("all overlap", "two random", "a comb", "a star", "nodes without", "symbol times", "used")
 """Words in the names of families whose small files already keep a machine busy for a second."""
 
-MEASURED = [one for one in FAMILIES if one.ending not in PICTURES]
+OUTSIDE = (".step", ".iges")
+"""Their kernel may end the process: it is asked only in one of its own, as the program does."""
+
+MEASURED = [one for one in FAMILIES if one.ending not in (*PICTURES, *OUTSIDE)]
 BOUNDED = [one for one in MEASURED if any(word in one.name for word in HEAVY)]
 """Most of them cost what their pairs do, up to a limit: more are refused with a sentence."""
 
@@ -104,6 +107,16 @@ def test_a_reading_is_ended_when_nobody_wants_it(tmp_path):
     (tmp_path / "a.inkml").write_bytes(family.make(2_000_000))
     with pytest.raises(Enough):
         importing.read_drawing(tmp_path / "a.inkml", checkpoint=enough)
+
+
+@pytest.mark.parametrize(
+    "family", [one for one in FAMILIES if one.ending in OUTSIDE], ids=lambda family: family.name
+)
+def test_a_kernel_that_falls_takes_nobody_along(tmp_path, family):
+    path = tmp_path / f"a{family.ending}"
+    path.write_bytes(family.make(SIZES[-1]))
+    with pytest.raises(UserError):
+        importing.read_mesh(path)
 
 
 def test_a_trusted_file_has_no_limits_of_number(tmp_path):
