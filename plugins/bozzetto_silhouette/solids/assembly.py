@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 
+CRUMBS = 1e-9
+"""Share of a solid's volume below which nothing is left of it but what rounding leaves."""
+
+
 class Piece(NamedTuple):
     """A body whose surface may be part of the whole's.
 
@@ -175,7 +179,7 @@ def assembled(
         left = None
     if left is None:
         return remade(whole, checkpoint)
-    if not left.volume() > 0.0:
+    if first.whole is None or not left.volume() > CRUMBS * first.whole.volume():
         return None
     low_high = np.array(left.bounding_box()).reshape(2, 3)
     return replace(whole, lumps=(Lump(Remainder(left), low_high),))
