@@ -66,10 +66,13 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
 
     @override
     def create(self, context: Context) -> ProductState:
-        """Return a product with the rough shapes that a file gives, by default a box to draw on."""
+        """Return a product with the rough shapes that a file gives, by default a box to draw on.
+
+        Where something is visible that can be drawn on, a box would only be in its way.
+        """
         plane = Plane(context.symmetry_point, context.symmetry_normal)
         state = with_template(ProductState(symmetry=plane), context.facts)
-        if state.nodes or context.facts.get("network") is not None:
+        if state.nodes or context.facts.get("network") is not None or context.has_surface:
             return state
         return replace(with_rough_shape(state, "box"), selected="")
 
@@ -130,7 +133,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
             return product_of_network(context.facts, context.drawings)
         if not len(drawing.strokes):
             raise UserError("The drawing has no strokes and no network. Draw a curve first.")
-        state = self.create(context)
+        state = self.create(replace(context, scene=Scene()))
         for strokes in _curves_in(tuple(drawing.strokes)):
             scene = context.scene + self.scene(state, self.solve(state, Job()))
             state = with_drawn(state, strokes, replace(context, scene=scene))

@@ -356,6 +356,10 @@ def test_twenty_documents_leave_no_widget_and_no_thread(window, draw, settle, qt
     qtbot.waitUntil(lambda: threading.active_count() <= threads, timeout=5000)
 
 
+def _journal_threads():
+    return [thread for thread in threading.enumerate() if thread.name == "bozzetto-journal"]
+
+
 def test_a_window_closed_during_work_ends_quietly(make_window, boxes, qtbot, settle):
     begun = threading.Event()
 
@@ -372,7 +376,7 @@ def test_a_window_closed_during_work_ends_quietly(make_window, boxes, qtbot, set
     window.close()
     assert not window.isVisible()
     settle(window.session)
-    assert not any(thread.name == "bozzetto-journal" for thread in threading.enumerate())
+    qtbot.waitUntil(lambda: not _journal_threads(), timeout=10_000)  # it ends in its own time
 
 
 def run(*arguments, home, **more):

@@ -47,8 +47,9 @@ ADVICE_LIMIT = 10.0
 
 
 Question = tuple[str, Model | None, Camera, Any] | None
-"""Modeler, model (None for one that is still to be drawn), view, and the result that the modeler
-advises on (None for one that does not); None for nothing to ask."""
+"""Modeler, model (None for one that is still to be drawn), view, and what the advice rests on: the
+result that the modeler advises on (None for one that does not), or of a model that is still to be
+drawn all that is visible; None for nothing to ask."""
 
 
 class ViewAdviser(QObject):
@@ -91,7 +92,7 @@ class ViewAdviser(QObject):
         self._took = 0.0
         self._asked: Question = None
         self._silent: set[str] = set()
-        self._empty: dict[str, Model] = {}
+        self._empty: tuple[str, Scene, Model] | None = None
         self._pinned: deque[Model] = deque(maxlen=MOST_PINNED)
         self._channel = Channel("advice", time_limit=ADVICE_LIMIT, parent=self)
         self._pace = QTimer(self, singleShot=True, interval=INTERVAL)
@@ -145,8 +146,9 @@ class ViewAdviser(QObject):
         return self.advice is not None and self.advice.pinned
 
     def _forget(self) -> None:
-        """Let go of the models of a closed document, which hold all their pictures."""
+        """Let go of a closed document: models hold all their pictures, a scene all its meshes."""
         self._pinned.clear()
+        self._empty = None
 
     def _look_at_change(self) -> None:
         """Follow a picture at once, whose camera may differ; anything else can wait."""
@@ -162,6 +164,8 @@ class ViewAdviser(QObject):
         to solve: the shape comes first.
         """
         dragging = self._drawing.is_dragging
+        if self._asked is not None and self._asked[1] is None and not dragging:
+            self.look_later()
         if self._advises_on_results:
             if self._is_pinned or not dragging:
                 self._ask()
@@ -189,9 +193,9 @@ class ViewAdviser(QObject):
         if model is not None and self._drawing.is_dragging:
             # What is shown has been solved; the newest value is not worth another solve.
             model = self._solver.shown(model.id) or model
-        result = None
-        if model is not None and self._advises_on_results:
-            result = self._workbench.best_result(model)
+        if model is None:
+            return modeler, None, self._view.camera, self._scene.visible
+        result = self._workbench.best_result(model) if self._advises_on_results else None
         return modeler, model, self._view.camera, result
 
     def _ask(self) -> None:
@@ -206,8 +210,9 @@ class ViewAdviser(QObject):
         self._pace.start()
         if self._channel.busy:
             return
-        modeler, model, camera, result = question
-        if self._advises_on_results and model is not None and result is None and self._solver.busy:
+        modeler, model, camera, rests_on = question
+        waits = self._advises_on_results and rests_on is None
+        if waits and self._solver.busy:
             return  # it is being solved: to solve it here as well would take longer
         self._asked = question
         # The model itself as well: what its preview showed has another camera in the final result.
@@ -215,7 +220,8 @@ class ViewAdviser(QObject):
         begun = perf_counter()
 
         def work(job: Job) -> ViewAdvice | None:
-            return self._advice_on(modeler, model, camera, seen)
+            model_now = self._begun(modeler, camera, rests_on) if model is None else model
+            return self._workbench.view_advice(model_now, camera, seen)
 
         def done(advice: ViewAdvice | None) -> None:
             self._took = perf_counter() - begun
@@ -240,19 +246,14 @@ class ViewAdviser(QObject):
         if pinned and model is not None and (not self._pinned or self._pinned[0] is not model):
             self._pinned.appendleft(model)
 
-    def _advice_on(
-        self, modeler: str, model: Model | None, camera: Camera, seen: tuple[Model, ...]
-    ) -> ViewAdvice | None:
-        """Ask the modeler, in the worker; None if it never gives advice.
-
-        The empty models belong to the one worker of this channel.
-        """
-        bench = self._workbench
-        if model is None:
-            if modeler not in self._empty:
-                self._empty[modeler] = bench.create(modeler, Context(camera=camera))
-            model = self._empty[modeler]
-        return bench.view_advice(model, camera, seen)
+    def _begun(self, modeler: str, camera: Camera, visible: Scene) -> Model:
+        """Return the model that a stroke would begin beside what is visible, in the worker."""
+        known = self._empty
+        if known is not None and known[0] == modeler and known[1] is visible:
+            return known[2]
+        model = self._workbench.create(modeler, Context(camera=camera, scene=visible))
+        self._empty = modeler, visible, model
+        return model
 
     def _take(self, advice: ViewAdvice | None) -> None:
         if advice is not None or self.advice is not None:

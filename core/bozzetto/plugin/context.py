@@ -11,7 +11,7 @@ from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import Stroke
-from bozzetto.scene.display_list import Image, Layer, Scene
+from bozzetto.scene.display_list import Image, Layer, Scene, Shaded
 from bozzetto.scene.ink_projection import ProjectedInk, project_stroke
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera, Rays
@@ -76,6 +76,11 @@ class Context:
     drawings: Mapping[str, Drawing] = field(default_factory=dict)
     seen: tuple[Any, ...] = ()
     sources: Mapping[str, Shapes] = field(default_factory=dict)
+
+    @property
+    def has_surface(self) -> bool:
+        """Whether anything is visible that ink can be laid on."""
+        return any(isinstance(item, Shaded) and item.pickable for _, item in self.scene.items())
 
     def surface_hit(self, rays: Rays) -> Hits:
         """Find where rays first meet a visible surface, whoever made it."""

@@ -56,7 +56,7 @@ def all_commands() -> Sequence[Command]:
             "Stand on the ground",
             "Turn the chosen body upright and put it down on the ground.",
             on_the_ground,
-            key="G",
+            key="Shift+G",
             enabled=has_body,
         ),
         Command(

@@ -43,7 +43,7 @@ def curve_commands() -> Sequence[Command]:
             "Trim: join ends that nearly meet",
             "Join all ends that nearly meet one another or a curve.",
             _trimmed,
-            key="T",
+            key="J",
             enabled=_has_curves,
         ),
         Command(

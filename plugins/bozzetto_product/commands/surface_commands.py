@@ -51,7 +51,7 @@ def surface_commands() -> Sequence[Command]:
             "Meet smoothly",
             "Surfaces run smoothly over the chosen curve.",
             partial(_with_edge, "smooth"),
-            key="G",
+            key="Shift+K",
             enabled=_has_curve,
         ),
         Command(

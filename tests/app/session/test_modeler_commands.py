@@ -6,8 +6,11 @@ import threading
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
 
+from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.actions.dynamic_menus import RESERVED
 from tests.adviser import MODELER
 from tests.app.tablet import stroke_of
 
@@ -168,3 +171,19 @@ def test_a_key_that_is_none_is_no_key(make_window, marks, settle):
     draw(window.session, settle)
     for name in ("command.flip", "command.refuse"):
         assert window.actions_.qaction(name).shortcuts() == []
+
+
+def test_no_bundled_modeler_wants_a_key_that_it_cannot_have(make_window):
+    """A key that the program or another command holds does something else than the menu says."""
+    actions = make_window("bozzetto.silhouette").actions_
+    registry = Registry()
+    for info in registry.modelers():
+        wanted = [
+            QKeySequence(command.key).toString(QKeySequence.SequenceFormat.PortableText)
+            for command in registry.guarded(info.id).commands()
+            if command.key
+        ]
+        assert len(set(wanted)) == len(wanted), info.id
+        held = {key: actions.holder(key) for key in wanted}
+        assert {key: one.id for key, one in held.items() if one is not None} == {}, info.id
+        assert not set(wanted) & set(RESERVED), info.id

@@ -246,3 +246,27 @@ def test_layers_of_another_tool_are_not_there(session, settle, marks):
     session.view.set_camera(turn(session.view.camera, 3.0, 0.0))
     settle(session)
     assert [layer.name for layer in session.scene.advice.layers] == ["mine"]
+
+
+def test_a_model_still_to_be_drawn_is_begun_beside_what_is_visible(make_session, settle):
+    """A product gets a box to draw on, but not where there is something to draw on already."""
+    session = make_session("bozzetto.product")
+    settle(session)
+    assert session.scene.advice.layers
+    session.toolbox.take_modeler("bozzetto.silhouette")
+    angles = np.linspace(0.0, 2.0 * np.pi, 60)
+    circle = np.column_stack((400.0 + 90.0 * np.cos(angles), 300.0 + 90.0 * np.sin(angles)))
+    session.gestures.stroke_lifted(stroke_of(circle, session.view.camera))
+    settle(session)
+    session.toolbox.take_modeler("bozzetto.product")
+    settle(session)
+    assert not session.scene.advice.layers
+    session.gestures.stroke_lifted(stroke_of(circle[5:25] * 0.5 + 175.0, session.view.camera))
+    settle(session)
+    drawn = session.drawing.document.models[-1]
+    assert drawn.modeler == "bozzetto.product"
+    assert [type(node).__name__ for node in drawn.state.nodes] == ["Curve"]
+    session.drawing.undo()
+    session.drawing.undo()
+    settle(session)
+    assert session.scene.advice.layers
