@@ -1,4 +1,4 @@
-"""Loops that close a flat sheet: it would be a body without inside."""
+"""Loops that close what is not meant to be closed: a flat sheet, or a body that is half drawn."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
+from bozzetto_product.loops.candidates import Halves
+from bozzetto_product.loops.costs import STRAIGHT
 from bozzetto_product.loops.orientation import orient_loops
+from bozzetto_product.loops.sampling import SampledNet
+from bozzetto_product.network.half_edges import half_edges
 from bozzetto_product.network.net import Loop, Net
 
 FLAT: Final = 0.01
@@ -18,6 +22,11 @@ draws on a plane is off by less."""
 SHALLOW: Final = 0.045
 """Mean thickness, as share of the square root of its largest area, below which it is one, too: an
 area of a round shape that a curve is drawn across is two surfaces, not a body with the old one."""
+
+
+PLANE: Final = 0.02
+"""Root mean square distance from its plane, as share of its extent, below which a ring round
+several surfaces may well be their bottom."""
 
 
 def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
@@ -48,6 +57,58 @@ def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
     return lids
 
 
+def unfinished_rims(net: Net, sampled: SampledNet, loops: Sequence[Loop], fixed: int) -> Flags:
+    """Tell which loops are the rim of a body that is half drawn.
+
+    A *free corner* is a sharp one at which only two edges end: both loops there have both edges. It
+    is where a surface stops, or the tip of a leaf, which has one other side. A loop that shares
+    free corners with several others runs round all of these. In a plane it is their bottom; else it
+    closes what nobody drew: of three sides of a box that is the ring of six edges behind them.
+
+    Parameters
+    ----------
+    net : Net
+        The network.
+    sampled : SampledNet
+        The same.
+    loops : sequence of Loop
+        All of it.
+    fixed : int
+        How many of the first ones stay.
+
+    Returns
+    -------
+    (n,) bool
+    """
+    corners = [_free_corners(sampled, half_edges(loop)) for loop in loops]
+    owners: dict[frozenset[int], set[int]] = {}
+    for number, own in enumerate(corners):
+        for corner in own:
+            owners.setdefault(corner, set()).add(number)
+    partners = [
+        set().union(*(owners[corner] for corner in own)) - {number}
+        for number, own in enumerate(corners)
+    ]
+    return np.array(
+        [
+            number >= fixed and len(others) > 1 and not _is_plane(_ring(net, loop))
+            for number, (loop, others) in enumerate(zip(loops, partners, strict=True))
+        ],
+        bool,
+    )
+
+
+def _free_corners(sampled: SampledNet, loop: Halves) -> set[frozenset[int]]:
+    """Return the free corners of a loop, each as its two edges."""
+    found = set()
+    for half, following in zip(loop, [*loop[1:], loop[0]], strict=True):
+        node = sampled.heads[half]
+        cosine = float(-sampled.leaving[half ^ 1] @ sampled.leaving[following])
+        if node >= 0 and sampled.degrees[node] == 2 and cosine < STRAIGHT:
+            found.add(frozenset((half // 2, following // 2)))
+    return found
+
+
 def _is_flat(net: Net, loops: Sequence[Loop]) -> bool:
     """Tell whether loops that close, all turned outward, hold next to nothing.
 
@@ -67,6 +128,11 @@ def _is_flat(net: Net, loops: Sequence[Loop]) -> bool:
     extent = float(np.linalg.norm(np.ptp(everything, axis=0)))
     thickness = max(FLAT * extent, SHALLOW * float(np.sqrt(largest)))
     return abs(volume) <= thickness * largest
+
+
+def _is_plane(ring: Array) -> bool:
+    spread = np.linalg.svd(ring - ring.mean(axis=0), compute_uv=False) / np.sqrt(len(ring))
+    return bool(spread[2] <= PLANE * np.linalg.norm(np.ptp(ring, axis=0)))
 
 
 def _ring(net: Net, loop: Loop) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.arrays import Index
 from bozzetto_product.loops.candidates import Halves, candidate_loops, edges_of, mirror_image
 from bozzetto_product.loops.choice import MOST_LOOPS, SIDE_GAIN, choose_loops
-from bozzetto_product.loops.closing import flat_lids
+from bozzetto_product.loops.closing import flat_lids, unfinished_rims
 from bozzetto_product.loops.costs import loop_costs
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.network.half_edges import half_edges, loop_of_half_edges
@@ -65,8 +65,8 @@ def find_loops(
     Returns
     -------
     FoundLoops
-        With a loop its mirror image is there. None closes a flat sheet. No edge has more than two
-        loops, unless those that are fixed give it more.
+        With a loop its mirror image is there. None closes a flat sheet, or what is half drawn. No
+        edge has more than two loops, unless those that are fixed give it more.
     """
     sampled = SampledNet.of(net)
     checkpoint()
@@ -83,7 +83,8 @@ def find_loops(
     chosen = np.flatnonzero(choose_loops(loops, -costs, np.maximum(0, MOST_LOOPS - taken), pairs))
     chosen = chosen[np.argsort(costs[chosen], kind="stable")]
     every = [*fixed, *(loop_of_half_edges(loops[number]) for number in chosen)]
-    chosen = chosen[~flat_lids(net, every, len(fixed))[len(fixed) :]]
+    closing = flat_lids(net, every, len(fixed)) | unfinished_rims(net, sampled, every, len(fixed))
+    chosen = chosen[~closing[len(fixed) :]]
     order = np.argsort(costs, kind="stable")
     of_fixed = loop_costs(sampled, fixed_halves)
     shared = taken + _usage(len(net.edges), [loops[number] for number in chosen]) > 1

@@ -266,3 +266,67 @@ def test_what_is_higher_than_a_tenth_of_its_width_gets_its_bottom() -> None:
         s.curve(way)
     s.curve("e", (40, 40, 30), "f")
     assert len(find_loops(s.net()).loops) == 3
+
+
+BOX = {
+    name: np.array(place, float)
+    for name, place in {
+        "a": (0, 0, 0),
+        "b": (3, 0, 0),
+        "c": (3, 2, 0),
+        "d": (0, 2, 0),
+        "e": (0, 0, 1),
+        "f": (3, 0, 1),
+        "g": (3, 2, 1),
+        "h": (0, 2, 1),
+    }.items()
+}
+
+
+def _sides_of_a_box(*sides: str, bow: float) -> Sketch:
+    """Return sides of a box, each four names, with edges that bow outward."""
+    sketch, drawn = Sketch(), set()
+    sketch.node(**{name: BOX[name] for name in sorted(set("".join(sides)))})
+    middle = np.mean(list(BOX.values()), axis=0)
+    for side in sides:
+        for one, other in zip(side, side[1:] + side[0], strict=True):
+            if frozenset(one + other) not in drawn:
+                drawn.add(frozenset(one + other))
+                half = 0.5 * (BOX[one] + BOX[other])
+                sketch.curve(one, half + bow * (half - middle), other)
+        sketch.face(" ".join(side))
+    return sketch
+
+
+@pytest.mark.parametrize("bow", [0.0, 0.1, 0.4])
+@pytest.mark.parametrize(
+    "sides",
+    [
+        ("abcd", "abfe"),
+        ("abcd", "abfe", "bcgf"),
+        ("abcd", "abfe", "bcgf", "cdhg"),
+        ("abfe", "bcgf", "cdhg", "daeh", "efgh"),
+    ],
+    ids=["two", "three", "four", "five"],
+)
+def test_a_box_that_is_half_drawn_is_not_closed(sides: tuple[str, ...], bow: float) -> None:
+    """What is there is found at once; a sixth side that five leave is a box's, and is closed."""
+    sketch = _sides_of_a_box(*sides, bow=bow)
+    net = sketch.net()
+    found = {edge_set(loop) for loop in find_loops(net).loops}
+    truth = set(sketch.truth(net))
+    assert truth <= found
+    extra = sorted(len(each) for each in found - truth)
+    assert extra == ([4] if len(sides) == 5 else [])
+
+
+def test_the_two_sides_of_a_cushion_in_halves_are_a_body() -> None:
+    """Its corners have two edges each, but the halves that meet there are one over the other."""
+    sketch = Sketch()
+    sketch.node(a=(-2, -1, 0), b=(0, -1, 0), c=(2, -1, 0), d=(2, 1, 0), e=(0, 1, 0), f=(-2, 1, 0))
+    for one, other in ("ab", "bc", "cd", "de", "ef", "fa"):
+        sketch.curve(one, other)
+    sketch.curve("b", (0, 0, 0.7), "e", name="above")
+    sketch.curve("b", (0, 0, -0.7), "e", name="below")
+    loops = find_loops(sketch.net()).loops
+    assert len({edge_set(loop) for loop in loops}) == 4
