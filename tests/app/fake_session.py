@@ -377,7 +377,7 @@ class EmptySession(QObject):
         self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
         self.files.exchange = Exchange(calls)
-        self.gestures.motion = Motion(calls, is_playing=False, can_play=False)
+        self.gestures.motion = Motion(calls, is_playing=False, can_play=False, player="")
 
     def cancel_work(self) -> None:
         self.calls.made.append(("cancel_work", (), {}))

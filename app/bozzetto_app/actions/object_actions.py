@@ -89,9 +89,9 @@ def object_commands(window: Window) -> Iterator[Action]:
         "play",
         ("P",),
         menu,
-        enabled=lambda: session.gestures.motion.can_play or session.gestures.motion.is_playing,
-        why_not=lambda: tr("Object", "Nothing moves here. Take a tool that moves an object."),
-        tip=tr("Object", "The tool in the hand moves the object on in time, until it is stopped"),
+        enabled=lambda: bool(session.gestures.motion.player) or session.gestures.motion.is_playing,
+        why_not=lambda: tr("Object", "Nothing moves here. Choose an object that can move."),
+        tip=tr("Object", "The object moves on in time until it is stopped"),
         on_sheet=True,
     )
     yield Action(

@@ -150,8 +150,18 @@ class Motion(QObject):
     @property
     def can_play(self) -> bool:
         """Whether the tool in the hand can move the selected model without being held."""
-        tool = self._toolbox.active
-        return tool is not None and tool.plays and tool.moves and self._target is not None
+        return self.player != "" and self.player == self._toolbox.tool
+
+    @property
+    def player(self) -> str:
+        """The tool that moves the selected model without being held; "" if there is none.
+
+        It is the one in the hand, or else the first of the active modeler.
+        """
+        if self._target is None:
+            return ""
+        able = [tool.id for tool in self._toolbox.tools if tool.plays and tool.moves]
+        return self._toolbox.tool if self._toolbox.tool in able else next(iter(able), "")
 
     def takes(self, tool_id: str) -> bool:
         """Whether drags with a tool of the active modeler are motions."""
@@ -187,7 +197,9 @@ class Motion(QObject):
             self._drawing.undo()
 
     def play(self) -> None:
-        """Let time go on, or stop it if it does."""
+        """Let time go on, or stop it if it does; take the tool for it if another is in the hand."""
+        if not self.is_playing and self.player and not self.can_play:
+            self._toolbox.take_tool(self.player)
         course = self._course
         if course is not None and course.plays:
             self.stop()

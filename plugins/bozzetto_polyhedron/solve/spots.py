@@ -121,6 +121,14 @@ def hung_on(body_id: str, state: PolyhedronState) -> list[Part]:
     return [*fittings, *(trace for trace in state.of_kind(Trace) if trace.at.body == body_id)]
 
 
+def is_linkage(body: Body, state: PolyhedronState) -> bool:
+    """Return whether a drawing is bars that move, and not the edges of a solid to come.
+
+    Its lines may end anywhere, and corners of two lines are its joints.
+    """
+    return body.choice is None and bool(body.anchors or hung_on(body.id, state))
+
+
 def _second(fitting: Fitting) -> str:
     return fitting.end.body if isinstance(fitting, Link | Coil) else ""
 

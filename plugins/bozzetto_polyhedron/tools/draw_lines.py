@@ -16,6 +16,7 @@ from bozzetto_polyhedron.model.same_view import on_sheet
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
+from bozzetto_polyhedron.solve.spots import is_linkage
 from bozzetto_polyhedron.tools.added_lines import with_added
 from bozzetto_polyhedron.tools.erase import ErasingTool
 from bozzetto_polyhedron.tools.turn_solid import TurnSolid
@@ -25,6 +26,8 @@ FEWEST: Final = 6
 """Lines of the smallest solid, a tetrahedron: with fewer there is nothing to say yet."""
 
 FIRST: Final = "Draw every edge of a solid, one stroke each, and the hidden ones lightly."
+
+LINKAGE: Final = "These bars move: pull a corner with “Move”, or press P to play."
 
 
 class DrawLines(ErasingTool):
@@ -58,6 +61,9 @@ class DrawLines(ErasingTool):
         if state.chosen_of(Added) is not None or state.chosen_of(Join) is not None:
             return NextStep(_after_added(state))
         body = state.chosen_of(Body)
+        linkages = [one for one in state.shown(Body) if is_linkage(one, state)]
+        if linkages and (body is None or body in linkages):
+            return NextStep(LINKAGE, tool="move")
         if body is None or not len(body.strokes):
             return NextStep(FIRST)
         graph = graph_of_ink(body.strokes, never)

@@ -14,6 +14,7 @@ from bozzetto_polyhedron.solve.measured_edges import edge_at
 from bozzetto_polyhedron.solve.moving import NOTHING, Moving, is_mechanism, moving
 from bozzetto_polyhedron.solve.picking import solids_in
 from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
+from bozzetto_polyhedron.solve.spots import is_linkage
 from bozzetto_polyhedron.view.drawing_layers import (
     finding_items,
     ink_items,
@@ -111,7 +112,10 @@ def _add_moving(
 ) -> None:
     motion = made.motion(state.moved)
     layers["anchors"] += anchor_items(body, made, motion)
-    if state.moved is None and body.choice is None:
+    if state.moved is None and is_linkage(body, state):
+        layers["ink"] += ink_items(body)
+        layers["lines"] += line_items(body, found.graph)
+    elif state.moved is None and body.choice is None:
         _add_drawing(layers, body, found, state)
     elif state.moved is None:
         _add_solid(layers, body, found, state)

@@ -131,6 +131,21 @@ def test_it_plays_until_it_is_stopped(session, qtbot, settle):
     assert len(session.drawing.history.entries) == steps + 1
 
 
+def test_to_play_takes_the_tool_for_it(session, qtbot, settle):
+    able = session.toolbox.tool
+    session.toolbox.take_tool("draw")
+    assert not session.gestures.motion.can_play
+    assert session.gestures.motion.player == able
+    session.gestures.motion.play()
+    assert session.toolbox.tool == able
+    wait_for_steps(session, qtbot, 3)
+    session.gestures.motion.play()
+    settle(session)
+    assert ball(session).clock > 0.0
+    session.selection.select(None)
+    assert session.gestures.motion.player == ""
+
+
 def test_a_hand_may_hold_what_plays(session, springs, qtbot):
     steps = len(session.drawing.history.entries)
     session.gestures.motion.play()

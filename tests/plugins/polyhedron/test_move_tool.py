@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from bozzetto.cli.main import main
 from bozzetto.document.model import Document, Model
 from bozzetto.document.storage.bozz_file import read_document, write_document
 from bozzetto.errors import UserError
@@ -18,13 +19,16 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen
 from bozzetto_polyhedron.commands.motion import at_rest
 from bozzetto_polyhedron.mechanism.analysis import mobility_of
+from bozzetto_polyhedron.model.fittings import Fitting, Trace
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.solve.moving import moving
+from bozzetto_polyhedron.tools.draw_lines import DrawLines
 from bozzetto_polyhedron.tools.fittings import DrawHinge
 from bozzetto_polyhedron.tools.move import Move
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
 from tests.plugins.polyhedron.objects import OBJECTS
+from tests.plugins.polyhedron.write_samples import FOLDER
 
 MODELER, TOOL = PolyhedronModeler(), Move()
 FRAME = 1.0 / 60.0
@@ -303,3 +307,21 @@ def test_a_drawn_box_weighs_what_its_volume_does_and_lands_on_the_ground():
         state = TOOL.step(state, None, FRAME, Context())
     assert np.sort(corners(state)[:, 2])[:4] == pytest.approx(np.zeros(4), abs=1e-3)
     assert np.abs(state.moved.velocities).max() < 1e-4
+
+
+@pytest.mark.parametrize("name", ["four-bar", "walker", "scissor-lift"])
+def test_bars_that_move_are_no_solid_to_be_mended(tmp_path, name):
+    """The foot of a walker is a corner of two lines, and right."""
+    path = tmp_path / "bars.bozz"
+    assert main(["build", "polyhedron", str(FOLDER / f"{name}.json"), "-o", str(path)]) == 0
+    state = read_document(path, Registry())[0].models[0].state
+    names = {layer.name for layer in MODELER.scene(state, MODELER.solve(state, Job())).layers}
+    assert {"lines", "fittings"} <= names
+    assert "findings" not in names
+    assert DrawLines().next_step(replace(state, selected="")).tool == Move.id
+    alone = replace(
+        state, nodes=tuple(n for n in state.nodes if not isinstance(n, Fitting | Trace))
+    )
+    bare = replace(alone, nodes=tuple(replace(body, anchors=()) for body in alone.nodes))
+    names = {layer.name for layer in MODELER.scene(bare, MODELER.solve(bare, Job())).layers}
+    assert "findings" in names
