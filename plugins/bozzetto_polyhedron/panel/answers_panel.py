@@ -99,8 +99,9 @@ class AnswersPanel(QScrollArea):
         for place, card in enumerate(self.cards):
             self._grid.addWidget(card, 1 + place // COLUMNS, place % COLUMNS)
         rows = 2 + len(self.cards) // COLUMNS
-        for row in range(self._grid.rowCount() + 1):
-            self._grid.setRowStretch(row, 1 if row == rows else 0)
+        for row in range(self._grid.rowCount()):
+            self._grid.setRowStretch(row, 0)
+        self._grid.setRowStretch(rows, 1)
 
     def _card(self, each: AnswerPicture) -> QToolButton:
         card = QToolButton(self.widget())
