@@ -23,7 +23,6 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto.errors import UserError
-from bozzetto.view.camera import Camera
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.actions.dynamic_menus import ChangingMenus
 from bozzetto_app.actions.menu_actions import commands_of, number_keys
@@ -44,14 +43,15 @@ from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.paths import recovery_folder
 from bozzetto_app.session.recent_files import recent_files
 from bozzetto_app.session.replay import Replays
-from bozzetto_app.session.session import Session
 from bozzetto_app.session.view_state import FIRST_VIEW
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
 
 if TYPE_CHECKING:
     from bozzetto.document.recovery.recovery import CrashedSession
+    from bozzetto.view.camera import Camera
     from bozzetto_app.session.autosave import Keeper
+    from bozzetto_app.session.session import Session
 
 __all__ = ["Window"]
 

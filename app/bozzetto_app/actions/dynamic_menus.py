@@ -13,12 +13,12 @@ from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QInputDialog
 
 from bozzetto.document import edit
-from bozzetto.document.model import NamedView
 from bozzetto_app.actions.registry import Action, ActionRegistry
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.recent_files import recent_files
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import NamedView
     from bozzetto_app.main_window import Window
 
 __all__ = ["RECENT", "ChangingMenus", "recent_titles"]

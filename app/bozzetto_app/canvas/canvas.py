@@ -28,10 +28,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import is_seen
-from bozzetto.plugin.gesture import Tap
-from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene, Shaded
-from bozzetto.scene.palette import Palette
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera, Point
 from bozzetto.view.navigation import with_kind
@@ -59,8 +56,11 @@ from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.gesture import Tap
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene.palette import Palette
     from bozzetto_app.session.notices import Notice
-from bozzetto_app.session.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["Canvas"]
 

@@ -8,28 +8,30 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.links import resolved
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.exchange.handover import AS_USUAL, Handover
-from bozzetto.exchange.reading import MeshFile
-from bozzetto.plugin.job import Job
-from bozzetto.view.camera import Camera
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.drawing_input import DrawingInput
 from bozzetto_app.session.films import Films
-from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.notices import Notice, Notices
-from bozzetto_app.session.pictures import PictureInput
-from bozzetto_app.session.toolbox import Toolbox
-from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.exchange.reading import MeshFile
+    from bozzetto.plugin.job import Job
+    from bozzetto.view.camera import Camera
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.drawing_input import DrawingInput
+    from bozzetto_app.session.gesture_context import GestureContext
+    from bozzetto_app.session.pictures import PictureInput
+    from bozzetto_app.session.toolbox import Toolbox
+    from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["Exchange", "Foreseen"]
 

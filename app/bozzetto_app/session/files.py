@@ -8,28 +8,30 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.atomic_files import FileChanged, FileStamp, Over, Written
 from bozzetto.document.model import Document
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path
-from bozzetto.ink.stroke import Stroke
-from bozzetto.plugin.job import Job
 from bozzetto.temporary_files import remove_leftovers
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim, Claims
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.exchange import Exchange
 from bozzetto_app.session.notices import Notice, Notices
 from bozzetto_app.session.recent_files import free_name, keep_recent, recent_files, still_there
-from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.thumbnail import SmallPictures
-from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.settings import settings
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.exchange import Exchange
+    from bozzetto_app.session.scene_model import SceneModel
+    from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["DOCUMENT_ENDING", "LAST_FOLDER", "Claim", "Files", "Hindrance"]
 

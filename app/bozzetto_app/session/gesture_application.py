@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from bozzetto.document.model import Model
 from bozzetto.document.waiting_ink import Waiting, strokes_of
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Gesture, Ink
 from bozzetto.plugin.guard.guard import PluginFault
-from bozzetto.plugin.job import Job
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.selection import target_of
+
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
 
 __all__ = ["Attempt", "NotTaken", "Outcome", "apply_first", "ink_to_try"]
 

@@ -13,25 +13,27 @@ import itertools
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter, sleep
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag
-from bozzetto.plugin.job import Job
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.gesture_context import GestureContext
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.selection import Selection
-from bozzetto_app.session.solver import Solver
-from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.workers.channel import Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.gesture_context import GestureContext
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.selection import Selection
+    from bozzetto_app.session.solver import Solver
+    from bozzetto_app.session.toolbox import Toolbox
 
 __all__ = ["Motion"]
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.errors import UserError
-from bozzetto.ink.drawing import Drawing
-from bozzetto.ink.stroke import Stroke
 from bozzetto_app.session.pen_replay import PenReplay
-from bozzetto_app.session.session import Session
 from bozzetto_app.session.step_replay import StepReplay
+
+if TYPE_CHECKING:
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto_app.session.session import Session
 
 __all__ = ["Replay", "Replays"]
 

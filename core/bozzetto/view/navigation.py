@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera
 from bozzetto.view.eye_fixed_motion import aimed, enlarged
 from bozzetto.view.rotations import POLE, slerp, steepness, triple, upright
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 TURN_PER_PIXEL = 0.4
 """Degrees of orbit for a pixel of drag: 450 px turn the view half round."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bozzetto.document.model import Model, OpaqueState
 from bozzetto.plugin.cautions import Caution
-from bozzetto.plugin.host.registry import Registry
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.host.registry import Registry
 
 
 def with_state(registry: Registry, model: Model, state: Any) -> Model:

@@ -10,16 +10,18 @@ from __future__ import annotations
 import weakref
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.parameters import parameter_fields, set_parameters
-from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
-from bozzetto.plugin.host.registry import Registry
-from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import PartsState
 from bozzetto.workbench.links import with_state
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.plugin.part_tree import PartTree
 
 
 class PartEdit(NamedTuple):

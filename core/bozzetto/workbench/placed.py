@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.scene.display_list import Scene, Shaded
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
 
 Answer = TypeVar("Answer", Scene, Shapes)
 

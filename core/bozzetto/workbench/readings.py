@@ -14,11 +14,11 @@ from bozzetto.document.waiting_ink import strokes_of
 from bozzetto.errors import UserError
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import Stroke, Strokes
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.job import Job
 from bozzetto.scene.palette import LIGHT, Palette
 
 if TYPE_CHECKING:
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
 
 NO_INK: Final = "There is no ink in it: it was not drawn with a pen. Choose another object."

@@ -14,9 +14,9 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.guard.guard import PluginFault
-from bozzetto.plugin.job import Job
 
 if TYPE_CHECKING:
+    from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
 
 KEPT_RESULTS: Final = 64

@@ -6,18 +6,18 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.exchange.reading import MeshFile
-from bozzetto.geometry.shapes import Shapes
-from bozzetto.images.stored_picture import Picture
-from bozzetto.ink.drawing import Drawing
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.context import Context
-from bozzetto.plugin.job import Job
 from bozzetto.workbench.links import with_state
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.exchange.reading import MeshFile
+    from bozzetto.geometry.shapes import Shapes
+    from bozzetto.images.stored_picture import Picture
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
 
 

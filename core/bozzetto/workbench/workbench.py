@@ -9,28 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bozzetto.document.links import resolved
 from bozzetto.document.model import Document, Model, OpaqueState, new_id
 from bozzetto.errors import UserError
-from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cache import forget_all
-from bozzetto.plugin.cautions import Caution
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.figures import Figure
-from bozzetto.plugin.gesture import Drag, Gesture
-from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
-from bozzetto.plugin.host.registry import Registry
-from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import Modeler
-from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.overrides import overrides
-from bozzetto.plugin.tool import Tool
-from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Image, Layer, Scene
-from bozzetto.view.camera import Camera
 from bozzetto.workbench.commands import ModelCommands
 from bozzetto.workbench.curve_cache import KnownCurves
 from bozzetto.workbench.links import frozen_cautions, with_state
@@ -40,6 +27,21 @@ from bozzetto.workbench.previews import ModelPreview
 from bozzetto.workbench.readings import InkReadings
 from bozzetto.workbench.results import KnownResults
 from bozzetto.workbench.sources import ModelSources
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
+    from bozzetto.plugin.cautions import Caution
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.figures import Figure
+    from bozzetto.plugin.gesture import Drag, Gesture
+    from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.plugin.job import Job
+    from bozzetto.plugin.modeler import Modeler
+    from bozzetto.plugin.next_step import NextStep
+    from bozzetto.plugin.tool import Tool
+    from bozzetto.plugin.view_advice import ViewAdvice
+    from bozzetto.view.camera import Camera
 
 
 class Workbench:

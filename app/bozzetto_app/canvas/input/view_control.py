@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QPointF
 
 from bozzetto.scene.picking import cast_rays
-from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import orbit, pan, zoom
 from bozzetto_app.canvas.input.state_machine import Motion
 
 if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
     from bozzetto_app.session.session import Session
 
 __all__ = ["Fingers", "ViewControl"]

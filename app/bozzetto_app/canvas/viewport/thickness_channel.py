@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Scene
-from bozzetto.scene.palette import Palette
 from bozzetto.scene.thickness_view import ThicknessView, thickness_view
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene.display_list import Scene
+    from bozzetto.scene.palette import Palette
 
 __all__ = ["ThicknessChannel"]
 

@@ -17,7 +17,6 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QSizePolicy, QWidget
 
-from bozzetto.document.model import Model, Underlay
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import qcolor, tones
@@ -26,6 +25,7 @@ from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import Swatch
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model, Underlay
     from bozzetto_app.session.session import Session
 
 __all__ = ["FOLD", "GUTTER", "ROW", "Eye", "Fold", "ModelRow", "NamedRow", "Sign", "UnderlayRow"]

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from bozzetto.parameters import Field
 from bozzetto_app.i18n import tr
 from bozzetto_app.panels.properties.drag_pace import DragPace
 from bozzetto_app.panels.properties.parameter_row import ParameterRow
@@ -19,6 +18,7 @@ from bozzetto_app.widgets.section import Section, hairline
 from bozzetto_app.widgets.tab_order import put_in_tab_order
 
 if TYPE_CHECKING:
+    from bozzetto.parameters import Field
     from bozzetto_app.session.session import Session
 
 __all__ = ["ParametersPanel"]
