@@ -11,10 +11,8 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from bozzetto.atomic_files import Over
-from bozzetto.document.recovery.file_lock import Locked
 from bozzetto.errors import UserError
 from bozzetto.exchange.handover import AS_USUAL, Handover
-from bozzetto_app.dialogs.hindrance import explained, said_of
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
 from bozzetto_app.session.films import LONGEST_FILM
@@ -146,6 +144,9 @@ class FileQuestions:
             self._session.notices.complain(hindrance.problem)
             hindrance.leave()
             return
+        from bozzetto.document.recovery.file_lock import Locked
+        from bozzetto_app.dialogs.hindrance import explained, said_of
+
         box = QMessageBox(self._window)
         box.setObjectName("hindered")
         box.setIcon(QMessageBox.Icon.NoIcon)

@@ -5,17 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from bozzetto.document.model import Model
 from bozzetto.document.waiting_ink import Waiting, strokes_of
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.gesture import Gesture, Ink
+from bozzetto.plugin.gesture import Ink
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.selection import target_of
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model
     from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.gesture import Gesture
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
 

@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING, Final
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.errors import UserError
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.gesture import Drag
 from bozzetto_app.i18n import tr
 from bozzetto_app.workers.channel import Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.gesture import Drag
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
     from bozzetto_app.session.document_model import DocumentModel

@@ -15,7 +15,6 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.plugin.context import Context
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
 from bozzetto_app.workers.channel import Channel, Request
@@ -252,6 +251,8 @@ class ViewAdviser(QObject):
         bench = self._workbench
         if model is None:
             if modeler not in self._empty:
+                from bozzetto.plugin.context import Context
+
                 self._empty[modeler] = bench.create(modeler, Context(camera=camera))
             model = self._empty[modeler]
         return bench.view_advice(model, camera, seen)

@@ -13,8 +13,6 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bozzetto.errors import UserError
-from bozzetto.parameters import parameter_fields, set_parameters
-from bozzetto.plugin.parts import PartsState
 from bozzetto.workbench.links import with_state
 
 if TYPE_CHECKING:
@@ -64,6 +62,8 @@ class PartEdits:
     @staticmethod
     def may_have(model: Model) -> bool:
         """Whether a model is made of parts; asks no plugin."""
+        from bozzetto.plugin.parts import PartsState
+
         return isinstance(model.state, PartsState)
 
     def remembered(self, model: Model) -> PartTree | None:
@@ -142,6 +142,8 @@ class PartEdits:
         “Part 2.blend” names a part's; a name that the state does not know means the chosen
         part, or all parts that have it where the chosen one has not.
         """
+        from bozzetto.parameters import parameter_fields, set_parameters
+
         modeler, tree = self._registry.guarded(model.modeler), self.of(model)
         own = {field.name for field in parameter_fields(type(model.state))}
         inner = {name: value for name, value in values.items() if name not in own}
@@ -210,4 +212,6 @@ def _with_values(tree: PartTree, values: Mapping[str, object], own: set[str]) ->
 
 
 def _names(part: Any) -> set[str]:
+    from bozzetto.parameters import parameter_fields
+
     return {field.name for field in parameter_fields(type(part))}

@@ -176,7 +176,8 @@ class SoftwareViewport(QWidget):
         if not self._was_painted:
             self._was_painted = True
             self.first_painted.emit()
-            self._ask()
+            # The renderer is imported once all of the window is painted.
+            QTimer.singleShot(0, self, self._ask)
         self.painted.emit(self._scenes - self._scenes_shown)
 
     def resizeEvent(self, event: QResizeEvent) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from statistics import median
 from typing import Any, Literal
 
 from PySide6.QtCore import QRectF, QSize, Qt
@@ -107,6 +106,8 @@ def _is_number(value: Any) -> bool:
 
 def _spread(values: Sequence[float], figure: Figure) -> str:
     """Return the median of many numbers, and the largest of them."""
+    from statistics import median
+
     middle, largest = _said(median(values), figure), _said(max(values), figure)
     return tr("Figures", "{middle}, at most {largest}", middle=middle, largest=largest)
 
