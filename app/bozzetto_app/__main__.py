@@ -37,12 +37,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     for name in ONE_THREAD:  # read when numpy is first imported
         os.environ.setdefault(name, "1")
-    from bozzetto.cli import main as cli
+    from bozzetto.cli import COMMANDS, SWITCHES
 
     words = list(sys.argv[1:] if argv is None else argv)
-    first = next((word for word in words if word not in cli.SWITCHES), None)
-    if first in cli.COMMANDS or (words and words[0] in ("-h", "--help", "--version")):
-        return cli.main(words)
+    first = next((word for word in words if word not in SWITCHES), None)
+    if first in COMMANDS or (words and words[0] in ("-h", "--help", "--version")):
+        from bozzetto.cli.main import main as run
+
+        return run(words)
     options = _parser().parse_args(words)
     if not _has_screen():
         print(NO_SCREEN, file=sys.stderr)

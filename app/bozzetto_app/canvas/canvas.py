@@ -371,6 +371,8 @@ class Canvas(QWidget):
         if scene is self._sorted:
             return
         self._sorted = scene
+        if not scene.layers:
+            return
 
         def work(job: Job) -> None:
             from bozzetto.scene.picking import cast_rays
