@@ -22,6 +22,10 @@ ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")
 for each other by spinning, which doubles a solve on two cores and takes them from the pen."""
 
 
+PLAIN = argparse.Namespace(document=None, no_plugins=False, viewport=None)
+"""What no arguments mean."""
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command, or open the window on an optional document.
 
@@ -45,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         from bozzetto.cli.main import main as run
 
         return run(words)
-    options = _parser().parse_args(words)
+    options = _parser().parse_args(words) if words else PLAIN  # to make one takes a moment
     if not _has_screen():
         print(NO_SCREEN, file=sys.stderr)
         return EXIT_ERROR

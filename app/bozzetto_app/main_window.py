@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QIcon, QImage, QKeyEvent, QKeySequence
@@ -89,8 +88,7 @@ RADIAL = (
 """What the radial menu offers, clockwise from the top."""
 
 
-@dataclass(frozen=True)
-class _MenuEntry:
+class _MenuEntry(NamedTuple):
     """An action as the radial menu wants it."""
 
     title: str

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from bozzetto.atomic_files import Over
 from bozzetto.errors import UserError
-from bozzetto.exchange.handover import AS_USUAL, Handover
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
 from bozzetto_app.session.films import LONGEST_FILM
@@ -20,6 +19,7 @@ from bozzetto_app.settings import settings
 
 if TYPE_CHECKING:
     from bozzetto.exchange.formats import Format
+    from bozzetto.exchange.handover import Handover
     from bozzetto_app.session.session import Session
 
 __all__ = ["FileQuestions"]
@@ -218,7 +218,7 @@ class FileQuestions:
     def ask_place_of_export(
         self,
         formats: Sequence[Format],
-        handover: Handover = AS_USUAL,
+        handover: Handover | None = None,
         names: Sequence[str] | None = None,
     ) -> bool:
         """Ask for a file name and export; whether there was an answer.

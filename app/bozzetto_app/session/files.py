@@ -6,9 +6,9 @@ No dialog is shown here: `bozzetto_app.dialogs.file_dialogs` asks the person.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from PySide6.QtCore import QObject, Signal
 
@@ -39,8 +39,7 @@ DOCUMENT_ENDING = ".bozz"
 LAST_FOLDER = "files/last_folder"
 
 
-@dataclass(frozen=True)
-class Hindrance:
+class Hindrance(NamedTuple):
     """Why a document was not saved, and what can be done about it; for the person to choose.
 
     Attributes
@@ -63,8 +62,7 @@ class Hindrance:
     leave: Callable[[], None]
 
 
-@dataclass(frozen=True)
-class _Known:
+class _Known(NamedTuple):
     """The lock of the open document and the recent documents, when work on a file begins."""
 
     lock: FileLock | None

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from bozzetto.document.waiting_ink import Waiting, strokes_of
 from bozzetto.errors import Unfinished, UserError
@@ -23,8 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["Attempt", "NotTaken", "Outcome", "apply_first", "ink_to_try"]
 
 
-@dataclass(frozen=True)
-class Attempt:
+class Attempt(NamedTuple):
     """Gestures to be tried one after the other, until a tool takes one.
 
     Attributes
@@ -44,8 +42,7 @@ class Attempt:
     context: Context
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """The result of a gesture: `model` replaces `base`, or is new if there is none.
 
     Attributes

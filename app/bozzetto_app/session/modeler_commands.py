@@ -6,17 +6,16 @@ the queue of the gestures, so that it finds the model as the last stroke left it
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto_app.i18n import tr
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model
     from bozzetto.plugin.commands import Command
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
@@ -31,8 +30,7 @@ COMMANDS_LIMIT = 20.0
 """Seconds a plugin may take to name its commands: it may have to be imported first."""
 
 
-@dataclass(frozen=True)
-class _Outcome:
+class _Outcome(NamedTuple):
     """The result of a command; `differs` is False if it changed nothing."""
 
     base: Model

@@ -10,10 +10,9 @@ slider that somebody drags.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 from functools import partial
 from time import perf_counter, sleep
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from PySide6.QtCore import QObject, Signal
 
@@ -53,8 +52,7 @@ STEP_LIMIT: Final = 5.0
 """Seconds a step may take before it counts as hung."""
 
 
-@dataclass(frozen=True)
-class _Hand:
+class _Hand(NamedTuple):
     """What the worker is to know of the hand: replaced as a whole, never changed."""
 
     held: Drag | None

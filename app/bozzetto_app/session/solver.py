@@ -283,9 +283,9 @@ class Solver(QObject):
         """Solve one model at one quality, or show its final result if that is cached."""
         bench, model, begun = self._workbench, task.model, time.monotonic()
         if bench.result(model, "final") is not None:
-            task = replace(task, stage=Stage.FINAL)
+            task = task._replace(stage=Stage.FINAL)
         elif not self._revisions.has_picture(task) and bench.best_result(model) is None:
-            ink = replace(task, stage=Stage.INK)
+            ink = task._replace(stage=Stage.INK)
             call_on_main_thread(self, self._take, ink, bench.model_scene(model, None))
         result = bench.solve(
             model, replace(job, quality="final" if task.stage is Stage.FINAL else "preview")

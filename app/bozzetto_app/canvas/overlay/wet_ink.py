@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt, QTimer
@@ -56,8 +55,7 @@ HOT_RADIUS: Final = 13.0
 """Radius of the ring around the handle that a press would take, pixels."""
 
 
-@dataclass(frozen=True)
-class Tip:
+class Tip(NamedTuple):
     """How wide the pen draws.
 
     Parameters
