@@ -93,6 +93,8 @@ def look_a_while(*_):
         application.processEvents()
     assert any(w.isVisible() for w in application.topLevelWidgets()), "no window was opened"
     assert hasattr(sys, "loaded_at_first_paint"), "nothing was painted"
+    application.closeAllWindows()
+    application.processEvents()
     return 0
 
 QApplication.exec = look_a_while
