@@ -105,7 +105,9 @@ class Session(QObject):
         edits = gestures.edits
         self.objects = objects = ObjectEdits(bench, drawing, selection, solver, notices)
         self.parts = parts = ObjectParts(bench, drawing, selection, objects, notices)
-        self.commands = ModelerCommands(bench, drawing, selection, context, edits, notices, self)
+        self.commands = ModelerCommands(
+            bench, drawing, selection, toolbox, context, edits, notices, self
+        )
         self.hints = Hints(bench, drawing, selection, toolbox, notices, self)
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
         self.readings = InkReadings(bench, drawing, selection, context, notices, self)
