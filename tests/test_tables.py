@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bozzetto.cli import main as cli
+from bozzetto.cli import COMMANDS
 from tests import fidelity
 from tests.benchmarks import __main__ as benchmarks
 from tests.benchmarks import bench_export
@@ -79,7 +79,7 @@ def test_commands_of_the_tables_exist(name: str) -> None:
     for module in modules:
         assert importlib.util.find_spec(module) is not None
     for command in re.findall(r"`bozzetto (\w+)", text):
-        assert command in cli.COMMANDS
+        assert command in COMMANDS
 
 
 def test_the_page_on_performance_is_of_all_rooms() -> None:

@@ -22,6 +22,10 @@ ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")
 for each other by spinning, which doubles a solve on two cores and takes them from the pen."""
 
 
+PLAIN = argparse.Namespace(document=None, no_plugins=False, viewport=None)
+"""What no arguments mean."""
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command, or open the window on an optional document.
 
@@ -37,13 +41,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     for name in ONE_THREAD:  # read when numpy is first imported
         os.environ.setdefault(name, "1")
-    from bozzetto.cli import main as cli
+    from bozzetto.cli import COMMANDS, SWITCHES
 
     words = list(sys.argv[1:] if argv is None else argv)
-    first = next((word for word in words if word not in cli.SWITCHES), None)
-    if first in cli.COMMANDS or (words and words[0] in ("-h", "--help", "--version")):
-        return cli.main(words)
-    options = _parser().parse_args(words)
+    first = next((word for word in words if word not in SWITCHES), None)
+    if first in COMMANDS or (words and words[0] in ("-h", "--help", "--version")):
+        from bozzetto.cli.main import main as run
+
+        return run(words)
+    options = _parser().parse_args(words) if words else PLAIN  # to make one takes a moment
     if not _has_screen():
         print(NO_SCREEN, file=sys.stderr)
         return EXIT_ERROR

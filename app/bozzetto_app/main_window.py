@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QIcon, QImage, QKeyEvent, QKeySequence
@@ -23,7 +22,6 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto.errors import UserError
-from bozzetto.view.camera import Camera
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.actions.dynamic_menus import ChangingMenus
 from bozzetto_app.actions.menu_actions import commands_of, number_keys
@@ -44,14 +42,15 @@ from bozzetto_app.panels.welcome_strip import WelcomeStrip
 from bozzetto_app.paths import recovery_folder
 from bozzetto_app.session.recent_files import recent_files
 from bozzetto_app.session.replay import Replays
-from bozzetto_app.session.session import Session
 from bozzetto_app.session.view_state import FIRST_VIEW
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
 
 if TYPE_CHECKING:
     from bozzetto.document.recovery.recovery import CrashedSession
+    from bozzetto.view.camera import Camera
     from bozzetto_app.session.autosave import Keeper
+    from bozzetto_app.session.session import Session
 
 __all__ = ["Window"]
 
@@ -89,8 +88,7 @@ RADIAL = (
 """What the radial menu offers, clockwise from the top."""
 
 
-@dataclass(frozen=True)
-class _MenuEntry:
+class _MenuEntry(NamedTuple):
     """An action as the radial menu wants it."""
 
     title: str

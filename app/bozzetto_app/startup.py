@@ -5,11 +5,11 @@ from __future__ import annotations
 import atexit
 import faulthandler
 import logging
-import logging.handlers
 import os
 import sys
 import threading
 from collections.abc import Callable
+from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from time import monotonic
@@ -143,13 +143,26 @@ def _after_first_paint(window: Window, document: Path | None, tidier: Tidier) ->
         window.session.files.open_safely(document)
 
 
+class _DiskLog(logging.Handler):
+    """Writes to a rotating file, which is opened and whose module is imported for the first."""
+
+    @cached_property
+    def _file(self) -> logging.Handler:
+        from logging.handlers import RotatingFileHandler
+
+        handler = RotatingFileHandler(
+            log_file(), maxBytes=1_000_000, backupCount=2, encoding="utf-8"
+        )
+        handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+        return handler
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._file.emit(record)
+
+
 def _log_to_disk() -> TextIO:
     """Log faults to a rotating file; crashes of native code leave a traceback beside it."""
-    handler = logging.handlers.RotatingFileHandler(
-        log_file(), maxBytes=1_000_000, backupCount=2, encoding="utf-8"
-    )
-    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
-    logging.getLogger().addHandler(handler)
+    logging.getLogger().addHandler(_DiskLog())
     file = open(state_folder() / "crash.log", "a", encoding="utf-8")
     faulthandler.enable(file)
     return file

@@ -356,10 +356,6 @@ def test_twenty_documents_leave_no_widget_and_no_thread(window, draw, settle, qt
     qtbot.waitUntil(lambda: threading.active_count() <= threads, timeout=5000)
 
 
-def _journal_threads():
-    return [thread for thread in threading.enumerate() if thread.name == "bozzetto-journal"]
-
-
 def test_a_window_closed_during_work_ends_quietly(make_window, boxes, qtbot, settle):
     begun = threading.Event()
 
@@ -376,7 +372,11 @@ def test_a_window_closed_during_work_ends_quietly(make_window, boxes, qtbot, set
     window.close()
     assert not window.isVisible()
     settle(window.session)
-    qtbot.waitUntil(lambda: not _journal_threads(), timeout=10_000)  # it ends in its own time
+
+    def is_written():
+        return not any(thread.name == "bozzetto-journal" for thread in threading.enumerate())
+
+    qtbot.waitUntil(is_written, timeout=10_000)
 
 
 def run(*arguments, home, **more):
@@ -460,6 +460,29 @@ def test_a_worker_that_never_ends_is_left_behind_and_not_taken_down_under(tmp_pa
     assert done.returncode == 0, done.stderr
     assert "code 0" in done.stdout
     assert "taken down" not in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("turn", range(5))
+def test_native_code_that_goes_on_at_the_end_does_not_bring_it_down(tmp_path, turn):
+    """Workers compute and call the window, which is gone by then; nothing asks them to stop."""
+    seen = (
+        "import numpy as np\n"
+        "        from bozzetto_app.workers.channel import Channel, Request\n"
+        "        from bozzetto_app.workers.main_thread import call_on_main_thread\n"
+        "        def work(job):\n"
+        "            while True:\n"
+        "                np.linalg.svd(np.random.rand(200, 200))\n"
+        "                call_on_main_thread(self, self.windowTitle)\n"
+        "        for name in ('one', 'other'):\n"
+        "            Channel(name, parent=self).submit(Request(work, print, print))\n"
+        "        self.look.stop()\n"
+        "        QTimer.singleShot(200, self.finish)"
+    )
+    done = run("-c", PROBE.format(seen=seen), "--no-plugins", home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "code 0" in done.stdout
+    assert "Fatal" not in done.stderr
 
 
 def test_without_plugins_the_window_opens_all_the_same(tmp_path):

@@ -339,9 +339,7 @@ def test_an_eraser_that_meets_nothing_leaves_nothing_behind(session, pair, lift)
 
 def test_a_tool_that_does_not_draw_says_so_at_enter(session, pair, lift, monkeypatch):
     drawn = lift(circle(share=ARC))
-    from dataclasses import replace
-
-    session.toolbox.tools = tuple(replace(t, gesture="tap") for t in session.toolbox.tools)
+    session.toolbox.tools = tuple(t._replace(gesture="tap") for t in session.toolbox.tools)
     session.gestures.commit()
     assert "does not draw" in session.heard[-1].text
     assert session.drawing.pending == (drawn,)

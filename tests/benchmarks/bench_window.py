@@ -48,25 +48,27 @@ os._exit(0)
 
 OPEN = """
 import json, sys, time
-from PySide6.QtCore import QEvent, QObject
 from PySide6.QtWidgets import QApplication
 
-class Watch(QObject):
-    # The sheet's own paint event comes last; when the call below returns it is painted.
-    def eventFilter(self, watched, event):
-        if event.type() == QEvent.Type.Paint and type(watched).__name__ == "SoftwareViewport":
-            self.loaded = sorted({name.partition(".")[0] for name in sys.modules})
-        return False
+loaded = []
 
 def until_painted(*_):
+    # Neither an event filter nor a search among the widgets: PySide would make wrappers and
+    # classes for all that passes, which costs what is measured.
+    from bozzetto_app.canvas.viewport.software import SoftwareViewport
+
+    paint = SoftwareViewport.paintEvent
+
+    def paint_and_note(viewport, event):
+        paint(viewport, event)
+        loaded.extend(sorted({name.partition(".")[0] for name in sys.modules}))
+
+    SoftwareViewport.paintEvent = paint_and_note
     application = QApplication.instance()
-    watch = Watch()
-    watch.loaded = None
-    application.installEventFilter(watch)
-    while watch.loaded is None:
+    while not loaded:
         application.processEvents()
     print(json.dumps({
-        "painted": time.time(), "processor": time.process_time(), "loaded": watch.loaded,
+        "painted": time.time(), "processor": time.process_time(), "loaded": loaded,
     }), flush=True)
     import os
     os._exit(0)

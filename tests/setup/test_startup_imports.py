@@ -10,9 +10,49 @@ from pathlib import Path
 
 import pytest
 
+from bozzetto_app.__main__ import PLAIN, _parser
+
 SLOW = {"scipy", "skimage", "manifold3d", "shapely", "pyqtgraph", "OpenGL"}
 QT = {"PySide6", "shiboken6"}
 UNUSED_BY_LISTS = {"numpy", "PIL", "pluggy"}
+
+LATER = {
+    "bozzetto.cli.main",
+    "bozzetto.exchange.handover",
+    "bozzetto.geometry.shapes",
+    "bozzetto.ink.steps",
+    "bozzetto.plugin.context",
+    "bozzetto.plugin.guard.guarded_modeler",
+    "bozzetto.scene.picking",
+    "bozzetto.scene.renderer",
+    "bozzetto.scene.thickness_view",
+    "bozzetto_app.panels.objects.object_row",
+    "bozzetto_app.panels.properties.parameter_row",
+    "bozzetto_app.session.autosave",
+    "bozzetto_app.session.step_replay",
+    "importlib.metadata",
+    "logging.handlers",
+}
+"""Modules that are dear, or bring many others, and that an empty sheet can do without."""
+
+MOST_DATACLASSES = 60
+"""Dataclasses made before the first paint; each takes a third of a millisecond."""
+
+COUNT_DATACLASSES = """
+import dataclasses, sys
+make, sys.made = dataclasses._process_class, 0
+def counted(*given):
+    sys.made += not hasattr(sys, "loaded_at_first_paint")
+    return make(*given)
+dataclasses._process_class = counted
+"""
+
+NOTE_ALL = """
+import json, pathlib, sys
+pathlib.Path(sys.argv[-1]).with_name("all.json").write_text(
+    json.dumps([sys.made, sorted(sys.loaded_at_first_paint)])
+)
+"""
 
 REPORT = """
 import json, pathlib, sys
@@ -53,6 +93,8 @@ def look_a_while(*_):
         application.processEvents()
     assert any(w.isVisible() for w in application.topLevelWidgets()), "no window was opened"
     assert hasattr(sys, "loaded_at_first_paint"), "nothing was painted"
+    application.closeAllWindows()
+    application.processEvents()
     return 0
 
 QApplication.exec = look_a_while
@@ -111,10 +153,18 @@ def test_the_command_line_does_without_qt_and_plugin_code(
     assert not bundled_plugins(packages)
 
 
+def test_no_arguments_mean_what_the_parser_says():
+    assert PLAIN == _parser().parse_args([])
+
+
 def test_opening_the_window_imports_no_slow_library(tmp_path: Path) -> None:
-    packages = loaded(tmp_path, OPEN_WINDOW + CALL_MAIN)
+    packages = loaded(tmp_path, COUNT_DATACLASSES + OPEN_WINDOW + CALL_MAIN + NOTE_ALL)
     assert "PySide6" in packages
     assert not packages & SLOW
+    made, names = json.loads((tmp_path / "all.json").read_text())
+    assert "bozzetto_app.main_window" in names
+    assert not LATER.intersection(names)
+    assert 0 < made <= MOST_DATACLASSES
 
 
 def test_pyside_reads_no_source_of_what_is_imported(tmp_path):

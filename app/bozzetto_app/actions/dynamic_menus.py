@@ -13,13 +13,14 @@ from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QInputDialog
 
 from bozzetto.document import edit
-from bozzetto.document.model import NamedView
 from bozzetto_app.actions.registry import Action, ActionRegistry
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.recent_files import recent_files
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import NamedView
     from bozzetto_app.main_window import Window
+    from bozzetto_app.session.modeler_commands import ModelerCommands
 
 __all__ = ["RECENT", "ChangingMenus", "recent_titles"]
 
@@ -50,9 +51,12 @@ def _plain(title: str) -> str:
     return title.replace("&", "&&")
 
 
-def _not_now(title: str, help_: str) -> str:
+def _not_now(title: str, help_: str, commanding: ModelerCommands) -> str:
     """Return why a command cannot be run: only the modeler knows, so its help is added."""
-    words = tr("Object", "“{title}” cannot be used on this object as it is now.", title=title)
+    if commanding.is_for_none:
+        words = tr("Object", "“{title}” needs an object. Draw one first.", title=title)
+    else:
+        words = tr("Object", "“{title}” cannot be used on this object as it is now.", title=title)
     return f"{words} {help_}".strip()
 
 
@@ -129,7 +133,7 @@ class ChangingMenus(QObject):
             )
 
     def _commands(self) -> Iterator[Action]:
-        """Yield the commands of the selected model, in a menu of their own.
+        """Yield the commands of the selected or the active modeler, in a menu of their own.
 
         A key that another action has stays with that action.
         """
@@ -155,7 +159,7 @@ class ChangingMenus(QObject):
                 keys=(key,) if free else (),
                 menu=(tr("Menu", "&Object"), _plain(title)),
                 enabled=partial(commanding.is_enabled, command.id),
-                why_not=partial(_not_now, command.title, command.help),
+                why_not=partial(_not_now, command.title, command.help, commanding),
                 tip=tip.strip(),
             )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QAction, QIcon, QKeySequence
@@ -27,8 +27,7 @@ def _no_reason() -> str:
     return ""
 
 
-@dataclass(frozen=True)
-class Action:
+class Action(NamedTuple):
     """Something the program can do on request.
 
     Parameters

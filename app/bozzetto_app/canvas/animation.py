@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QObject, QTimer
 
-from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import interpolate, turn
 
 if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
     from bozzetto_app.session.session import Session
 
 __all__ = ["ViewMotion"]

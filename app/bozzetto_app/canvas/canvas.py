@@ -28,11 +28,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import is_seen
-from bozzetto.plugin.gesture import Tap
-from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene, Shaded
-from bozzetto.scene.palette import Palette
-from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Camera, Point
 from bozzetto.view.navigation import with_kind
 from bozzetto.view.standard_views import look_along, standard_view
@@ -59,8 +55,11 @@ from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.gesture import Tap
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene.palette import Palette
     from bozzetto_app.session.notices import Notice
-from bozzetto_app.session.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["Canvas"]
 
@@ -143,9 +142,7 @@ class Canvas(QWidget):
         self._proximity = ProximityWatch(self)
         self._proximity.came.connect(self.hand.pen_came)
         self._proximity.left.connect(self.hand.pen_left)
-        application = QApplication.instance()
-        if application is not None:
-            application.installEventFilter(self._proximity)
+        self.viewports.first_painted.connect(self._watch_proximity)
 
         session.scene.changed.connect(self._show_scene)
         session.scene.live_changed.connect(self._show_live)
@@ -185,6 +182,12 @@ class Canvas(QWidget):
         self._show_scene()
         self._show_pending()
         self.installEventFilter(self)
+
+    def _watch_proximity(self) -> None:
+        """Look out for the pen from the first paint on: till then thousands of events pass."""
+        application = QApplication.instance()
+        if application is not None:
+            application.installEventFilter(self._proximity)
 
     # -- theme, settings, words -----------------------------------------------------------------
 
@@ -368,8 +371,12 @@ class Canvas(QWidget):
         if scene is self._sorted:
             return
         self._sorted = scene
+        if not scene.layers:
+            return
 
         def work(job: Job) -> None:
+            from bozzetto.scene.picking import cast_rays
+
             cast_rays(scene, camera.rays([(0.0, 0.0)]))
 
         self._sorting.submit(Request(work, _ignore, _raise))

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from PySide6.QtCore import QObject
 
-from bozzetto.arrays import Array
-from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit_points
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.session.view_state import FIRST_VIEW
 
 if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.view.camera import Camera
     from bozzetto_app.session.session import Session
 
 __all__ = ["Framing", "framed", "is_in_view", "points_to_frame", "same_view"]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, QSizeF, Qt, Signal
 from PySide6.QtGui import (
@@ -277,8 +276,7 @@ def sector_centre(middle: QPointF, index: int, count: int) -> QPointF:
     return middle + QPointF(radius * math.sin(angle), -radius * math.cos(angle))
 
 
-@dataclass(frozen=True)
-class EntryPlaces:
+class EntryPlaces(NamedTuple):
     """Where the icon and the title of an entry stand; the icon's is empty where there is none."""
 
     icon: QRectF

@@ -31,7 +31,6 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto_app.actions.registry import ActionRegistry
 from bozzetto_app.dialogs.palette_entries import Entry, Found, entries_of, search
 from bozzetto_app.i18n import tr
 from bozzetto_app.settings import settings
@@ -41,6 +40,7 @@ from bozzetto_app.widgets.icon_button import RADIUS
 from bozzetto_app.widgets.section import hairline
 
 if TYPE_CHECKING:
+    from bozzetto_app.actions.registry import ActionRegistry
     from bozzetto_app.session.session import Session
 
 __all__ = ["CommandPalette", "paint_key"]

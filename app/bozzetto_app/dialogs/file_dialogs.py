@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from bozzetto.atomic_files import Over
-from bozzetto.document.recovery.file_lock import Locked
 from bozzetto.errors import UserError
-from bozzetto.exchange.formats import Format
-from bozzetto.exchange.handover import AS_USUAL, Handover
-from bozzetto_app.dialogs.hindrance import explained, said_of
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
 from bozzetto_app.session.films import LONGEST_FILM
-from bozzetto_app.session.session import Session
 from bozzetto_app.settings import settings
+
+if TYPE_CHECKING:
+    from bozzetto.exchange.formats import Format
+    from bozzetto.exchange.handover import Handover
+    from bozzetto_app.session.session import Session
 
 __all__ = ["FileQuestions"]
 
@@ -144,6 +144,9 @@ class FileQuestions:
             self._session.notices.complain(hindrance.problem)
             hindrance.leave()
             return
+        from bozzetto.document.recovery.file_lock import Locked
+        from bozzetto_app.dialogs.hindrance import explained, said_of
+
         box = QMessageBox(self._window)
         box.setObjectName("hindered")
         box.setIcon(QMessageBox.Icon.NoIcon)
@@ -215,7 +218,7 @@ class FileQuestions:
     def ask_place_of_export(
         self,
         formats: Sequence[Format],
-        handover: Handover = AS_USUAL,
+        handover: Handover | None = None,
         names: Sequence[str] | None = None,
     ) -> bool:
         """Ask for a file name and export; whether there was an answer.

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QDateTime, QLocale
 
-from bozzetto.atomic_files import FileChanged, FileStamp
 from bozzetto.document.recovery.file_lock import Locked
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.files import Hindrance
+
+if TYPE_CHECKING:
+    from bozzetto.atomic_files import FileChanged, FileStamp
+    from bozzetto_app.session.files import Hindrance
 
 
 def said_of(problem: FileChanged | Locked) -> str:

@@ -16,7 +16,6 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto.errors import UserError
-from bozzetto.plugin.host.registry import PluginInfo
 from bozzetto_app.dialogs.dialog import Page, label, quiet
 from bozzetto_app.dialogs.fault_details import FaultDetails
 from bozzetto_app.i18n import tr
@@ -26,6 +25,7 @@ from bozzetto_app.style.theme import tones
 from bozzetto_app.widgets.toggle import Toggle
 
 if TYPE_CHECKING:
+    from bozzetto.plugin.host.registry import PluginInfo
     from bozzetto_app.session.session import Session
 
 __all__ = ["PluginManager"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from datetime import datetime
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QDateTime, QLocale, Qt
 from PySide6.QtGui import QShowEvent
@@ -19,9 +19,11 @@ from PySide6.QtWidgets import (
 )
 from shiboken6 import isValid
 
-from bozzetto.document.recovery.recovery import CrashedSession
 from bozzetto_app.dialogs.dialog import Page, label, quiet
 from bozzetto_app.i18n import tr
+
+if TYPE_CHECKING:
+    from bozzetto.document.recovery.recovery import CrashedSession
 
 __all__ = ["RecoveryDialog"]
 

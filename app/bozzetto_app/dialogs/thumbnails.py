@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt
@@ -10,9 +11,11 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
 from bozzetto.document.storage.zip_container import ContainerReader
 from bozzetto.errors import UserError
-from bozzetto.images.stored_picture import Picture
 from bozzetto_app.session.files import DOCUMENT_ENDING
 from bozzetto_app.style.theme import current_palette
+
+if TYPE_CHECKING:
+    from bozzetto.images.stored_picture import Picture
 
 __all__ = ["thumbnail_of"]
 

@@ -9,12 +9,12 @@ from PySide6.QtWidgets import QDialog
 
 from bozzetto.errors import UserError
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.notices import Notice
 from bozzetto_app.session.recent_files import recent_files
 from bozzetto_app.settings import keep_plugin_disabled
 
 if TYPE_CHECKING:
     from bozzetto_app.main_window import Window
+    from bozzetto_app.session.notices import Notice
 
 __all__ = ["Dialogs"]
 

@@ -125,7 +125,8 @@ class HistoryPanel(QListWidget):
         if labels:
             self.setCurrentRow(self.current)
             self.scrollToItem(self.item(self.current))
-        self.viewport().update()
+        if self.isVisible():
+            self.viewport().update()
 
     def _go(self, item: QListWidgetItem) -> None:
         row = self.row(item)

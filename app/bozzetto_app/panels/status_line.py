@@ -15,7 +15,7 @@ from bozzetto_app.widgets.icon_button import IconButton
 
 if TYPE_CHECKING:
     from bozzetto_app.session.notices import Notice
-from bozzetto_app.session.session import Session
+    from bozzetto_app.session.session import Session
 
 __all__ = ["FaultBar", "StatusLine"]
 

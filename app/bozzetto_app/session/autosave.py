@@ -16,10 +16,8 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, QTimer
 
-from bozzetto.document.recovery.file_lock import FileLock
 from bozzetto.document.recovery.recovery import CrashedSession, Recovered, RecoveryStore
 from bozzetto.errors import UserError
-from bozzetto.plugin.job import Job
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim
 from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot, State
@@ -28,6 +26,8 @@ from bozzetto_app.workers.main_thread import call_on_main_thread
 
 if TYPE_CHECKING:
     from bozzetto.document.history import History
+    from bozzetto.document.recovery.file_lock import FileLock
+    from bozzetto.plugin.job import Job
     from bozzetto_app.session.session import Session
 
 __all__ = ["Keeper"]

@@ -8,8 +8,8 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from bozzetto.document.recovery.file_lock import FileLock, Holder, Locked, document_lock_path
 from bozzetto.errors import UserError
@@ -18,8 +18,7 @@ from bozzetto_app.i18n import tr
 __all__ = ["Claim", "Claims"]
 
 
-@dataclass(frozen=True)
-class Claim:
+class Claim(NamedTuple):
     """Whether a document may be written to.
 
     Attributes

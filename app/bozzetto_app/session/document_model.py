@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
@@ -12,8 +13,10 @@ from bozzetto.document.applied_ink import take
 from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
 from bozzetto.document.waiting_ink import Waiting, WaitingStroke, strokes_of
-from bozzetto.ink.stroke import Stroke
 from bozzetto_app.i18n import tr
+
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
 
 __all__ = ["DocumentModel"]
 

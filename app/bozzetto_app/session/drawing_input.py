@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 
-from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
-from bozzetto.ink.drawing import Drawing
-from bozzetto.plugin.job import Job
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.gesture_context import GestureContext
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.selection import Selection
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Document, Model
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.gesture_context import GestureContext
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.selection import Selection
 
 __all__ = ["DrawingInput"]
 

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from enum import Enum
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from bozzetto.atomic_files import FileStamp
-from bozzetto.document.model import Document
-from bozzetto.document.recovery.recovery import CrashedSession, RecoverySession, RecoveryStore
 from bozzetto.errors import UserError
+
+if TYPE_CHECKING:
+    from bozzetto.atomic_files import FileStamp
+    from bozzetto.document.model import Document
+    from bozzetto.document.recovery.recovery import CrashedSession, RecoverySession, RecoveryStore
 
 __all__ = ["BroughtBack", "DrawingRecord", "Snapshot", "State"]
 

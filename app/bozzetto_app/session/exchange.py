@@ -6,38 +6,39 @@ No dialog is shown here: `bozzetto_app.dialogs` asks the person.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.links import resolved
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.exchange.handover import AS_USUAL, Handover
-from bozzetto.exchange.reading import MeshFile
-from bozzetto.plugin.job import Job
-from bozzetto.view.camera import Camera
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.drawing_input import DrawingInput
 from bozzetto_app.session.films import Films
-from bozzetto_app.session.gesture_context import GestureContext
 from bozzetto_app.session.notices import Notice, Notices
-from bozzetto_app.session.pictures import PictureInput
-from bozzetto_app.session.toolbox import Toolbox
-from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.exchange.handover import Handover
+    from bozzetto.exchange.reading import MeshFile
+    from bozzetto.plugin.job import Job
+    from bozzetto.view.camera import Camera
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.drawing_input import DrawingInput
+    from bozzetto_app.session.gesture_context import GestureContext
+    from bozzetto_app.session.pictures import PictureInput
+    from bozzetto_app.session.toolbox import Toolbox
+    from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["Exchange", "Foreseen"]
 
 MESH_MODELER = "bozzetto.mesh"
 
 
-@dataclass(frozen=True)
-class Foreseen:
+class Foreseen(NamedTuple):
     """What a hand-over would be, before anything is written.
 
     Attributes
@@ -129,7 +130,7 @@ class Exchange(QObject):
     def export(
         self,
         *paths: Path,
-        handover: Handover = AS_USUAL,
+        handover: Handover | None = None,
         names: Sequence[str] | None = None,
     ) -> None:
         """Export objects to files of other programs; all from one solve.
@@ -138,8 +139,8 @@ class Exchange(QObject):
         ----------
         *paths : Path
             Their endings name the formats.
-        handover : Handover
-            How.
+        handover : Handover, optional
+            How; by default as usual.
         names : sequence of str, optional
             Names of the objects; by default all that are visible.
         """
@@ -171,7 +172,7 @@ class Exchange(QObject):
     def foresee(
         self,
         endings: Sequence[str],
-        handover: Handover = AS_USUAL,
+        handover: Handover | None = None,
         names: Sequence[str] | None = None,
     ) -> None:
         """Look what an export would be, and tell by `foreseen`; nothing is written.
@@ -188,10 +189,11 @@ class Exchange(QObject):
 
         def look(job: Job) -> Foreseen:
             from bozzetto.exchange.export import Ready
+            from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.exchange.triangle_budget import triangle_count
 
             objects, made = work(job, paths)
-            ready = Ready(objects.shapes, handover)
+            ready = Ready(objects.shapes, handover or AS_USUAL)
             sizes = [len(file.data) + sum(len(data) for _, data in file.beside) for file in made]
             told = (*objects.warnings(), *_warnings(made))
             return Foreseen(
@@ -209,7 +211,7 @@ class Exchange(QObject):
 
         self._foresight.submit(Request(look, self.foreseen.emit, refused))
 
-    def _making(self, names: Sequence[str] | None, handover: Handover) -> Any:
+    def _making(self, names: Sequence[str] | None, handover: Handover | None) -> Any:
         """Return the work of a worker that makes files of the document as it is now."""
         bench, camera = self._workbench, self._view.camera
         models = [
@@ -219,11 +221,13 @@ class Exchange(QObject):
         ]
 
         def work(job: Job, paths: Sequence[Path]) -> Any:
+            from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.workbench.export_document import object_shapes, prepared_files
 
             objects = object_shapes(bench, models, job)
             job.checkpoint(1.0, ", ".join(path.name for path in paths))
-            return objects, prepared_files(objects, paths, camera, whole=False, handover=handover)
+            asked = handover or AS_USUAL
+            return objects, prepared_files(objects, paths, camera, whole=False, handover=asked)
 
         return work
 

@@ -6,30 +6,32 @@ No dialog is shown here: `bozzetto_app.dialogs.file_dialogs` asks the person.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.atomic_files import FileChanged, FileStamp, Over, Written
 from bozzetto.document.model import Document
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path
-from bozzetto.ink.stroke import Stroke
-from bozzetto.plugin.job import Job
 from bozzetto.temporary_files import remove_leftovers
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim, Claims
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.exchange import Exchange
 from bozzetto_app.session.notices import Notice, Notices
 from bozzetto_app.session.recent_files import free_name, keep_recent, recent_files, still_there
-from bozzetto_app.session.scene_model import SceneModel
 from bozzetto_app.session.thumbnail import SmallPictures
-from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.settings import settings
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.exchange import Exchange
+    from bozzetto_app.session.scene_model import SceneModel
+    from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["DOCUMENT_ENDING", "LAST_FOLDER", "Claim", "Files", "Hindrance"]
 
@@ -37,8 +39,7 @@ DOCUMENT_ENDING = ".bozz"
 LAST_FOLDER = "files/last_folder"
 
 
-@dataclass(frozen=True)
-class Hindrance:
+class Hindrance(NamedTuple):
     """Why a document was not saved, and what can be done about it; for the person to choose.
 
     Attributes
@@ -61,8 +62,7 @@ class Hindrance:
     leave: Callable[[], None]
 
 
-@dataclass(frozen=True)
-class _Known:
+class _Known(NamedTuple):
     """The lock of the open document and the recent documents, when work on a file begins."""
 
     lock: FileLock | None

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
-from bozzetto.document.model import Model
 from bozzetto.document.waiting_ink import Waiting, strokes_of
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.ink.stroke import Stroke
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.gesture import Gesture, Ink
+from bozzetto.plugin.gesture import Ink
 from bozzetto.plugin.guard.guard import PluginFault
-from bozzetto.plugin.job import Job
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.selection import target_of
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.gesture import Gesture
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
 
 __all__ = ["Attempt", "NotTaken", "Outcome", "apply_first", "ink_to_try"]
 
 
-@dataclass(frozen=True)
-class Attempt:
+class Attempt(NamedTuple):
     """Gestures to be tried one after the other, until a tool takes one.
 
     Attributes
@@ -40,8 +42,7 @@ class Attempt:
     context: Context
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """The result of a gesture: `model` replaces `base`, or is new if there is none.
 
     Attributes

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bozzetto.images.stored_picture import Picture
-from bozzetto.plugin.context import Context
 from bozzetto.scene.display_list import Image
-from bozzetto.workbench.workbench import Workbench
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.scene_model import SceneModel
-from bozzetto_app.session.selection import Selection
-from bozzetto_app.session.toolbox import Toolbox
-from bozzetto_app.session.view_advice import ViewAdviser
-from bozzetto_app.session.view_state import ViewState
+
+if TYPE_CHECKING:
+    from bozzetto.images.stored_picture import Picture
+    from bozzetto.plugin.context import Context
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.scene_model import SceneModel
+    from bozzetto_app.session.selection import Selection
+    from bozzetto_app.session.toolbox import Toolbox
+    from bozzetto_app.session.view_advice import ViewAdviser
+    from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["GestureContext"]
 
@@ -45,6 +47,8 @@ class GestureContext:
 
     def now(self) -> Context:
         """Return the surroundings of a gesture that is made now."""
+        from bozzetto.plugin.context import Context
+
         document = self._drawing.document
         target = self._selection.target(self._toolbox.modeler)
         underlays = self._workbench.underlay_layers(document)

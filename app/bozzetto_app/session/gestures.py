@@ -9,11 +9,10 @@ that was refused, or whose plugin failed, keeps waiting with a mark.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from PySide6.QtCore import QObject
 
-from bozzetto.document.model import Model
 from bozzetto.document.waiting_ink import (
     WaitingStatus,
     WaitingStroke,
@@ -23,15 +22,9 @@ from bozzetto.document.waiting_ink import (
     without,
 )
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.ink.stroke import Stroke
-from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
-from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Scene
-from bozzetto.workbench.previews import ModelPreview
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
 from bozzetto_app.session.gesture_application import (
     Attempt,
     NotTaken,
@@ -39,14 +32,23 @@ from bozzetto_app.session.gesture_application import (
     apply_first,
     ink_to_try,
 )
-from bozzetto_app.session.gesture_context import GestureContext
-from bozzetto_app.session.motion import Motion
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.scene_model import SceneModel
-from bozzetto_app.session.selection import Selection
-from bozzetto_app.session.solver import Solver
-from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.previews import ModelPreview
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.gesture_context import GestureContext
+    from bozzetto_app.session.motion import Motion
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.scene_model import SceneModel
+    from bozzetto_app.session.selection import Selection
+    from bozzetto_app.session.solver import Solver
+    from bozzetto_app.session.toolbox import Toolbox
 
 __all__ = ["Gestures"]
 

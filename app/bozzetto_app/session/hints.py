@@ -9,20 +9,23 @@ modeler.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.plugin.job import Job
 from bozzetto.plugin.next_step import NextStep
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.selection import Selection
-from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.selection import Selection
+    from bozzetto_app.session.toolbox import Toolbox
 
 __all__ = ["Hints"]
 

@@ -16,20 +16,20 @@ from bozzetto.document.model import Model
 from bozzetto.document.waiting_ink import strokes_of
 from bozzetto.errors import Cancelled, UserError
 from bozzetto.geometry.placement import Placement
-from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import Stroke
-from bozzetto.plugin.job import Job
-from bozzetto.scene.palette import Palette
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.gesture_context import GestureContext
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.selection import Selection
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene.palette import Palette
     from bozzetto.workbench.readings import Reading
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.gesture_context import GestureContext
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.selection import Selection
 
 __all__ = ["Ink", "InkReadings"]
 

@@ -1,4 +1,4 @@
-"""The commands that a modeler offers for the selected model.
+"""The commands that a modeler offers for the selected model, or for one that is still to be drawn.
 
 A worker asks which commands there are, and which of them apply now. A command itself runs in
 the queue of the gestures, so that it finds the model as the last stroke left it.
@@ -6,21 +6,24 @@ the queue of the gestures, so that it finds the model as the last stroke left it
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.plugin.commands import Command
-from bozzetto.plugin.job import Job
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.gesture_context import GestureContext
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.selection import Selection
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.plugin.commands import Command
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.gesture_context import GestureContext
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.selection import Selection
+    from bozzetto_app.session.toolbox import Toolbox
 
 __all__ = ["ModelerCommands"]
 
@@ -28,11 +31,13 @@ COMMANDS_LIMIT = 20.0
 """Seconds a plugin may take to name its commands: it may have to be imported first."""
 
 
-@dataclass(frozen=True)
-class _Outcome:
-    """The result of a command; `differs` is False if it changed nothing."""
+class _Outcome(NamedTuple):
+    """The result of a command: `made` replaces `base`, or is new if there is none.
 
-    base: Model
+    `differs` is False if it changed nothing.
+    """
+
+    base: Model | None
     made: Model
     title: str
     only_chosen: bool
@@ -40,7 +45,9 @@ class _Outcome:
 
 
 class ModelerCommands(QObject):
-    """The commands of the selected model.
+    """The commands of the selected model; while none is, those of the active modeler.
+
+    One that means something on an empty object begins one.
 
     Attributes
     ----------
@@ -66,6 +73,7 @@ class ModelerCommands(QObject):
         workbench: Workbench,
         drawing: DocumentModel,
         selection: Selection,
+        toolbox: Toolbox,
         context: GestureContext,
         edits: Channel,
         notices: Notices,
@@ -76,62 +84,83 @@ class ModelerCommands(QObject):
         self.commands: tuple[Command, ...] = ()
         self.channel = Channel("commands", time_limit=COMMANDS_LIMIT, parent=self)
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
+        self._toolbox = toolbox
         self._context, self._edits, self._notices = context, edits, notices
         self._enabled: frozenset[str] = frozenset()
-        self._asked: Model | None = None
+        self._asked: Model | str | None = None
         self._failed: set[str] = set()
-        for signal in (drawing.changed, selection.changed):
+        for signal in (drawing.changed, selection.changed, toolbox.modeler_changed):
             signal.connect(self.look)
 
     def is_enabled(self, command_id: str) -> bool:
         """Return whether a command applied to the model when it was last asked."""
         return command_id in self._enabled
 
+    @property
+    def is_for_none(self) -> bool:
+        """Whether the commands are those of an object that is still to be drawn."""
+        return isinstance(self._asked, str)
+
     def look(self) -> None:
-        """Ask again if another model is selected, or its state differs."""
-        model = self._selection.model
-        if model is self._asked:
+        """Ask again if another model is selected, its state differs, or another one may begin."""
+        model, modeler = self._selection.model, self._toolbox.modeler
+        if model is not None:
+            modeler = "" if self._workbench.is_foreign(model) else model.modeler
+        elif not self._toolbox.tools:
+            modeler = ""  # its plugin is not imported yet
+        asked = modeler if model is None else model
+        if asked is self._asked or (model is None and asked == self._asked):
             return
-        self._asked = model
-        foreign = model is None or self._workbench.is_foreign(model)
-        if model is None or foreign or model.modeler in self._failed:
+        self._asked = asked
+        if not modeler or modeler in self._failed:
             self.channel.cancel()
             self._take("", (), frozenset())
             return
-        commands = self._workbench.commands
-        known = self.commands if model.modeler == self.modeler else None
+        bench, context = self._workbench, self._context.now()
+        commands = bench.commands
+        known = self.commands if modeler == self.modeler else None
 
         def work(job: Job) -> tuple[tuple[Command, ...], frozenset[str]]:
-            row = commands.of(model.modeler) if known is None else known
-            return row, frozenset(one.id for one in row if commands.can_run(model, one))
+            row = commands.of(modeler) if known is None else known
+            if not row:
+                return row, frozenset()
+            now = bench.create(modeler, context) if model is None else model
+            return row, frozenset(one.id for one in row if commands.can_run(now, one))
 
         def done(answer: tuple[tuple[Command, ...], frozenset[str]]) -> None:
-            if model is self._asked:
-                self._take(model.modeler, *answer)
+            if asked is self._asked:
+                self._take(modeler, *answer)
 
         def failed(problem: BaseException) -> None:
             """Report one fault and ask no more: it would return with every stroke."""
-            self._failed.add(model.modeler)
+            self._failed.add(modeler)
             self._take("", (), frozenset())
             self._notices.complain(problem)
 
         self.channel.submit(Request(work, done, failed))
 
     def run(self, command_id: str) -> None:
-        """Run a command on the selected model, as one step of the history."""
+        """Run a command on the selected model, or on one that it begins, as one step."""
+        self._submit(command_id, begins=self._selection.model is None)
+
+    def _submit(self, command_id: str, *, begins: bool) -> None:
+        """Queue a command; what was to be changed and is gone meanwhile is not begun anew."""
         model = self._selection.model
-        if model is None:
+        modeler = self.modeler if model is None else model.modeler
+        if not modeler or (model is None and not begins):
             return
-        modeler, context = model.modeler, self._context.now()
-        bench = self._workbench
+        bench, context = self._workbench, self._context.now()
 
         def work(job: Job, base: Model | None) -> _Outcome | None:
-            if base is None or base.modeler != modeler:
+            if base is None and not begins:
+                return None
+            begun = base or bench.create(modeler, context)
+            if begun.modeler != modeler:
                 return None
             command = bench.commands.find(modeler, command_id)
-            made = bench.commands.run(base, command, context)
-            only_chosen = bench.parts.only_choice_differs(base, made)
-            differs = bench.differs(base, made, only_chosen=only_chosen)
+            made = bench.commands.run(begun, command, context)
+            only_chosen = base is not None and bench.parts.only_choice_differs(base, made)
+            differs = bench.differs(begun, made, only_chosen=only_chosen)
             return _Outcome(base, made, command.title, only_chosen, differs)
 
         def done(answer: _Outcome | None) -> None:
@@ -140,8 +169,10 @@ class ModelerCommands(QObject):
             if not answer.differs:
                 said = tr("Object", "“{title}” is done already.", title=answer.title)
                 self._notices.say_nothing_changed(said)
-            elif all(answer.base is not known for known in self._drawing.document):
-                self.run(command_id)  # the document changed meanwhile
+            elif answer.base is not None and all(
+                answer.base is not known for known in self._drawing.document
+            ):
+                self._submit(command_id, begins=begins)  # the document changed meanwhile
             else:
                 try:
                     self._drawing.document.refuse_circle(answer.made)
@@ -149,7 +180,10 @@ class ModelerCommands(QObject):
                     self._notices.complain(problem)
                     return
                 self._drawing.apply_model(
-                    answer.title, answer.made, is_new=False, only_chosen=answer.only_chosen
+                    answer.title,
+                    answer.made,
+                    is_new=answer.base is None,
+                    only_chosen=answer.only_chosen,
                 )
 
         self._edits.submit(

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import logging
 import traceback
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from PySide6.QtCore import QObject, Signal
 
@@ -19,8 +18,7 @@ __all__ = ["Notice", "Notices"]
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class Notice:
+class Notice(NamedTuple):
     """A message to the person.
 
     Attributes

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bozzetto.document import edit
-from bozzetto.document.edit import Edit
-from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
-from bozzetto.geometry.placement import Placement
-from bozzetto.parameters import Field, parameter_fields
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.workbench.links import with_sources
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.selection import Selection
-from bozzetto_app.session.solver import Solver
 from bozzetto_app.workers.time_limit import in_time
+
+if TYPE_CHECKING:
+    from bozzetto.document.edit import Edit
+    from bozzetto.document.model import Document, Model
+    from bozzetto.geometry.placement import Placement
+    from bozzetto.parameters import Field
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.selection import Selection
+    from bozzetto_app.session.solver import Solver
 
 __all__ = ["ObjectEdits", "fields_of"]
 
@@ -29,6 +31,8 @@ def fields_of(state: object, first: Sequence[str] = ()) -> tuple[tuple[Field, An
     """Return the parameters of a state, or of a part, with their values; some of them first."""
     if not hasattr(state, "__dataclass_fields__"):
         return ()
+    from bozzetto.parameters import parameter_fields
+
     place = {name: number for number, name in enumerate(first)}
     fields = sorted(
         parameter_fields(type(state)), key=lambda field: place.get(field.name, len(place))

@@ -6,22 +6,24 @@ Only the choice of a part is no step: nobody wants to undo it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from bozzetto.document import edit
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.parameters import Field
 from bozzetto.plugin.guard.guard import PluginFault
-from bozzetto.plugin.part_tree import PartTree
 from bozzetto.workbench.part_edits import PartEdit, PartEdits
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.object_edits import ObjectEdits, fields_of
-from bozzetto_app.session.selection import Selection
 from bozzetto_app.workers.time_limit import in_time
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.parameters import Field
+    from bozzetto.plugin.part_tree import PartTree
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.selection import Selection
 
 __all__ = ["ObjectParts"]
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import time
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from bozzetto.ink.drawing import Drawing
-from bozzetto.ink.stroke import Stroke
 from bozzetto_app.session.replay_ink import PAUSE, TICK_MS, beginning, samples_after
-from bozzetto_app.session.session import Session
+
+if TYPE_CHECKING:
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto_app.session.session import Session
 
 __all__ = ["PenReplay"]
 

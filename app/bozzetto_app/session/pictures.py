@@ -13,20 +13,20 @@ from PySide6.QtGui import QImage
 from bozzetto.document import edit
 from bozzetto.document.model import Document, Model, Underlay, new_id
 from bozzetto.errors import UserError
-from bozzetto.plugin.job import Job
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.gesture_context import GestureContext
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.object_edits import ObjectEdits
-from bozzetto_app.session.selection import Selection
-from bozzetto_app.session.toolbox import Toolbox
-from bozzetto_app.session.tracing import Tracing
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.images.stored_picture import Picture
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.gesture_context import GestureContext
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.object_edits import ObjectEdits
+    from bozzetto_app.session.selection import Selection
+    from bozzetto_app.session.toolbox import Toolbox
+    from bozzetto_app.session.tracing import Tracing
 
 __all__ = ["PictureInput"]
 

@@ -1,56 +1,20 @@
-"""Replay of a recorded drawing: its ink takes the same way as that of a person."""
+"""Replays of recorded drawings on the sheet, one at a time."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.errors import UserError
-from bozzetto.ink.drawing import Drawing
-from bozzetto.ink.stroke import Stroke
-from bozzetto_app.session.pen_replay import PenReplay
-from bozzetto_app.session.session import Session
-from bozzetto_app.session.step_replay import StepReplay
 
-__all__ = ["Replay", "Replays"]
+if TYPE_CHECKING:
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto_app.session.pen_replay import PenReplay
+    from bozzetto_app.session.session import Session
 
-
-class Replay(PenReplay):
-    """Plays a drawing into a session, stroke by stroke."""
-
-    def start(self) -> None:
-        """Put the pen down."""
-        context = self.session.gestures.context
-        context.facts, context.pictures = self.drawing.facts, self.drawing.pictures
-        self.strokes = list(self.drawing.strokes)
-        self._runs = True
-        self.draw()
-
-    def stop(self) -> None:
-        """Take the pen away; finished strokes stay."""
-        if self._runs:
-            self.session.gestures.cancel()
-            self.take_pen_away()
-            self._end()
-
-    def moved(self, stroke: Stroke) -> None:
-        self.session.gestures.stroke_moved(stroke)
-
-    def lifted(self, stroke: Stroke) -> None:
-        self.session.gestures.stroke_lifted(stroke)
-        self.inked.emit(None)
-
-    def all_lifted(self) -> None:
-        if self.session.drawing.pending:
-            self.session.gestures.commit()
-        self._end()
-
-    def _end(self) -> None:
-        self._runs = False
-        context = self.session.gestures.context
-        context.facts, context.pictures = {}, {}
-        self.finished.emit()
+__all__ = ["Replays"]
 
 
 class Replays(QObject):
@@ -102,11 +66,14 @@ class Replays(QObject):
 
     def play(self, drawing: Drawing) -> None:
         """Replay a drawing on the sheet, seen as it was drawn."""
+        from bozzetto_app.session.step_replay import StepReplay
+        from bozzetto_app.session.stroke_replay import StrokeReplay
+
         self.stop()
         view = self._session.view
         view.set_camera(drawing.camera.with_viewport(*view.camera.viewport))
         self.began.emit()
-        kind = StepReplay if drawing.steps else Replay
+        kind = StepReplay if drawing.steps else StrokeReplay
         self.current = kind(self._session, drawing, speed=self.speed, parent=self)
         self.current.inked.connect(self.inked)
         self.current.finished.connect(self.finished)

@@ -32,8 +32,9 @@ from __future__ import annotations
 import itertools
 import threading
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 from bozzetto.document.links import is_same_recipe
 from bozzetto.document.model import Model
@@ -55,8 +56,7 @@ class Stage(IntEnum):
     REPORT = 4
 
 
-@dataclass(frozen=True)
-class Task:
+class Task(NamedTuple):
     """One stage of one revision of a model."""
 
     model: Model
@@ -245,7 +245,7 @@ class Revisions:
                 self._running = None
             course = self._courses.get(task.model.id)
             if course is not None:
-                done = replace(task, stage=task.stage if stage is None else stage)
+                done = task._replace(stage=task.stage if stage is None else stage)
                 course.made = max(course.made, done.progress)
                 if done.stage is Stage.PREVIEW and self._paints and self._dragging:
                     course.untaken += 1

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.scene.display_list import Layer, Scene
-from bozzetto.workbench.workbench import Workbench
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.selection import Selection
-from bozzetto_app.session.solver import Solver
-from bozzetto_app.session.toolbox import Toolbox
-from bozzetto_app.session.view_state import ViewState
+
+if TYPE_CHECKING:
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.selection import Selection
+    from bozzetto_app.session.solver import Solver
+    from bozzetto_app.session.toolbox import Toolbox
+    from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["SceneModel"]
 

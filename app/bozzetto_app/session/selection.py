@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.document.model import Document, Model
-from bozzetto_app.session.document_model import DocumentModel
+if TYPE_CHECKING:
+    from bozzetto.document.model import Document, Model
+    from bozzetto_app.session.document_model import DocumentModel
 
 __all__ = ["Selection", "target_of"]
 

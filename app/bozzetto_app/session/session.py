@@ -16,12 +16,10 @@ document themselves. Every call into a plugin that can wait runs in a worker
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from PySide6.QtCore import QObject, Signal, SignalInstance
 
-from bozzetto.document.model import Document
-from bozzetto.plugin.host.registry import Registry
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_model import DocumentModel
@@ -46,6 +44,10 @@ from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.session.tracing import Tracing
 from bozzetto_app.session.view_advice import ViewAdviser
 from bozzetto_app.session.view_state import ViewState
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Document
+    from bozzetto.plugin.host.registry import Registry
 
 __all__ = ["Session"]
 
@@ -103,7 +105,9 @@ class Session(QObject):
         edits = gestures.edits
         self.objects = objects = ObjectEdits(bench, drawing, selection, solver, notices)
         self.parts = parts = ObjectParts(bench, drawing, selection, objects, notices)
-        self.commands = ModelerCommands(bench, drawing, selection, context, edits, notices, self)
+        self.commands = ModelerCommands(
+            bench, drawing, selection, toolbox, context, edits, notices, self
+        )
         self.hints = Hints(bench, drawing, selection, toolbox, notices, self)
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
         self.readings = InkReadings(bench, drawing, selection, context, notices, self)

@@ -11,24 +11,26 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from bozzetto.document.links import LinkedModels, is_same_recipe
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.guard.guard import PluginFault
-from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Layer, Scene
-from bozzetto.workbench.workbench import Workbench
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.notices import Notices
 from bozzetto_app.session.revisions import Revisions, Stage, Task
-from bozzetto_app.session.selection import Selection
 from bozzetto_app.workers.channel import Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene.display_list import Layer, Scene
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.selection import Selection
 
 __all__ = ["Solver"]
 
@@ -281,9 +283,9 @@ class Solver(QObject):
         """Solve one model at one quality, or show its final result if that is cached."""
         bench, model, begun = self._workbench, task.model, time.monotonic()
         if bench.result(model, "final") is not None:
-            task = replace(task, stage=Stage.FINAL)
+            task = task._replace(stage=Stage.FINAL)
         elif not self._revisions.has_picture(task) and bench.best_result(model) is None:
-            ink = replace(task, stage=Stage.INK)
+            ink = task._replace(stage=Stage.INK)
             call_on_main_thread(self, self._take, ink, bench.model_scene(model, None))
         result = bench.solve(
             model, replace(job, quality="final" if task.stage is Stage.FINAL else "preview")

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from bozzetto.document.model import Model
 from bozzetto.ink.steps import DragStep, DrawStep, Step
 from bozzetto.plugin.context import Context
-from bozzetto.plugin.job import Job
 from bozzetto.workbench.part_edits import PartEdit
 from bozzetto.workbench.play_steps import steps_taken
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.pen_replay import PenReplay
 from bozzetto_app.workers.channel import Request
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.plugin.job import Job
 
 __all__ = ["StepReplay"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 __all__ = ["TOOL_KEYS", "ToolGroup", "ToolInfo", "groups_of", "keys_of"]
 
@@ -13,8 +13,7 @@ TOOL_KEYS = "1234567890"
 """The keys that take the tools of a modeler: one for each button of the rail, in their order."""
 
 
-@dataclass(frozen=True)
-class ToolInfo:
+class ToolInfo(NamedTuple):
     """A tool as the tool rail shows it."""
 
     id: str

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.plugin.host.registry import ModelerInfo
-from bozzetto.plugin.job import Job
 from bozzetto.plugin.overrides import overrides
-from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.tool_groups import ToolGroup, ToolInfo, groups_of
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.host.registry import ModelerInfo
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.selection import Selection
 
 __all__ = ["Toolbox"]
 

@@ -10,19 +10,19 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QImage
 
-from bozzetto.document.model import Document, Underlay
 from bozzetto.document.waiting_ink import WaitingStroke
 from bozzetto.errors import UserError
-from bozzetto.plugin.job import Job
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.toolbox import Toolbox
-from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Document, Underlay
     from bozzetto.ink.trace.trace import Sheet, TracedLine
+    from bozzetto.plugin.job import Job
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.toolbox import Toolbox
+    from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["Place", "Traced", "Tracing"]
 

@@ -9,26 +9,27 @@ from __future__ import annotations
 
 from collections import deque
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.job import Job
-from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
-from bozzetto.workbench.workbench import Workbench
-from bozzetto_app.session.document_model import DocumentModel
-from bozzetto_app.session.notices import Notices
-from bozzetto_app.session.scene_model import SceneModel
-from bozzetto_app.session.selection import Selection
-from bozzetto_app.session.solver import Solver
-from bozzetto_app.session.toolbox import Toolbox
-from bozzetto_app.session.view_state import ViewState
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.job import Job
+    from bozzetto.plugin.view_advice import ViewAdvice
+    from bozzetto.workbench.workbench import Workbench
+    from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.notices import Notices
+    from bozzetto_app.session.scene_model import SceneModel
+    from bozzetto_app.session.selection import Selection
+    from bozzetto_app.session.solver import Solver
+    from bozzetto_app.session.toolbox import Toolbox
+    from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["ViewAdviser"]
 
@@ -251,6 +252,8 @@ class ViewAdviser(QObject):
         known = self._empty
         if known is not None and known[0] == modeler and known[1] is visible:
             return known[2]
+        from bozzetto.plugin.context import Context
+
         model = self._workbench.create(modeler, Context(camera=camera, scene=visible))
         self._empty = modeler, visible, model
         return model

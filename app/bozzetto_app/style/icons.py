@@ -8,13 +8,16 @@ from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
 from PySide6.QtGui import QIcon, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
 
-from bozzetto.scene.palette import Color, Palette
 from bozzetto_app.style.colors import tones_of
+
+if TYPE_CHECKING:
+    from bozzetto.scene.palette import Color, Palette
 
 __all__ = ["FOLDER", "GRID", "icon", "icon_from_file", "icon_names", "paint_icon"]
 

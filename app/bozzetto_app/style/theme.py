@@ -7,6 +7,7 @@ effect on several platforms, so both themes bring all their colours.
 from __future__ import annotations
 
 import logging
+import os
 from enum import Enum
 from functools import lru_cache
 from pathlib import Path
@@ -16,9 +17,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QFont, QFontInfo, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication
 
-from bozzetto.atomic_files import write_bytes
-from bozzetto.errors import UserError
 from bozzetto.scene.palette import DARK, LIGHT, Color, Palette
+from bozzetto.temporary_files import temporary_path
 from bozzetto_app.paths import cache_folder
 from bozzetto_app.style.colors import Tones, tones_of
 from bozzetto_app.style.icons import FOLDER
@@ -177,7 +177,9 @@ def _tinted_files(tones: Tones) -> Path:
         try:
             if not place.is_file() or place.read_bytes() != content:
                 folder.mkdir(parents=True, exist_ok=True)
-                write_bytes(place, content)
-        except (OSError, UserError):
+                beside = temporary_path(place)
+                beside.write_bytes(content)
+                os.replace(beside, place)  # one that a crash damages is made again
+        except OSError:
             log.warning("the icon %s could not be kept", place, exc_info=True)
     return folder

@@ -6,7 +6,7 @@ import gc
 from collections.abc import Callable
 from pathlib import Path
 from time import monotonic
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from PySide6.QtCore import QEvent, QSettings
 from PySide6.QtGui import QKeySequence
@@ -14,14 +14,16 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.errors import UserError
-from bozzetto.ink.stroke import Stroke
-from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import Handle, Scene
 from bozzetto_app.main_window import Window
 from bozzetto_app.session.session import Session
 from bozzetto_app.startup import application
 from bozzetto_app.testing.stylus import Stylus
+
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.host.registry import Registry
 
 __all__ = ["WindowShell"]
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
 from PySide6.QtWidgets import QSlider, QWidget
 
-from bozzetto.scene.palette import Color
 from bozzetto_app.style.theme import qcolor, tones
+
+if TYPE_CHECKING:
+    from bozzetto.scene.palette import Color
 
 __all__ = ["Slider"]
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QPoint, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QAbstractButton, QColorDialog, QFrame, QGridLayout, QWidget
 
-from bozzetto.scene.palette import Color
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import current_palette, qcolor, tones
 from bozzetto_app.widgets.icon_button import RADIUS, paint_focus
+
+if TYPE_CHECKING:
+    from bozzetto.scene.palette import Color
 
 __all__ = ["Swatch", "chart", "color_name"]
 

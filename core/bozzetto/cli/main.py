@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from bozzetto import __version__
+from bozzetto.cli import SWITCHES
 from bozzetto.cli.build import build as run_build
 from bozzetto.cli.export import export as run_export
 from bozzetto.cli.handover import add_handover
@@ -35,12 +36,6 @@ from bozzetto.cli.plugins import plugins as run_plugins
 from bozzetto.cli.simulate import add_simulate
 from bozzetto.cli.trace import add_trace
 from bozzetto.errors import UserError
-
-COMMANDS = ("build", "trace", "export", "render", "simulate", "info", "samples", "plugins")
-"""Words after which no window opens."""
-
-SWITCHES = ("-v", "--verbose")
-"""Words that may stand before a command."""
 
 EXIT_INTERRUPTED = 130
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from bozzetto.document.history import History
-from bozzetto.document.model import Document, Model
 from bozzetto.document.waiting_ink import without
-from bozzetto.ink.stroke import Stroke
+
+if TYPE_CHECKING:
+    from bozzetto.document.history import History
+    from bozzetto.document.model import Document, Model
+    from bozzetto.ink.stroke import Stroke
 
 
 def take(history: History, label: str, model: Model, used: Sequence[Stroke] = ()) -> None:

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bozzetto.document.links import with_frozen, without_sources
 from bozzetto.document.model import Document, Model, NamedView, Underlay, new_id
 from bozzetto.errors import UserError
-from bozzetto.geometry.placement import Placement
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
+    from bozzetto.view.camera import Camera
 
 Color = tuple[int, int, int]
 

@@ -14,8 +14,6 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from bozzetto.ink.checked_points import is_seen, seen_through
-from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto.ink.curves.resample import resample
 from bozzetto.ink.stroke import Stroke
 
 WaitingStatus = Literal["new", "unfinished", "refused", "failed"]
@@ -126,6 +124,9 @@ def touched(waiting: Waiting, eraser: Stroke, reach: float) -> tuple[Stroke, ...
     reach : float
         Greatest distance between the two lines, pixels; at least one.
     """
+    from bozzetto.ink.curves.nearest import distances_to_polyline
+    from bozzetto.ink.curves.resample import resample
+
     path = resample(eraser.points, spacing=0.5 * reach)
     found = []
     for one in waiting:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from math import comb
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, Index
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Index
 
 
 def basis(degree: int, knots: Array, at: ArrayLike, order: int = 0) -> tuple[Index, Array]:

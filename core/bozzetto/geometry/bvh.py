@@ -13,12 +13,15 @@ from __future__ import annotations
 
 import weakref
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto.geometry.mesh import Mesh
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.mesh import Mesh
 
 LEAF = 8
 """Triangles in a leaf."""

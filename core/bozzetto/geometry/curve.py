@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array, frozen
 from bozzetto.geometry.basis import curve_derivative, lifted, lowered
-from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.refinement import refined
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
 
 Color = tuple[int, int, int]
 """Red, green and blue, 0 … 255, sRGB."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags
 
 FLATNESS: Final = 0.25
 """Distance, px, between a curve and its polyline that nobody sees; over the pixels per mm of

@@ -10,13 +10,15 @@ contraction", 1999) and turns no triangle over.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto.geometry.mesh import Mesh
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.mesh import Mesh
 
 BORDER: Final = 30.0
 """How much more moving a border costs than moving as far off a surface."""

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.bvh import FAN, LEAF, PAIRS_AT_ONCE, BoundingTree, tree_of
-from bozzetto.geometry.mesh import Mesh
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.mesh import Mesh
 
 ALIKE: Final = 0.5
 """Cosine of the angle between two normals from which they count as facing the same way: 60°.

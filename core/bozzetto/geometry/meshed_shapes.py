@@ -6,12 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
 from operator import itemgetter
+from typing import TYPE_CHECKING
 
-from bozzetto.geometry.brep.brep import Brep
 from bozzetto.geometry.brep.tessellation import counted_mesh
-from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.patches.tessellation import counted_patches
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.brep.brep import Brep
+    from bozzetto.geometry.patches.patchwork import Patchwork
 
 
 def meshed(shapes: Shapes) -> Shapes:

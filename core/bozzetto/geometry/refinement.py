@@ -7,9 +7,12 @@ that is the polynomial where all are equal. Control points are its values at kno
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Index
 
 
 def refined(degree: int, knots: Array, points: Array, new_knots: Array) -> Array:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.arrays import Array
 from bozzetto.geometry.placement import Placement
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 SAME_FACE: Final = np.cos(np.radians(1.0))
 """Cosine of the angle up to which neighbouring faces of a hull are one face."""

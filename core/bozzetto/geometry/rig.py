@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Floats, frozen
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.placement import Placement
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
 
 UNIT_SUM: float = 1e-5
 """Greatest difference of a vertex's weights from a sum of one: the rounding of float32."""

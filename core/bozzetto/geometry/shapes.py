@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,11 @@ from bozzetto.geometry.curve import Color as Color
 from bozzetto.geometry.curve import Curve as Curve
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.patchwork import Patchwork
-from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.texture import Texture
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,16 @@ Such charts are cut in two, across the way between these places, until none is.
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Array, Index
-from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.texture import Texture
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Index
+    from bozzetto.geometry.mesh import Mesh
 
 CUTS: Final = 12
 """Rounds of cutting charts in two."""

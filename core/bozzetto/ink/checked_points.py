@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
 
 FARTHEST: Final = 1e9
 """Largest coordinate, px: a million screens away. Squares of it and of its differences are

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 MOST_POINTS: Final = 20_000
 """Points of one curve."""

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.ink.stroke import Stroke
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.view.camera import Camera
 
 SAME_VIEW: Final = 1e-9
 """Difference between two cameras, relative to their distance, that carrying them into another frame

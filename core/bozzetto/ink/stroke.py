@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final, Literal, get_args
+from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.chunked import Chunked
 from bozzetto.errors import UserError
-from bozzetto.geometry.placement import Placement
 from bozzetto.ink.checked_points import FARTHEST, is_on_sheet
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
+    from bozzetto.view.camera import Camera
 
 StrokeTool = Literal["pen", "eraser", "mouse", "imported"]
 Column = NDArray[np.float32]

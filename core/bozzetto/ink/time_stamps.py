@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.ink.curves.resample import arc_length
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 NOMINAL_INTERVAL: Final = 1.0 / 125.0
 """Seconds between samples where the stamps say nothing: the slowest common tablet rate."""

@@ -32,7 +32,9 @@ class Command:
         A key or a combination as Qt writes it, such as "X" or "Shift+J"; "" for none. The
         program's own keys come first: where it has this one, the command has none.
     enabled : callable
-        ``enabled(state)``: whether the command means something now. Quick.
+        ``enabled(state)``: whether the command means something now. Quick. It is asked of an
+        empty state too: commands are there before the first object, and one that means
+        something then begins an object.
     """
 
     id: str

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
-from bozzetto.ink.stroke import Stroke
 from bozzetto.scene.display_list import Image, Layer, Scene, Shaded
 from bozzetto.scene.ink_projection import ProjectedInk, project_stroke
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.view.camera import Camera, Rays
 from bozzetto.view.rotations import triple
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
+    from bozzetto.ink.stroke import Stroke
 
 
 @dataclass(frozen=True)

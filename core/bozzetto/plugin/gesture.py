@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
-from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pluggy
 
-from bozzetto.plugin.modeler import Modeler
-from bozzetto.plugin.panel import PanelHost
+if TYPE_CHECKING:
+    from bozzetto.plugin.modeler import Modeler
+    from bozzetto.plugin.panel import PanelHost
 
 PROJECT = "bozzetto"
 

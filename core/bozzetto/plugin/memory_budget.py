@@ -5,9 +5,10 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Iterable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from bozzetto.plugin.memory_size import Size
+if TYPE_CHECKING:
+    from bozzetto.plugin.memory_size import Size
 
 MOST_BYTES: Final = 256 << 20
 """Bytes that all remembered answers of a process may take together: the program itself takes

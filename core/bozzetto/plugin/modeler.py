@@ -17,8 +17,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, TypeVar
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.gesture import Ink
-from bozzetto.plugin.next_step import NextStep
-from bozzetto.plugin.tool import Tool
 
 if TYPE_CHECKING:
     from bozzetto.geometry.shapes import Curve, Shapes
@@ -30,6 +28,8 @@ if TYPE_CHECKING:
     from bozzetto.plugin.context import Context
     from bozzetto.plugin.figures import Figure
     from bozzetto.plugin.job import Job
+    from bozzetto.plugin.next_step import NextStep
+    from bozzetto.plugin.tool import Tool
     from bozzetto.plugin.view_advice import ViewAdvice
     from bozzetto.scene.display_list import Scene
     from bozzetto.view.camera import Camera

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from bozzetto.plugin.next_step import NextStep
+if TYPE_CHECKING:
+    from bozzetto.plugin.next_step import NextStep
 
 
 class PanelHost(Protocol):

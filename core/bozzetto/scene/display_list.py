@@ -10,15 +10,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import count
-from typing import Final, Literal, get_args
+from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.geometry.placement import Placement
 from bozzetto.scene.palette import ROLES, Color
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
 
 Paint = str | Color
 """A role of the theme, such as "ink" or "accent", or a colour of its own."""

@@ -8,20 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink.checked_points import places_on_sheet
 from bozzetto.ink.curves.resample import arc_length, distinct, points_along
-from bozzetto.ink.stroke import Stroke
 from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.scene.picking import Hits, cast_rays
 from bozzetto.scene.surface_places import SurfacePlaces
 from bozzetto.scene.surface_runs import depth_breaks, unbroken_runs
 from bozzetto.scene.tangent_bridge import bridged
 from bozzetto.view.camera import Camera, Rays
+
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
 
 STEP: Final = 1.0
 """Longest way between two samples, px: what is narrower than a pixel is not seen either."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,9 @@ from bozzetto.geometry.bvh import first_hits, tree_of
 from bozzetto.geometry.mesh_places import closest_on_triangles
 from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.scene.surface_places import SurfacePlaces, topology_of
-from bozzetto.view.camera import Rays
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Rays
 
 
 class SceneSurface(NamedTuple):

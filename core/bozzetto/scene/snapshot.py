@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,9 +11,11 @@ from bozzetto.scene.display_list import Handle, Layer, Scene, Shaded
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.renderer import Shading, render
 from bozzetto.scene.thickness_view import thickness_view
-from bozzetto.scene.wall_thickness import Walls
-from bozzetto.view.camera import Camera
 from bozzetto.view.page import framing, page_view
+
+if TYPE_CHECKING:
+    from bozzetto.scene.wall_thickness import Walls
+    from bozzetto.view.camera import Camera
 
 
 def picture(

@@ -11,15 +11,17 @@ from __future__ import annotations
 import weakref
 from dataclasses import dataclass, replace
 from hashlib import blake2b
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array, Flags, frozen
-from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.mesh_places import alike, closest_on_mesh, face_normals, mesh_points
 from bozzetto.scene.display_list import Scene, Shaded
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.mesh import Mesh
 
 ROUNDING: Final = 1e-6
 """How far from one the sum of barycentric coordinates may be in a file."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags, Index
 
 BROKEN: Final = 5.0
 """Difference in depth per distance across the line of sight by which the step between neighbours

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
-from bozzetto.view.camera import Rays
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.view.camera import Rays
 
 LEAST_FACING: Final = 0.26
 """Cosine between the normal and the line of sight, 75°, below which the tangent plane is seen too

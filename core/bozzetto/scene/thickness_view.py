@@ -8,17 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Floats, Index
 from bozzetto.geometry.bvh import first_hits, tree_of
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.display_list import Label, Layer, Points, Scene, Shaded
-from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.normals import corner_normals
 from bozzetto.scene.wall_thickness import INSIDE, Walls, walls_of
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags, Floats, Index
+    from bozzetto.scene.palette import Palette
 
 THIN: Final = 0.5
 """Thickness at the thin end of the scale, mm: a wall of one line of most printers."""

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.scene.display_list import Scene
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.renderer import Shading, render
 from bozzetto.scene.snapshot import framed, without_handles
 from bozzetto.scene.thickness_view import thickness_view
-from bozzetto.view.camera import Camera
 from bozzetto.view.page import framing
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.scene.display_list import Scene
+    from bozzetto.view.camera import Camera
 
 MOST_PICTURES: Final = 720
 """Pictures of one turn: two for each degree."""

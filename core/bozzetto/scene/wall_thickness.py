@@ -9,14 +9,17 @@ twice its own thickness.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bozzetto.arrays import Array, Faces, Index
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.display_list import Layer, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.camera import Rays
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Faces, Index
 
 RAYS = 2000
 """Facets that are looked at, and places beside: meshes are finest where they are thin."""

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry.placement import Placement
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.geometry.placement import Placement
 
 Point = tuple[float, float, float]
 

@@ -8,13 +8,16 @@ sketch that was drawn from there and what is laid over it stay together.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
-from bozzetto.view.camera import Camera
 from bozzetto.view.rotations import triple
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.view.camera import Camera
 
 FOV_LIMITS = (0.5, 150.0)
 """Opening angles (degrees) within which a perspective view is zoomed about its eye."""

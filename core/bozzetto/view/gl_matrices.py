@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
-from bozzetto.view.camera import Camera
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.view.camera import Camera
 
 DEPTH_RATIO = 1e-4
 """Nearest over farthest depth of a perspective view; below it 24 bits resolve too little."""

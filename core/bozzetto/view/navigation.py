@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.view.camera import Camera
 from bozzetto.view.eye_fixed_motion import aimed, enlarged
 from bozzetto.view.rotations import POLE, slerp, steepness, triple, upright
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 TURN_PER_PIXEL = 0.4
 """Degrees of orbit for a pixel of drag: 450 px turn the view half round."""
@@ -230,19 +232,22 @@ def fit(camera: Camera, bounds: ArrayLike, margin: float = FIT_MARGIN) -> Camera
     share = 1.0 - 2.0 * min(max(margin, 0.0), 0.49)
     width, height = camera.viewport
     across = np.abs(seen[:, :2]) / (share * np.array((width / height, 1.0)))
+    half_depth = float(np.abs(seen[:, 2]).max())
     if camera.kind == "orthographic":
-        visible = 2.0 * float(across.max())
-        if visible <= 0:
-            visible = camera.height
-        visible = float(np.clip(visible, MIN_VISIBLE, MAX_VISIBLE))
-        distance = float(np.abs(seen[:, 2]).max()) + STANDOFF * visible
-        return _stood(replace(camera, height=visible), middle, distance)
+        visible = _framing_height(camera, 2.0 * float(across.max()), half_depth)
+        return _stood(replace(camera, height=visible), middle, half_depth + STANDOFF * visible)
     slope = np.tan(np.radians(camera.fov_y) / 2.0)
     distance = float((across.max(1) / slope - seen[:, 2]).max())
-    half_depth = float(np.abs(seen[:, 2]).max())
     distance = _framing_distance(camera, distance, across.max(), half_depth)
     limits = np.array((MIN_VISIBLE, MAX_VISIBLE)) / (2.0 * slope)
     return _stood(camera, middle, float(np.clip(distance, *limits)))
+
+
+def _framing_height(camera: Camera, visible: float, half_depth: float) -> float:
+    """Return what of the world an orthographic canvas shows from top to bottom (mm)."""
+    if visible <= 2.0 * END_ON * half_depth:
+        visible = max(visible, camera.height)
+    return float(np.clip(visible, MIN_VISIBLE, MAX_VISIBLE))
 
 
 def _framing_distance(
@@ -295,10 +300,7 @@ def fit_points(camera: Camera, points: ArrayLike, margin: float = FIT_MARGIN) ->
     width, height = camera.viewport
     room = share * np.array((width / height, 1.0))
     if camera.kind == "orthographic":
-        visible = float(((high - low)[:2] / room).max())
-        if visible <= END_ON * half_depth:
-            visible = max(visible, camera.height)
-        visible = float(np.clip(visible, MIN_VISIBLE, MAX_VISIBLE))
+        visible = _framing_height(camera, float(((high - low)[:2] / room).max()), half_depth)
         flat = replace(camera, height=visible)
         return _stood(flat, middle + centre @ axes, half_depth + STANDOFF * visible)
     opening = np.tan(np.radians(camera.fov_y) / 2.0)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
-from bozzetto.view.camera import Camera, Point
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.view.camera import Camera, Point
 
 POLE = 1e-3
 """Cosine of the elevation below which Z no longer says which way is up."""

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import product
 from types import MappingProxyType
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.errors import UserError
-from bozzetto.view.camera import Camera, Point
 from bozzetto.view.rotations import POLE, placed, steepness, unit, upright
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera, Point
 
 STANDARD_VIEWS: Final[Mapping[str, tuple[Point, Point]]] = MappingProxyType(
     {

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from bozzetto.document.model import Model, OpaqueState
 from bozzetto.errors import UserError
-from bozzetto.plugin.commands import Command
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.host.registry import Registry
 from bozzetto.workbench.links import with_state
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.commands import Command
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.host.registry import Registry
 
 
 class ModelCommands:

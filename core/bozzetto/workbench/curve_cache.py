@@ -9,14 +9,16 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.plugin.guard.guard import PluginFault
-from bozzetto.plugin.host.registry import Registry
 from bozzetto.workbench.placed import shapes_in_world
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.geometry.shapes import Curve, Shapes
+    from bozzetto.plugin.host.registry import Registry
 
 KEPT = 64
 """Models whose curves are kept; they can always be learnt again."""
@@ -57,6 +59,8 @@ class KnownCurves:
             told = self._registry.guarded(model.modeler).curves(model.state, result)
         except UserError:
             told = ()
+        from bozzetto.geometry.shapes import Shapes
+
         own = Shapes(curves=told)
         with self._lock:
             self._kept[_key(model)] = _Known(model, own, shapes_in_world(own, model).curves)

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.document.links import resolved
-from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on
 from bozzetto.exchange.export import WRITERS, Exported, Ready, prepare_file
@@ -21,11 +20,12 @@ from bozzetto.exchange.left_out import LeftOut
 from bozzetto.exchange.svg.writer import is_plan
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cautions import Caution
-from bozzetto.plugin.job import Job
-from bozzetto.view.camera import Camera
 from bozzetto.view.page import framing, page_view
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Document, Model
+    from bozzetto.plugin.job import Job
+    from bozzetto.view.camera import Camera
     from bozzetto.workbench.workbench import Workbench
 
 ABSENT = {

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.document.links import resolved
-from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.tool import Tool
 from bozzetto.view.camera import Camera
 from bozzetto.workbench.export_document import chosen_models, object_shapes, unusable
-from bozzetto.workbench.workbench import Workbench
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Document, Model
+    from bozzetto.plugin.tool import Tool
+    from bozzetto.workbench.workbench import Workbench
 
 LONGEST: Final = 0.05
 """Longest step of a tool, s; see `Tool.step`."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bozzetto.document.model import Model, OpaqueState
-from bozzetto.plugin.cautions import Caution
-from bozzetto.plugin.host.registry import Registry
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.cautions import Caution
+    from bozzetto.plugin.host.registry import Registry
 
 
 def with_state(registry: Registry, model: Model, state: Any) -> Model:
@@ -36,6 +38,8 @@ def frozen_cautions(model: Model) -> tuple[Caution, ...]:
     """Return what a person must know of a model whose sources are frozen."""
     if not model.frozen:
         return ()
+    from bozzetto.plugin.cautions import Caution
+
     names = " and ".join(f"“{source.name}”" for source in model.frozen)
     were = "it was" if len(model.frozen) == 1 else "they were"
     return (Caution(f"“{model.name}” keeps {names} as {were} when it stopped following."),)

@@ -10,16 +10,16 @@ from __future__ import annotations
 import weakref
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.parameters import parameter_fields, set_parameters
-from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
-from bozzetto.plugin.host.registry import Registry
-from bozzetto.plugin.part_tree import PartTree
-from bozzetto.plugin.parts import PartsState
 from bozzetto.workbench.links import with_state
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.plugin.part_tree import PartTree
 
 
 class PartEdit(NamedTuple):
@@ -62,6 +62,8 @@ class PartEdits:
     @staticmethod
     def may_have(model: Model) -> bool:
         """Whether a model is made of parts; asks no plugin."""
+        from bozzetto.plugin.parts import PartsState
+
         return isinstance(model.state, PartsState)
 
     def remembered(self, model: Model) -> PartTree | None:
@@ -140,6 +142,8 @@ class PartEdits:
         “Part 2.blend” names a part's; a name that the state does not know means the chosen
         part, or all parts that have it where the chosen one has not.
         """
+        from bozzetto.parameters import parameter_fields, set_parameters
+
         modeler, tree = self._registry.guarded(model.modeler), self.of(model)
         own = {field.name for field in parameter_fields(type(model.state))}
         inner = {name: value for name, value in values.items() if name not in own}
@@ -208,4 +212,6 @@ def _with_values(tree: PartTree, values: Mapping[str, object], own: set[str]) ->
 
 
 def _names(part: Any) -> set[str]:
+    from bozzetto.parameters import parameter_fields
+
     return {field.name for field in parameter_fields(type(part))}

@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.geometry.shapes import Shapes
 from bozzetto.scene.display_list import Scene, Shaded
 
-Answer = TypeVar("Answer", Scene, Shapes)
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.geometry.shapes import Shapes
+
+Answer = TypeVar("Answer", Scene, "Shapes")
 
 
 def scene_in_world(scene: Scene, model: Model) -> Scene:
@@ -71,7 +73,8 @@ def _named(shapes: Shapes, model: Model) -> Shapes:
             made.append(replace(part, **changes))
         return tuple(made)
 
-    return Shapes(**{entry.name: named(getattr(shapes, entry.name)) for entry in fields(Shapes)})
+    rows = {entry.name: named(getattr(shapes, entry.name)) for entry in fields(shapes)}
+    return replace(shapes, **rows)
 
 
 def plain(value: Any) -> Any:

@@ -6,9 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, assert_never
 
-from bozzetto.document.model import Model
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.steps import (
     AddStep,
     CommandStep,
@@ -27,14 +25,16 @@ from bozzetto.ink.steps import (
     UngroupStep,
 )
 from bozzetto.parameters import parameter_fields
-from bozzetto.plugin.context import Context
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Scene
-from bozzetto.view.camera import Camera
 from bozzetto.workbench.part_edits import PartEdit
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto.plugin.context import Context
+    from bozzetto.scene.display_list import Scene
+    from bozzetto.view.camera import Camera
     from bozzetto.workbench.workbench import Workbench
 
 MOST_SEEN: Final = 32

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bozzetto.document.model import Model
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.geometry.placement import Placement
-from bozzetto.plugin.gesture import Gesture
-from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
-from bozzetto.plugin.tool import Preview
 from bozzetto.scene.display_list import Scene
 from bozzetto.workbench.placed import scene_in_world
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.geometry.placement import Placement
+    from bozzetto.plugin.gesture import Gesture
+    from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
+    from bozzetto.plugin.tool import Preview
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from bozzetto.document.model import Document, Model
 from bozzetto.document.waiting_ink import strokes_of
 from bozzetto.errors import UserError
-from bozzetto.ink.drawing import Drawing
-from bozzetto.ink.stroke import Stroke, Strokes
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.job import Job
 from bozzetto.scene.palette import LIGHT, Palette
 
 if TYPE_CHECKING:
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
 
 NO_INK: Final = "There is no ink in it: it was not drawn with a pen. Choose another object."
@@ -90,6 +90,9 @@ class InkReadings:
     @staticmethod
     def drawing_of_strokes(strokes: Iterable[Stroke], name: str) -> Drawing:
         """Return loose strokes as a drawing; its camera is that of the first."""
+        from bozzetto.ink.drawing import Drawing
+        from bozzetto.ink.stroke import Strokes
+
         ink = Strokes(strokes)
         return Drawing(ink, ink[0].camera, name)
 

@@ -7,16 +7,16 @@ import threading
 from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 from bozzetto.document.model import LONGEST_CHAIN, Model
 from bozzetto.errors import UserError
-from bozzetto.geometry.placement import Placement
-from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.guard.guard import PluginFault
-from bozzetto.plugin.job import Job
 
 if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
+    from bozzetto.geometry.shapes import Shapes
+    from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
 
 KEPT_RESULTS: Final = 64
@@ -24,10 +24,10 @@ KEPT_RESULTS: Final = 64
 
 Quality = Literal["preview", "final"]
 
-Used = tuple[tuple[str, Placement, int], ...]
+Used: TypeAlias = "tuple[tuple[str, Placement, int], ...]"
 """What a result was made from: ids of sources, where they lay, numbers of their results."""
 
-Key = tuple[int, str, Used]
+Key: TypeAlias = "tuple[int, str, Used]"
 
 
 @dataclass(frozen=True)

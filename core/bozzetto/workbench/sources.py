@@ -6,18 +6,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
-from bozzetto.exchange.reading import MeshFile
-from bozzetto.geometry.shapes import Shapes
-from bozzetto.images.stored_picture import Picture
-from bozzetto.ink.drawing import Drawing
-from bozzetto.parameters import parameter_fields
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.job import Job
 from bozzetto.workbench.links import with_state
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model
+    from bozzetto.exchange.reading import MeshFile
+    from bozzetto.geometry.shapes import Shapes
+    from bozzetto.images.stored_picture import Picture
+    from bozzetto.ink.drawing import Drawing
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
 
 
@@ -47,6 +46,8 @@ class ModelSources:
         says beyond its strokes is in the context all the way (`Context.facts`), and so are the
         pictures and drawings that it names.
         """
+        from bozzetto.plugin.context import Context
+
         context = replace(
             context or Context(camera=drawing.camera),
             facts=drawing.facts,
@@ -105,6 +106,8 @@ class ModelSources:
         shapes = file.shapes
         chosen = dict(values or {})
         if file.guess is not None:
+            from bozzetto.parameters import parameter_fields
+
             fields = {field.name for field in parameter_fields(self._state_type(modeler_id))}
             guessed = {"up": file.guess.up, "unit": file.guess.unit}
             if fields.issuperset(guessed):
@@ -226,6 +229,8 @@ class ModelSources:
         context: Context | None = None,
     ) -> Model:
         """Make a model that works on a picture; see `with_picture`."""
+        from bozzetto.plugin.context import Context
+
         context = context or Context()
         model = self._bench.create(modeler_id, context, name=picture.name)
         model = self.with_picture(model, picture, context)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from bozzetto.atomic_files import write_bytes
-from bozzetto.document.model import Document
 from bozzetto.errors import UserError
 from bozzetto.plugin.job import Job
-from bozzetto.workbench.workbench import Workbench
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Document
+    from bozzetto.workbench.workbench import Workbench
 
 ENDINGS: Final = (".gif", ".png")
 """Of the files: a moving picture, or a row of pictures."""

@@ -9,37 +9,38 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bozzetto.document.links import resolved
 from bozzetto.document.model import Document, Model, OpaqueState, new_id
 from bozzetto.errors import UserError
-from bozzetto.geometry.placement import Placement
-from bozzetto.geometry.shapes import Shapes
-from bozzetto.plugin.cache import forget_all
-from bozzetto.plugin.cautions import Caution
-from bozzetto.plugin.context import Context
-from bozzetto.plugin.figures import Figure
-from bozzetto.plugin.gesture import Drag, Gesture
-from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
-from bozzetto.plugin.host.registry import Registry
-from bozzetto.plugin.job import Job
-from bozzetto.plugin.modeler import Modeler
-from bozzetto.plugin.next_step import NextStep
 from bozzetto.plugin.overrides import overrides
-from bozzetto.plugin.tool import Tool
-from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.scene.display_list import Image, Layer, Scene
-from bozzetto.view.camera import Camera
 from bozzetto.workbench.commands import ModelCommands
 from bozzetto.workbench.curve_cache import KnownCurves
 from bozzetto.workbench.links import frozen_cautions, with_state
 from bozzetto.workbench.part_edits import PartEdits
 from bozzetto.workbench.placed import plain, scene_in_world, shapes_in_world
-from bozzetto.workbench.previews import ModelPreview
 from bozzetto.workbench.readings import InkReadings
 from bozzetto.workbench.results import KnownResults
 from bozzetto.workbench.sources import ModelSources
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
+    from bozzetto.geometry.shapes import Shapes
+    from bozzetto.plugin.cautions import Caution
+    from bozzetto.plugin.context import Context
+    from bozzetto.plugin.figures import Figure
+    from bozzetto.plugin.gesture import Drag, Gesture
+    from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
+    from bozzetto.plugin.host.registry import Registry
+    from bozzetto.plugin.job import Job
+    from bozzetto.plugin.modeler import Modeler
+    from bozzetto.plugin.next_step import NextStep
+    from bozzetto.plugin.tool import Tool
+    from bozzetto.plugin.view_advice import ViewAdvice
+    from bozzetto.view.camera import Camera
+    from bozzetto.workbench.previews import ModelPreview
 
 
 class Workbench:
@@ -144,6 +145,8 @@ class Workbench:
 
     def begin(self, model: Model, tool: Tool[Any], context: Context) -> ModelPreview:
         """Return the preview of a gesture that begins; gestures and scenes are in the world."""
+        from bozzetto.workbench.previews import ModelPreview
+
         to_own, own = self._frame_of(model, context)
         modeler = self.guarded(model)
         return ModelPreview(modeler, modeler.begin(tool, model.state, own), model, to_own)
@@ -340,6 +343,8 @@ class Workbench:
 
     def forget_results(self) -> None:
         """Drop all results and what modelers remember: their documents are closed."""
+        from bozzetto.plugin.cache import forget_all
+
         self._results.forget()
         forget_all()
         self.curves.forget()
@@ -397,6 +402,8 @@ class Workbench:
         Of a document they are those of all its models; single models are given with what they
         follow in them (`bozzetto.document.links.resolved`).
         """
+        from bozzetto.geometry.shapes import Shapes
+
         total = Shapes()
         for model in resolved(models).values() if isinstance(models, Document) else models:
             if self.is_foreign(model):

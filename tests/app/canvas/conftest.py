@@ -117,6 +117,7 @@ def canvas(qtbot, session):
     qtbot.addWidget(made)
     made.resize(800, 600)
     made.show()
+    made.viewports.first_painted.emit()  # nobody waits for it in each test
     return made
 
 

@@ -94,12 +94,12 @@ def test_curves_are_there_for_the_next_gesture(session, settle):
 def test_facts_of_a_watched_drawing_reach_the_new_model(session, settle, qtbot):
     from bozzetto.ink import Strokes
     from bozzetto.ink.drawing import Drawing
-    from bozzetto_app.session.replay import Replay
+    from bozzetto_app.session.stroke_replay import StrokeReplay
 
     session.selection.select(None)
     stroke = stroke_of([(300.0, 300.0), (350.0, 350.0), (400.0, 400.0)], session.view.camera)
     drawing = Drawing(Strokes((stroke,)), session.view.camera, facts={"box": 42.0})
-    replay = Replay(session, drawing, speed=1000.0)
+    replay = StrokeReplay(session, drawing, speed=1000.0)
     with qtbot.waitSignal(replay.finished, timeout=20_000):
         replay.start()
     settle(session)

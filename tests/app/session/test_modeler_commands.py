@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
 
+from bozzetto.plugin import Command
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.actions.dynamic_menus import RESERVED
 from tests.adviser import MODELER
@@ -79,12 +81,77 @@ def test_what_is_enabled_follows_the_state(session, settle):
     assert session.commands.is_enabled("flip")
     session.drawing.undo()
     settle(session)
-    assert session.commands.commands == ()
+    assert not session.commands.is_enabled("flip")
+    assert session.commands.is_for_none
     session.drawing.redo()
     settle(session)
     session.selection.select(session.drawing.document.models[0].id)
     settle(session)
     assert session.commands.is_enabled("flip")
+
+
+def with_seed(marks, monkeypatch):
+    """Let a modeler have a command that draws where nothing is drawn."""
+    whole = marks.commands
+
+    def seed(state, context):
+        return replace(state, marks=(*state.marks, ((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))))
+
+    command = Command("seed", "Seed", "Draws a first mark.", seed, enabled=lambda s: not s.marks)
+    monkeypatch.setattr(marks, "commands", lambda: [*whole(), command])
+
+
+def test_commands_are_there_before_the_first_object(make_session, marks, settle, monkeypatch):
+    with_seed(marks, monkeypatch)
+    session = make_session(MODELER, extra=[marks.package])
+    settle(session)
+    commands = session.commands
+    assert [one.id for one in commands.commands] == ["flip", "refuse", "seed"]
+    assert [commands.is_enabled(one.id) for one in commands.commands] == [False, True, True]
+    assert not session.drawing.document.models  # asking leaves nothing behind
+    for command in ("refuse", "flip"):
+        commands.run(command)
+        settle(session)
+        assert not session.drawing.document.models
+    steps = session.drawing.history.position
+    commands.run("seed")
+    settle(session)
+    (model,) = session.drawing.document.models
+    assert model.state.marks == (((0.0, 0.0, 0.0), (1.0, 2.0, 3.0)),)
+    assert session.selection.id == model.id
+    assert session.drawing.history.position == steps + 1
+    assert session.drawing.history.undo_label == "Seed"
+    assert not commands.is_enabled("seed")
+    assert commands.is_enabled("flip")
+    draw(session, settle)
+    assert len(session.drawing.document.models[0].state.marks) == 2
+    session.drawing.undo()
+    session.drawing.undo()
+    settle(session)
+    assert not session.drawing.document.models
+    assert commands.is_enabled("seed")
+
+
+def test_a_second_object_can_begin_with_a_command(make_session, marks, settle, monkeypatch):
+    with_seed(marks, monkeypatch)
+    session = make_session(MODELER, extra=[marks.package])
+    draw(session, settle)
+    session.gestures.commit()  # the next stroke starts a new object
+    settle(session)
+    session.commands.run("seed")
+    settle(session)
+    assert len(session.drawing.document.models) == 2
+    assert len({model.name for model in session.drawing.document}) == 2
+
+
+def test_a_command_on_what_is_deleted_meanwhile_begins_nothing(session, settle):
+    (model,) = session.drawing.document.models
+    session.commands.run("flip")
+    session.commands.run("flip")
+    session.objects.delete(model.id)
+    settle(session)
+    assert not session.drawing.document.models
+    assert "Flip" not in session.drawing.history.entries
 
 
 def test_a_modeler_that_fails_to_name_its_commands_is_asked_once(
@@ -148,14 +215,39 @@ def test_the_key_of_a_command_works_and_a_taken_one_stays_the_programs(window, s
     assert window.session.drawing.history.undo_label == "Flip"
 
 
-def test_commands_go_when_no_model_of_theirs_is_selected(window, settle):
+def test_commands_stay_for_the_next_object_and_say_what_they_need(window, settle):
     window.session.selection.select(None)
+    settle(window.session)
+    registry = window.actions_
+    flip = next(a for a in registry.actions() if a.id == "command.flip")
+    assert not flip.enabled()
+    assert "Draw one first" in flip.why_not()
+    window.session.selection.select(window.session.drawing.document.models[0].id)
+    settle(window.session)
+    flip = next(a for a in registry.actions() if a.id == "command.flip")
+    assert flip.enabled()
+
+
+def test_commands_go_with_their_modeler(window, settle):
+    window.session.selection.select(None)
+    window.session.toolbox.take_modeler("bozzetto.skin")  # has none
     settle(window.session)
     assert not [a for a in window.actions_.actions() if a.id.startswith("command.")]
     assert window.actions_.holder("X") is None
-    window.session.selection.select(window.session.drawing.document.models[0].id)
-    settle(window.session)
-    assert {"command.flip", "command.refuse"} <= {a.id for a in window.actions_.actions()}
+
+
+def test_the_rough_shape_of_a_product_is_chosen_before_its_first_curve(make_window, settle):
+    window = make_window("bozzetto.product")
+    session = window.session
+    session.toolbox.ask_for_tools()
+    settle(session)
+    ids = [one.id for one in session.commands.commands if session.commands.is_enabled(one.id)]
+    assert {"add-sphere", "add-bottle"} <= set(ids)
+    window.actions_.run("command.add-sphere")
+    settle(session)
+    (model,) = session.drawing.document.models
+    kinds = [node.kind for node in model.state.nodes if hasattr(node, "kind")]
+    assert "sphere" in kinds
 
 
 def test_two_commands_with_one_key_leave_it_to_the_first(make_window, marks, settle):
@@ -184,6 +276,6 @@ def test_no_bundled_modeler_wants_a_key_that_it_cannot_have(make_window):
             if command.key
         ]
         assert len(set(wanted)) == len(wanted), info.id
-        held = {key: actions.holder(key) for key in wanted}
-        assert {key: one.id for key, one in held.items() if one is not None} == {}, info.id
+        held = [one.id for key in wanted if (one := actions.holder(key)) is not None]
+        assert [one for one in held if not one.startswith("command.")] == [], info.id
         assert not set(wanted) & set(RESERVED), info.id

@@ -7,7 +7,8 @@ import pytest
 
 from bozzetto.ink import Strokes
 from bozzetto.ink.drawing import Drawing
-from bozzetto_app.session.replay import Replay, Replays
+from bozzetto_app.session.replay import Replays
+from bozzetto_app.session.stroke_replay import StrokeReplay
 from tests.app.tablet import Stylus, circle, stroke_of
 from tests.app.troublemaker import MODELER
 from tests.sizes import sized
@@ -35,7 +36,7 @@ def test_the_strokes_arrive_sample_by_sample_and_whole(session, settle, qtbot):
     recorded = drawing(session, 1.0, 1.0)
     growing = []
     session.scene.live_changed.connect(lambda: growing.append(len(session.drawing.document)))
-    replay = Replay(session, recorded, speed=4.0)
+    replay = StrokeReplay(session, recorded, speed=4.0)
     with qtbot.waitSignal(replay.finished, timeout=20_000):
         replay.start()
     settle(session)
@@ -49,7 +50,7 @@ def test_the_strokes_arrive_sample_by_sample_and_whole(session, settle, qtbot):
 
 
 def test_what_is_left_open_at_the_end_is_finished(session, settle, qtbot):
-    replay = Replay(session, drawing(session, 0.6), speed=FAST)
+    replay = StrokeReplay(session, drawing(session, 0.6), speed=FAST)
     with qtbot.waitSignal(replay.finished, timeout=20_000):
         replay.start()
     settle(session)
@@ -62,7 +63,7 @@ def test_strokes_without_time_are_played_too(session, settle, qtbot):
 
     points = circle()
     bare = Stroke(x=points[:, 0], y=points[:, 1], camera=session.view.camera)
-    replay = Replay(session, Drawing(Strokes((bare,)), session.view.camera), speed=FAST)
+    replay = StrokeReplay(session, Drawing(Strokes((bare,)), session.view.camera), speed=FAST)
     with qtbot.waitSignal(replay.finished, timeout=20_000):
         replay.start()
     settle(session)
@@ -70,7 +71,7 @@ def test_strokes_without_time_are_played_too(session, settle, qtbot):
 
 
 def test_stopping_keeps_what_was_finished_and_nothing_of_the_rest(session, settle, qtbot):
-    replay = Replay(session, drawing(session, *[1.0] * 10), speed=8.0)
+    replay = StrokeReplay(session, drawing(session, *[1.0] * 10), speed=8.0)
     replay.start()
     qtbot.waitUntil(lambda: len(session.drawing.document) == 1, timeout=20_000)
     with qtbot.waitSignal(replay.finished):

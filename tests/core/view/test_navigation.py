@@ -15,6 +15,7 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.gl_matrices import gl_matrices, near_far
 from bozzetto.view.navigation import (
     CLEARANCE,
+    END_ON,
     fit,
     fit_points,
     interpolate,
@@ -209,6 +210,32 @@ def test_points_are_never_smaller_than_in_the_fitted_box(camera, corner, size):
     else:
         back = camera.axes[2]
         assert np.dot(tight.eye, back) >= np.dot(loose.eye, back) - 1e-6 * tight.distance
+
+
+@pytest.mark.parametrize("fov_y", [20.0, 90.0, 116.0, 150.0])
+def test_a_cube_along_its_diagonal_is_framed_as_it_lies(fov_y):
+    """However wide the view, and however far the eye was before: it is not seen end on."""
+    corners = np.array(list(product((0.0, 100.0), repeat=3)))
+    found = []
+    for before in (1.0, 300.0, 1e5):
+        eye = tuple(before * np.ones(3))
+        camera = Camera("perspective", eye=eye, target=(0, 0, 0), fov_y=fov_y)
+        found.append(fit_points(camera, corners).distance)
+        assert fit(camera, (corners[0], corners[-1])).distance >= found[-1] * (1 - 1e-9)
+    np.testing.assert_allclose(found, found[0], rtol=1e-6)
+    assert found[0] < 100.0 * np.sqrt(3.0) / np.tan(np.radians(fov_y) / 2.0) + 90.0
+
+
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+@pytest.mark.parametrize("thin", [1e-5, 2e-4, 3e-3, 0.1])
+def test_box_and_points_agree_on_what_is_seen_end_on(kind, thin):
+    camera = Camera(kind, eye=(0, -500, 0), target=(0, 0, 0))
+    bounds = ((0, 0, 0), (100 * thin, 100, 100 * thin))
+    corners = np.array(list(product(*zip(*bounds, strict=True))))
+    loose, tight = fit(camera, bounds), fit_points(camera, corners)
+    assert tight.visible_height == pytest.approx(loose.visible_height, rel=1e-6)
+    kept = thin < END_ON
+    assert (tight.visible_height >= camera.visible_height) == kept
 
 
 @pytest.mark.parametrize("kind", ["perspective", "orthographic"])

@@ -14,10 +14,7 @@ from typing import TYPE_CHECKING, Final, Literal
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QEventPoint, QMouseEvent, QTabletEvent, QTouchEvent, QWheelEvent
 
-from bozzetto.ink.stroke import Stroke, StrokeTool
 from bozzetto.plugin.gesture import Drag, Tap
-from bozzetto.scene.display_list import Handle
-from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.input.handle_picking import HANDLE_REACH, INKING_REACH, HandleTargets
 from bozzetto_app.canvas.input.state_machine import (
     TAP_TRAVEL,
@@ -39,9 +36,12 @@ from bozzetto_app.canvas.input.tablet_events import (
     tablet_sample,
 )
 from bozzetto_app.canvas.input.view_control import ViewControl
-from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
 
 if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke, StrokeTool
+    from bozzetto.scene.display_list import Handle
+    from bozzetto.view.camera import Camera
+    from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
     from bozzetto_app.session.session import Session
     from bozzetto_app.session.tool_groups import ToolInfo
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from bozzetto.scene.display_list import Handle, Scene
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
 
 __all__ = ["HANDLE_REACH", "INKING_REACH", "HandleTargets"]
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 __all__ = [
     "FLICK_TRAVEL",
@@ -101,8 +101,7 @@ class Button(Enum):
     """The barrel button, or the right mouse button."""
 
 
-@dataclass(frozen=True)
-class Keys:
+class Keys(NamedTuple):
     """Keys held down."""
 
     alt: bool = False
@@ -121,8 +120,7 @@ class Keys:
 NO_KEYS: Final = Keys()
 
 
-@dataclass(frozen=True)
-class Press:
+class Press(NamedTuple):
     """A pointer that goes down.
 
     Parameters

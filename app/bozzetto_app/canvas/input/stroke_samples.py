@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.ink.stroke import Stroke, StrokeTool
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
 
 __all__ = ["Clock", "PressureCurve", "RawSample", "SampleColumns"]
 

@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF
 
-from bozzetto.scene.picking import cast_rays
-from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import orbit, pan, zoom
 from bozzetto_app.canvas.input.state_machine import Motion
 
 if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
     from bozzetto_app.session.session import Session
 
 __all__ = ["Fingers", "ViewControl"]
@@ -134,6 +133,8 @@ class ViewControl:
 
     def under(self, x: float, y: float) -> NDArray[np.float64]:
         """Return the place in the world under a canvas position, mm: on a surface, or the sheet."""
+        from bozzetto.scene.picking import cast_rays
+
         camera = self._session.view.camera
         hits = cast_rays(self._session.scene.visible, camera.rays([(x, y)]))
         if hits.hit[0]:

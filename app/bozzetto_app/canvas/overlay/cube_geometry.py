@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.view.camera import Camera, Point
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera, Point
 
 __all__ = ["EDGE", "FACES", "Face", "SeenFace", "direction_at", "patch", "seen_faces"]
 
@@ -20,8 +22,7 @@ FACING: Final = 0.06
 """Cosine of the angle to the eye below which a face is too thin to be shown."""
 
 
-@dataclass(frozen=True)
-class Face:
+class Face(NamedTuple):
     """One side of the cube: its outward direction, and its right and up when upright."""
 
     name: str

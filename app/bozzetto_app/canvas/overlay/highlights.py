@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt, QTimer
 from PySide6.QtGui import QPainter, QPen
 from PySide6.QtWidgets import QWidget
 
-from bozzetto.scene.palette import Palette
 from bozzetto_app.canvas.screen_limits import limited_place, rect_around
 from bozzetto_app.style.colors import tones_of
 from bozzetto_app.style.theme import qcolor
+
+if TYPE_CHECKING:
+    from bozzetto.scene.palette import Palette
 
 __all__ = ["LitPlaces"]
 

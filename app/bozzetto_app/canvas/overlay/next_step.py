@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QPointF, QRect, Qt
 from PySide6.QtGui import QPainter, QPen
 
-from bozzetto.scene.palette import Palette
 from bozzetto_app.canvas.screen_limits import limited_place, rect_around
 from bozzetto_app.style.theme import qcolor
+
+if TYPE_CHECKING:
+    from bozzetto.scene.palette import Palette
 
 __all__ = ["NextPlace"]
 

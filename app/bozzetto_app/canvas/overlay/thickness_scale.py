@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QLinearGradient, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.palette import LIGHT, Palette
-from bozzetto.scene.thickness_view import (
-    THICK,
-    THIN,
-    ThicknessView,
-    thickness_colors,
-    written_thickness,
-)
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.colors import readable, tones_of
 from bozzetto_app.style.theme import qcolor
+
+if TYPE_CHECKING:
+    from bozzetto.scene.thickness_view import ThicknessView
 
 __all__ = ["ThicknessScale"]
 
@@ -68,12 +64,18 @@ class ThicknessScale(QWidget):
         elif view.thinnest is None:
             self.words = tr("Thickness", "Nothing here is closed, so no wall can be measured.")
         else:
+            from bozzetto.scene.thickness_view import written_thickness
+
             thickness = written_thickness(view.thinnest.thinnest)
             self.words = tr("Thickness", "Thinnest wall: {thickness}", thickness=thickness)
         self.setAccessibleName(self.words)
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
+        from PySide6.QtGui import QLinearGradient
+
+        from bozzetto.scene.thickness_view import THICK, THIN, thickness_colors
+
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         tones = tones_of(self._palette)

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QPainter, QPainterPath, QPen
 
-from bozzetto.document.waiting_ink import WaitingStroke
 from bozzetto.ink.checked_points import is_seen, seen_through
-from bozzetto.scene.palette import Palette
-from bozzetto.view.camera import Camera
 from bozzetto_app.style.theme import qcolor
+
+if TYPE_CHECKING:
+    from bozzetto.document.waiting_ink import WaitingStroke
+    from bozzetto.scene.palette import Palette
+    from bozzetto.view.camera import Camera
 
 __all__ = ["MarkedLine"]
 

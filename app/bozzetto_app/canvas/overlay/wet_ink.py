@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt, QTimer
@@ -19,14 +18,10 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPaintEvent, Q
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.ink.checked_points import is_seen, seen_through
-from bozzetto.ink.stroke import Stroke
-from bozzetto.scene.display_list import Paint
 from bozzetto.scene.palette import LIGHT, Color, Palette
-from bozzetto.view.camera import Camera
 from bozzetto_app.canvas.overlay.highlights import LitPlaces
 from bozzetto_app.canvas.overlay.next_step import NextPlace
 from bozzetto_app.canvas.overlay.ribbon import InkPoint, Smoother, ribbon_path, smoothed
-from bozzetto_app.canvas.overlay.waiting_ink import MarkedLine
 from bozzetto_app.canvas.screen_limits import (
     inside_runs,
     limited_place,
@@ -34,6 +29,12 @@ from bozzetto_app.canvas.screen_limits import (
     rect_around,
 )
 from bozzetto_app.style.theme import qcolor
+
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
+    from bozzetto.scene.display_list import Paint
+    from bozzetto.view.camera import Camera
+    from bozzetto_app.canvas.overlay.waiting_ink import MarkedLine
 
 __all__ = ["InkOverlay", "Tip"]
 
@@ -54,8 +55,7 @@ HOT_RADIUS: Final = 13.0
 """Radius of the ring around the handle that a press would take, pixels."""
 
 
-@dataclass(frozen=True)
-class Tip:
+class Tip(NamedTuple):
     """How wide the pen draws.
 
     Parameters

@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import math
 from time import perf_counter
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from OpenGL import GL
@@ -37,8 +37,10 @@ from bozzetto_app.canvas.viewport.opengl_items import (
     Programs,
     SurfaceItem,
 )
-from bozzetto_app.canvas.viewport.protocol import Shading
 from bozzetto_app.style.colors import mixed
+
+if TYPE_CHECKING:
+    from bozzetto_app.canvas.viewport.protocol import Shading
 
 __all__ = ["GLViewport", "layer_items"]
 

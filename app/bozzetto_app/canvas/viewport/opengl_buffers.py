@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.display_list import Image, Layer, Lines, Points, Shaded
-from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.highlights import SHEENS
 from bozzetto.scene.renderer.normals import corner_normals, mean_curvature
 from bozzetto.scene.renderer.shading import Shading, curvature_colors, draft_colors
 from bozzetto.scene.renderer.surfaces import is_polished
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.mesh import Mesh
+    from bozzetto.scene.palette import Palette
 
 __all__ = [
     "HIDDEN_KINDS",

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from OpenGL import GL
 from pyqtgraph.opengl.GLGraphicsItem import GLGraphicsItem
 
-from bozzetto.scene.display_list import Image
 from bozzetto.scene.renderer.lines_and_points import DASH, FAINT_OPACITY, FAINT_WIDTH, GAP
-from bozzetto_app.canvas.viewport.opengl_buffers import Batch
 from bozzetto_app.canvas.viewport.opengl_shaders import ATTRIBUTES, compile_program
 from bozzetto_app.canvas.viewport.opengl_textures import Textures
+
+if TYPE_CHECKING:
+    from bozzetto.scene.display_list import Image
+    from bozzetto_app.canvas.viewport.opengl_buffers import Batch
 
 __all__ = ["BatchItem", "Frame", "GlassItem", "LineItem", "PictureItem", "Programs", "SurfaceItem"]
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import logging
 import os
-from typing import Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 from PySide6.QtGui import QGuiApplication, QImage, QOffscreenSurface, QOpenGLContext
 from PySide6.QtWidgets import QWidget
 
-from bozzetto.scene.display_list import Scene
-from bozzetto.scene.palette import Palette
-from bozzetto.view.camera import Camera
 from bozzetto_app.session.view_state import Shading
+
+if TYPE_CHECKING:
+    from bozzetto.scene.display_list import Scene
+    from bozzetto.scene.palette import Palette
+    from bozzetto.view.camera import Camera
 
 __all__ = [
     "BACKEND_VARIABLE",

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from time import perf_counter
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,10 @@ from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.view.camera import Camera
-from bozzetto_app.canvas.viewport.protocol import Shading
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto_app.canvas.viewport.protocol import Shading
 
 __all__ = ["SoftwareViewport"]
 
@@ -174,7 +176,8 @@ class SoftwareViewport(QWidget):
         if not self._was_painted:
             self._was_painted = True
             self.first_painted.emit()
-            self._ask()
+            # The renderer is imported once all of the window is painted.
+            QTimer.singleShot(0, self, self._ask)
         self.painted.emit(self._scenes - self._scenes_shown)
 
     def resizeEvent(self, event: QResizeEvent) -> None:

@@ -8,9 +8,6 @@ from typing import TYPE_CHECKING, Final
 from PySide6.QtCore import QObject, QRect, Qt, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
-from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Scene
-from bozzetto.scene.palette import Palette
 from bozzetto_app.canvas.viewport.protocol import (
     Shading,
     ViewportBackend,
@@ -22,6 +19,9 @@ from bozzetto_app.canvas.viewport.thickness_channel import ThicknessChannel
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene.display_list import Scene
+    from bozzetto.scene.palette import Palette
     from bozzetto_app.canvas.viewport.opengl import GLViewport
     from bozzetto_app.session.session import Session
 

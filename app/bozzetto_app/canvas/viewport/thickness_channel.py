@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.plugin.job import Job
-from bozzetto.scene.display_list import Scene
-from bozzetto.scene.palette import Palette
-from bozzetto.scene.thickness_view import ThicknessView, thickness_view
 from bozzetto_app.workers.channel import Channel, Request
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.job import Job
+    from bozzetto.scene.display_list import Scene
+    from bozzetto.scene.palette import Palette
+    from bozzetto.scene.thickness_view import ThicknessView
 
 __all__ = ["ThicknessChannel"]
 
@@ -72,6 +76,8 @@ class ThicknessChannel(QObject):
     def _measure(self, job: Job, wanted: tuple[Scene, Palette] | None) -> ThicknessView | None:
         if wanted is None:
             return None
+        from bozzetto.scene.thickness_view import thickness_view
+
         return thickness_view(*wanted, lambda: job.checkpoint(0.0, ""))
 
     def _take(self, view: ThicknessView | None) -> None:

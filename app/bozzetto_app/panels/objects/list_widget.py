@@ -25,11 +25,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto_app.panels.objects.object_row import ROW
 from bozzetto_app.style.theme import qcolor, tones
 from bozzetto_app.widgets.icon_button import RADIUS
 
-__all__ = ["GROUP_KEY", "KIND", "ObjectList"]
+__all__ = ["GROUP_KEY", "KIND", "ROW", "ObjectList"]
+
+ROW: Final = 32
+"""Height of a row, px."""
 
 KIND: Final = Qt.ItemDataRole.UserRole
 """Where an item keeps what it stands for."""

@@ -17,8 +17,8 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QSizePolicy, QWidget
 
-from bozzetto.document.model import Model, Underlay
 from bozzetto_app.i18n import tr
+from bozzetto_app.panels.objects.list_widget import ROW
 from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import qcolor, tones
 from bozzetto_app.widgets.icon_button import IconButton
@@ -26,12 +26,10 @@ from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import Swatch
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model, Underlay
     from bozzetto_app.session.session import Session
 
-__all__ = ["FOLD", "GUTTER", "ROW", "Eye", "Fold", "ModelRow", "NamedRow", "Sign", "UnderlayRow"]
-
-ROW = 32
-"""Height of a row, px."""
+__all__ = ["FOLD", "GUTTER", "Eye", "Fold", "ModelRow", "NamedRow", "Sign", "UnderlayRow"]
 
 GUTTER = 4
 """Room before the arrow of a row, px."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from difflib import SequenceMatcher
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtWidgets import (
@@ -17,9 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto_app.i18n import tr
-from bozzetto_app.panels.objects.list_widget import GROUP_KEY, KIND, ObjectList
-from bozzetto_app.panels.objects.object_row import ROW, ModelRow, NamedRow, UnderlayRow
-from bozzetto_app.panels.objects.part_row import PartRow
+from bozzetto_app.panels.objects.list_widget import GROUP_KEY, KIND, ROW, ObjectList
 from bozzetto_app.panels.objects.rows import Entry, entries_of, link_words, place_of_drop
 from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.tab_order import put_in_tab_order
@@ -109,38 +106,65 @@ class ObjectsPanel(QWidget):
             for part, depth in tree.rows()
         }
         for row, entry in enumerate(self._entries):
-            item = self.list.item(row)
-            widget = self.list.itemWidget(item)
-            name = ""
-            if isinstance(widget, ModelRow):
-                model, tree = document.model(entry.id), trees[entry.id]
-                folds = tree is not None and bool(tree.parts)
-                link = link_words(model, document)
-                widget.show_model(model, self._is_open(entry.id) if folds else None, link)
-                name = ", ".join(word for word in (model.name, link) if word)
-            elif isinstance(widget, PartRow):
-                part, depth = depths[entry]
-                tree = trees[entry.model]
-                group = tree is not None and part.id in tree.groups
-                is_open = (entry.model, part.id) not in self._folded_groups
-                widget.show_part(part, depth, is_open if group else None)
-                flags = FLAGS | Qt.ItemFlag.ItemIsDragEnabled
-                item.setFlags(flags | Qt.ItemFlag.ItemIsDropEnabled if group else flags)
-                name = ", ".join(word for word in (part.name, widget.sign.accessibleName()) if word)
-            elif isinstance(widget, UnderlayRow):
-                underlay = next(u for u in document.underlays if u.id == entry.id)
-                widget.show_underlay(underlay)
-                name = underlay.name
-            item.setData(Qt.ItemDataRole.AccessibleTextRole, name)
+            part = depths.get(entry)
+            tree = trees.get(entry.model if part else entry.id)
+            name = self._show_entry(self.list.item(row), entry, tree, part)
+            self.list.item(row).setData(Qt.ItemDataRole.AccessibleTextRole, name)
         empty = not document.models and not document.underlays
         self._empty.setVisible(empty)
         self.list.setVisible(not empty)
         self._mark()
 
+    def _show_entry(
+        self,
+        item: QListWidgetItem,
+        entry: Entry,
+        tree: PartTree | None,
+        placed: tuple[Any, int] | None,
+    ) -> str:
+        """Show a row as what it stands for is now, and return its name.
+
+        Parameters
+        ----------
+        item : QListWidgetItem
+            The row.
+        entry : Entry
+            What it stands for.
+        tree : PartTree, optional
+            Parts of its model.
+        placed : tuple of part and int, optional
+            The part that it stands for, and how deep that lies.
+        """
+        from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow
+        from bozzetto_app.panels.objects.part_row import PartRow
+
+        document, widget = self._session.drawing.document, self.list.itemWidget(item)
+        if isinstance(widget, ModelRow):
+            model = document.model(entry.id)
+            folds = tree is not None and bool(tree.parts)
+            link = link_words(model, document)
+            widget.show_model(model, self._is_open(entry.id) if folds else None, link)
+            return ", ".join(word for word in (model.name, link) if word)
+        if isinstance(widget, PartRow) and placed is not None:
+            part, depth = placed
+            group = tree is not None and part.id in tree.groups
+            is_open = (entry.model, part.id) not in self._folded_groups
+            widget.show_part(part, depth, is_open if group else None)
+            flags = FLAGS | Qt.ItemFlag.ItemIsDragEnabled
+            item.setFlags(flags | Qt.ItemFlag.ItemIsDropEnabled if group else flags)
+            return ", ".join(word for word in (part.name, widget.sign.accessibleName()) if word)
+        if isinstance(widget, UnderlayRow):
+            underlay = next(u for u in document.underlays if u.id == entry.id)
+            widget.show_underlay(underlay)
+            return underlay.name
+        return ""
+
     # -- what a person can do --
 
     def rename_current(self) -> None:
         """Edit the name of what is chosen in place."""
+        from bozzetto_app.panels.objects.object_row import NamedRow
+
         widget = self.list.itemWidget(self.list.currentItem())
         if isinstance(widget, NamedRow):
             widget.edit_name()
@@ -214,6 +238,9 @@ class ObjectsPanel(QWidget):
         self.refresh()
 
     def _fold_current(self, is_open: bool) -> None:
+        from bozzetto_app.panels.objects.object_row import ModelRow
+        from bozzetto_app.panels.objects.part_row import PartRow
+
         widget = self.list.itemWidget(self.list.currentItem())
         if isinstance(widget, ModelRow | PartRow) and widget.fold.isVisibleTo(widget):
             self.fold(self._current(), is_open)
@@ -249,6 +276,8 @@ class ObjectsPanel(QWidget):
 
     def _exchange(self, wanted: list[Entry]) -> None:
         """Make the rows those that are wanted; the others stay, with the keyboard on them."""
+        from difflib import SequenceMatcher
+
         self._filling = True
         changes = SequenceMatcher(None, self._entries, wanted, autojunk=False).get_opcodes()
         for change, low, high, begin, end in reversed(changes):
@@ -276,6 +305,9 @@ class ObjectsPanel(QWidget):
         self.list.setItemWidget(item, self._widget(entry))
 
     def _widget(self, entry: Entry) -> QWidget:
+        from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow
+        from bozzetto_app.panels.objects.part_row import PartRow
+
         session = self._session
         if entry.kind == "underlay":
             underlay = next(u for u in session.drawing.document.underlays if u.id == entry.id)

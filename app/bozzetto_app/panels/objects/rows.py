@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from bozzetto.document.model import Document, Model
-from bozzetto.plugin.part_tree import PartTree
 from bozzetto_app.i18n import tr
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Document, Model
+    from bozzetto.plugin.part_tree import PartTree
 
 __all__ = ["Entry", "entries_of", "link_words", "place_of_drop"]
 

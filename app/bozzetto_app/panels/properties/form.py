@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from bozzetto.parameters import Field
 from bozzetto_app.i18n import tr
 from bozzetto_app.panels.properties.drag_pace import DragPace
-from bozzetto_app.panels.properties.parameter_row import ParameterRow
 from bozzetto_app.panels.properties.report import Figures
 from bozzetto_app.settings import settings
 from bozzetto_app.widgets.section import Section, hairline
 from bozzetto_app.widgets.tab_order import put_in_tab_order
 
 if TYPE_CHECKING:
+    from bozzetto.parameters import Field
+    from bozzetto_app.panels.properties.parameter_row import ParameterRow
     from bozzetto_app.session.session import Session
 
 __all__ = ["ParametersPanel"]
@@ -148,7 +148,8 @@ class ParametersPanel(QScrollArea):
         column = QVBoxLayout(self._form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(12)
-        self._fill(column, session.objects.parameters, "", session.objects.set_parameter)
+        if session.objects.parameters:
+            self._fill(column, session.objects.parameters, "", session.objects.set_parameter)
         part = session.parts.chosen
         if part is not None and session.parts.parameters:
             inner = QWidget()
@@ -173,6 +174,8 @@ class ParametersPanel(QScrollArea):
         change: Callable[..., None],
     ) -> None:
         """Make the rows of a model's or a part's parameters; advanced ones are folded."""
+        from bozzetto_app.panels.properties.parameter_row import ParameterRow
+
         advanced = QWidget()
         folded = QVBoxLayout(advanced)
         folded.setContentsMargins(0, 4, 0, 0)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from statistics import median
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent
@@ -45,8 +43,7 @@ NOTHING_SAID = Figure("")
 """Of a value whose modeler says nothing about it: it is shown by its key."""
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """One row: a heading where `value` is None, a remark where it is empty."""
 
     key: str
@@ -107,6 +104,8 @@ def _is_number(value: Any) -> bool:
 
 def _spread(values: Sequence[float], figure: Figure) -> str:
     """Return the median of many numbers, and the largest of them."""
+    from statistics import median
+
     middle, largest = _said(median(values), figure), _said(max(values), figure)
     return tr("Figures", "{middle}, at most {largest}", middle=middle, largest=largest)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 from numpy.typing import NDArray
@@ -40,8 +40,10 @@ from bozzetto.document.storage.zip_container import (
 )
 from bozzetto.document.waiting_ink import Waiting, strokes_of
 from bozzetto.errors import DocumentError
-from bozzetto.ink.stroke import Stroke
 from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
 
 CHANGE, PARTS = "change.json", "parts.json"
 MAX_NAMED: Final = 16

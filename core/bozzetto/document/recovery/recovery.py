@@ -23,7 +23,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from bozzetto.atomic_files import DISK, FileStamp, explain
 from bozzetto.document.model import Document
@@ -41,11 +41,13 @@ from bozzetto.document.recovery.recovery_session import (
 )
 from bozzetto.document.storage.bozz_file import open_document
 from bozzetto.document.storage.bozz_reader import parse_document
-from bozzetto.document.storage.state_codec import StateTypes
 from bozzetto.document.storage.zip_container import decode_json
 from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.ink.stroke import Stroke
 from bozzetto.temporary_files import remove_leftovers
+
+if TYPE_CHECKING:
+    from bozzetto.document.storage.state_codec import StateTypes
 
 __all__ = ["CrashedSession", "Recovered", "RecoverySession", "RecoveryStore"]
 

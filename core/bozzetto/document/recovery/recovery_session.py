@@ -10,19 +10,21 @@ import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 
 from bozzetto.atomic_files import FileStamp, atomic_write
-from bozzetto.document.model import Document
-from bozzetto.document.recovery.file_lock import FileLock
 from bozzetto.document.recovery.journal import JournalWriter
 from bozzetto.document.recovery.journal_records import ChangeWriter
 from bozzetto.document.storage.bozz_file import write_document
 from bozzetto.document.storage.zip_container import encode_json
 from bozzetto.errors import UserError
-from bozzetto.ink.stroke import Stroke
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Document
+    from bozzetto.document.recovery.file_lock import FileLock
+    from bozzetto.ink.stroke import Stroke
 
 REBASE_BYTES: Final = 64 << 20
 """A journal longer than this (and than four times its base) makes room for a new base."""

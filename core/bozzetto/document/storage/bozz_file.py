@@ -28,6 +28,7 @@ from __future__ import annotations
 import io
 import os
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from bozzetto.atomic_files import DISK, Disk, FileStamp, Over, Written, atomic_write, read_stamped
 from bozzetto.chunked import Chunked
@@ -36,9 +37,11 @@ from bozzetto.document.model import Document
 from bozzetto.document.storage.bozz_reader import StoredDocument, parse_document
 from bozzetto.document.storage.bozz_writer import packed
 from bozzetto.document.storage.records import open_model
-from bozzetto.document.storage.state_codec import StateTypes
 from bozzetto.document.storage.zip_container import MAX_FILE_BYTES
 from bozzetto.errors import DocumentError
+
+if TYPE_CHECKING:
+    from bozzetto.document.storage.state_codec import StateTypes
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from bozzetto import __version__
-from bozzetto.document.model import Document
 from bozzetto.document.storage.bozz_parts import (
     FORMAT,
     FROZEN_COLUMNS,
@@ -27,12 +27,15 @@ from bozzetto.document.storage.bozz_parts import (
 )
 from bozzetto.document.storage.migrations import FROZEN, VERSION, WAITING
 from bozzetto.document.storage.records import store_model, store_underlay, store_waiting
-from bozzetto.document.storage.state_codec import EncodedState
 from bozzetto.document.storage.stroke_columns import pack_strokes
 from bozzetto.document.storage.underlays import encode_png
 from bozzetto.document.storage.zip_container import ContainerWriter
 from bozzetto.document.waiting_ink import strokes_of
-from bozzetto.ink.stroke import Stroke
+
+if TYPE_CHECKING:
+    from bozzetto.document.model import Document
+    from bozzetto.document.storage.state_codec import EncodedState
+    from bozzetto.ink.stroke import Stroke
 
 
 def packed(document: Document, thumbnail: bytes | None) -> ContainerWriter:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import numpy as np
@@ -29,7 +29,9 @@ from bozzetto.document.storage.state_codec import (
 from bozzetto.document.waiting_ink import Waiting, WaitingStatus, WaitingStroke
 from bozzetto.errors import DocumentError
 from bozzetto.geometry.placement import Placement
-from bozzetto.ink.stroke import Stroke
+
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
 
 Id = Annotated[str, Meta(pattern=ID_PATTERN)]
 

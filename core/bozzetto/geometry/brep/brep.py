@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,9 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.basis import curve_derivative, span_parameters
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
-from bozzetto.geometry.placement import Placement
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
 
 Finish = Literal["matt", "gloss", "rubber", "metal", "glass"]
 """Materials that surfaces look as if they were made of."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from bozzetto.geometry.brep.brep import Brep, Face, ParameterCurve, Trim
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Curve
 from bozzetto.geometry.patches.coons import edge_numbers
-from bozzetto.geometry.patches.patchwork import Patchwork
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.patches.patchwork import Patchwork
 
 KNOTS: Final = frozen((0.0,) * 4 + (1.0,) * 4, np.float64)
 """Knots with which a cubic B-spline of four control points is a Bézier curve."""

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import lifted, lowered, span_parameters
 from bozzetto.geometry.brep.brep import FURTHEST, GAP, Brep, refuse_far
@@ -19,6 +18,9 @@ from bozzetto.geometry.brep.sewing import sewn
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
 from bozzetto.geometry.refinement import refined
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 FULL: Final = 2.0 * pi
 

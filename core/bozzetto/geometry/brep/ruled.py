@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import lifted, lowered
 from bozzetto.geometry.brep.brep import Brep, gap_tolerance, refuse_far
 from bozzetto.geometry.brep.sewing import sewn
 from bozzetto.geometry.brep.surface import BSplineSurface
-from bozzetto.geometry.curve import Color, Curve
 from bozzetto.geometry.refinement import elevated, refined
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.geometry.curve import Color, Curve
 
 SAME_KNOT: Final = 1e-12
 """Difference of knots over the range 0 … 1 that counts as none."""

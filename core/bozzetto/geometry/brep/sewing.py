@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.geometry.brep.brep import Brep, Face, ParameterCurve, Trim, gap_tolerance
-from bozzetto.geometry.curve import Color, Curve
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.geometry.curve import Color, Curve
 
 SAME_SHARE: Final = 1e-9
 """Difference of knots, as share of the range, and of weights, as share of the largest, that

@@ -8,11 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.geometry.brep.surface import BSplineSurface
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.brep.surface import BSplineSurface
 
 
 @dataclass(frozen=True, eq=False)

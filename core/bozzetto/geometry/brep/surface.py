@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import comb
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array, frozen
 from bozzetto.geometry.basis import basis, lifted
-from bozzetto.geometry.placement import Placement
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
 
 FLAT_SINE: Final = 1e-9
 """Sine of the angle between the tangents in u and v below which they tell no tangent plane."""

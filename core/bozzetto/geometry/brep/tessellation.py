@@ -9,20 +9,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index, frozen
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import span_parameters
-from bozzetto.geometry.brep.brep import Brep, Face, Trim
 from bozzetto.geometry.brep.kept_answers import kept
 from bozzetto.geometry.brep.shared_sides import FaceTriangles, with_single_sides
-from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.brep.triangulation import triangulated
-from bozzetto.geometry.curve import Curve
 from bozzetto.geometry.mesh import Mesh
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.brep.brep import Brep, Face, Trim
+    from bozzetto.geometry.brep.surface import BSplineSurface
+    from bozzetto.geometry.curve import Curve
 
 TOLERANCE: Final = 1e-4
 """Usual distance of triangles from the surface, per diagonal of what is shown."""

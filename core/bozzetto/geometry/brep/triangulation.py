@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags, Index
 
 MARGIN: Final = 0.4
 """Least distance between rings and whole cells, in cells."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.geometry.patches.patch import Places, grid, points_at
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 SEEDS: Final = 10
 """Places tried along u and along v of each patch; even, for each quarter gives its best one."""

@@ -23,10 +23,13 @@ side  where    runs
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, Index
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Index
 
 
 def edge_numbers(sides: ArrayLike) -> Index:

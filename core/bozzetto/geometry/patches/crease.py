@@ -11,14 +11,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, Index
 from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patch import grid_normals
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Index
 
 SMOOTH: Final = 0.1
 """Degrees below which no crease is seen: the tolerance of class A surfacing."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +17,9 @@ from bozzetto.geometry.patches.coons import (
     with_boundaries,
 )
 from bozzetto.geometry.patches.patch import turned_over
-from bozzetto.geometry.placement import Placement
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
 
 TURNED_SIDES = (0, 3, 2, 1)
 """New order of a patch's sides after u is reversed; all of them change their sense."""

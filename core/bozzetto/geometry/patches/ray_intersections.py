@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.patches.patch import Places, points_at, split
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags, Index
 
 LEVELS: Final = 5
 """Times that patches are cut in quarters before Newton's method takes over."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,9 @@ from bozzetto.arrays import Array, Index, frozen
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.coons import edge_numbers
 from bozzetto.geometry.patches.patch import bernstein, grid, grid_normals
-from bozzetto.geometry.patches.patchwork import Patchwork
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.patches.patchwork import Patchwork
 
 TOLERANCE: Final = 1e-4
 """Usual distance of triangles from the surface, per diagonal of what is shown: half a millimetre

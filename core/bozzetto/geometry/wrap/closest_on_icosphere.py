@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.mesh_places import closest_on_triangles
-from bozzetto.geometry.wrap.icosphere import Icosphere
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.wrap.icosphere import Icosphere
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,12 +10,11 @@ between them, so the curves pull at the skin and not the skin at the curves.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.mesh_places import closest_on_mesh
@@ -24,6 +23,9 @@ from bozzetto.geometry.wrap.closest_on_icosphere import closest_on_icosphere
 from bozzetto.geometry.wrap.icosphere import Icosphere, icosphere
 from bozzetto.geometry.wrap.thin_plate import even_energy, hold_at, pull_towards, true_energy
 from bozzetto.geometry.wrap.wireframe import MIRROR, Wireframe, wireframe
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 Checkpoint = Callable[[float, str], None]
 

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
-from bozzetto.geometry.wrap.closest_on_icosphere import MeshPoints
 from bozzetto.geometry.wrap.icosphere import icosphere
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
+
+    from bozzetto.arrays import Array, Index
+    from bozzetto.geometry.wrap.closest_on_icosphere import MeshPoints
 
 
 Energy = Any

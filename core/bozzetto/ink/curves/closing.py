@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.ink.curves.intersections import self_crossings
 from bozzetto.ink.curves.resample import arc_length, distinct, points_along
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 END_SHARE: Final = 0.2
 """Share of the length at each end within which the ends may overlap or be trimmed."""

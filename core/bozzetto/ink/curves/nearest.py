@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.ink.checked_points import is_on_sheet, places_on_sheet
 from bozzetto.ink.curves.resample import resample
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 SAMPLES: Final = 96
 """Places of the stroke, at equal steps, whose distances are averaged: enough that the mean

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, Index
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Index
 
 
 def arc_length(points: ArrayLike) -> Array:

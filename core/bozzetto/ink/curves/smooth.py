@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.ink.curves.resample import arc_length, distinct, points_along
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 REACH: Final = 4.0
 """Half width of the kernel in standard deviations; what lies beyond weighs 6e-5."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.ink.merge.resample_all import Ordering, ResampledInk
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 THINNING: Final = 2.0
 """Side of the squares in which ink is averaged to a point of the ridge, in spacings."""

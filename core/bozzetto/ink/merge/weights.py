@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.ink.stroke import Stroke
+if TYPE_CHECKING:
+    from bozzetto.ink.stroke import Stroke
 
 FADE: Final = 0.7
 """Factor of a stroke's weight for each later stroke: after three of them a third is left."""

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry import Spline
 from bozzetto.ink.checked_points import FARTHEST
 from bozzetto.ink.curves.resample import arc_length
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.geometry import Spline
 
 LOOKS: Final = 1024
 """Places by which the length of an image is measured."""

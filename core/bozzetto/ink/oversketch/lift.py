@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import places_on_sheet
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
 
 NEAREST: Final = 1e-4
 """Least distance from the eye of a perspective camera, as a share of the distance to its

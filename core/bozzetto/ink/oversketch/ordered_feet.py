@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Index
 
 FEET_LAPS: Final = 3
 """Rounds of a closed curve that are laid out: a stroke may start anywhere and go round

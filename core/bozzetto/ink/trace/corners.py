@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags, Index
 
 ARM: Final = 6.0
 """Length along a line, on both sides of a place, that tells how it turns there, in widths."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import heapq
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.ink.trace.skeleton import length
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 TOUCHING: Final = 1.5
 """Gap that is bridged whatever the directions, in widths of the line."""

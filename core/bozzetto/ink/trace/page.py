@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Array, Flags
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags
 
 COARSE: Final = 256
 """Longest side of the picture in which the page is looked for, pixels."""

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.stroke import Stroke, Strokes
-from bozzetto.ink.trace.trace import TracedLine
 from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
+    from bozzetto.ink.trace.trace import TracedLine
 
 PAGE_WIDTH: Final = 200.0
 """Width of a page in the world, mm; as wide as a picture that is laid under the sheet."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -24,11 +24,13 @@ from bozzetto.plugin.guard.checked_values import (
 )
 from bozzetto.plugin.guard.scene_validation import sound_scene
 from bozzetto.plugin.next_step import NextStep
-from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import Part
 from bozzetto.plugin.tool import Preview, Tool
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.plugin.part_tree import PartTree
 
 MOST_FIRST: Final = 3
 """Parameters that a form shows before all others."""

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.plugin.guard import answer_validation as validation
-from bozzetto.plugin.guard.guard import Guard
 from bozzetto.plugin.guard.scene_validation import sound_scene
 from bozzetto.plugin.guard.shape_validation import sound_shapes
-from bozzetto.plugin.modeler import Modeler
 from bozzetto.plugin.overrides import overrides
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import Group, PartsModeler, PartsState
@@ -24,7 +22,9 @@ if TYPE_CHECKING:
     from bozzetto.plugin.commands import Command
     from bozzetto.plugin.context import Context
     from bozzetto.plugin.gesture import Drag, Gesture
+    from bozzetto.plugin.guard.guard import Guard
     from bozzetto.plugin.job import Job
+    from bozzetto.plugin.modeler import Modeler
     from bozzetto.plugin.next_step import NextStep
     from bozzetto.plugin.tool import Preview, Tool
     from bozzetto.plugin.view_advice import ViewAdvice

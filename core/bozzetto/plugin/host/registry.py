@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.plugin import API_VERSION
 from bozzetto.plugin.guard.guard import Guard, PluginFault
+from bozzetto.plugin.host.announcements import announced
 from bozzetto.plugin.host.listing import ModelerInfo, PluginInfo, Standing, Status
 from bozzetto.plugin.host.loading import ask, check_modelers, import_plugin
 from bozzetto.plugin.host.manifest import (
@@ -442,7 +443,5 @@ def _installed() -> list[str]:
 
     The bundled ones come first, so that a third party's cannot take their ids.
     """
-    from importlib.metadata import entry_points  # dear: it reads e-mail headers
-
-    packages = {entry.value.partition(":")[0].strip() for entry in entry_points(group=GROUP)}
+    packages = {value.partition(":")[0].strip() for value in announced(GROUP)}
     return sorted(packages, key=lambda package: (not package.startswith("bozzetto_"), package))

@@ -8,14 +8,15 @@ the lamp's image flows from one to the next, as a designer looks for it.
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Floats
-from bozzetto.scene.display_list import Finish
-from bozzetto.scene.renderer.shading import Fragments
+if TYPE_CHECKING:
+    from bozzetto.arrays import Floats
+    from bozzetto.scene.display_list import Finish
+    from bozzetto.scene.renderer.shading import Fragments
 
 LAMP: Final = (-0.30, 0.80, 0.52)
 """Towards the middle of the lamp, in the frame of the view."""

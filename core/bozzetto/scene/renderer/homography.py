@@ -8,14 +8,16 @@ picture's plane: it tells what is in front, and where the plane goes behind the 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.scene.display_list import Image
 from bozzetto.scene.renderer.clipping import Polygon, cut, cut_to_window
-from bozzetto.scene.renderer.view_transform import ViewTransform
+
+if TYPE_CHECKING:
+    from bozzetto.scene.display_list import Image
+    from bozzetto.scene.renderer.view_transform import ViewTransform
 
 EDGE_ON: Final = 1e-9
 """Volume of the box of both sides and the way to the corner, per product of their lengths,

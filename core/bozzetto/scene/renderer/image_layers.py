@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Bytes, Floats, Index
-from bozzetto.scene.display_list import Image
 from bozzetto.scene.renderer.compositing import Sheet, blend_sheets
 from bozzetto.scene.renderer.homography import place_of
 from bozzetto.scene.renderer.image_warp import warp
 from bozzetto.scene.renderer.mipmaps import LevelCache
-from bozzetto.scene.renderer.view_transform import ViewTransform
+
+if TYPE_CHECKING:
+    from bozzetto.scene.display_list import Image
+    from bozzetto.scene.renderer.view_transform import ViewTransform
 
 SAME_DEPTH: Final = 1e-9
 """Difference of nearness, relative to the nearest, that is none: the later picture is on top."""

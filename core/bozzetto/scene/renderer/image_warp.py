@@ -7,15 +7,17 @@ on the border, few, are sampled here with their true share.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Array, Bytes, Floats
 from bozzetto.scene.renderer.clipping import Polygon, crossed, cut
-from bozzetto.scene.renderer.homography import Place
 from bozzetto.scene.renderer.mipmaps import as_pillow, level, rung
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Bytes, Floats
+    from bozzetto.scene.renderer.homography import Place
 
 Box = tuple[int, int, int, int]
 

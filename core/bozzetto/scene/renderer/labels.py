@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.scene.display_list import Label
-from bozzetto.scene.palette import Palette
-from bozzetto.scene.renderer.lines_and_points import Canvas
+if TYPE_CHECKING:
+    from bozzetto.scene.display_list import Label
+    from bozzetto.scene.palette import Palette
+    from bozzetto.scene.renderer.lines_and_points import Canvas
 
 OFFSET = (6.0, -6.0)
 """Offset from the point to the text's lower left corner, px right and down."""

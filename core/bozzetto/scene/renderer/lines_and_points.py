@@ -9,14 +9,17 @@ allowance for the surface's slope: a line that lies on a surface is never eaten 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Flags, Floats, Index
-from bozzetto.scene.display_list import Lines, Points
 from bozzetto.scene.renderer.surfaces import Veil
 from bozzetto.scene.renderer.view_transform import ViewTransform
+
+if TYPE_CHECKING:
+    from bozzetto.scene.display_list import Lines, Points
 
 BIAS = 2.0
 """Depth (in pixel sizes) behind a surface at which a line still counts as lying on it."""

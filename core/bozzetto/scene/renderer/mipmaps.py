@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Bytes
-
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+    from bozzetto.arrays import Bytes
 
 
 LEVELS_KEPT: Final = 256_000_000

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import weakref
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Floats, Index
-from bozzetto.geometry.mesh import Mesh
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.mesh import Mesh
 
 CREASE = np.cos(np.radians(40.0))
 """Cosine of the angle above which neighbouring faces meet in an edge, not in a bend."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby, product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bozzetto.arrays import Array, Bytes, Floats
 from bozzetto.errors import UserError
 from bozzetto.scene.display_list import (
     Handle,
@@ -21,7 +21,6 @@ from bozzetto.scene.display_list import (
     Scene,
     Shaded,
 )
-from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.image_layers import apart, blend_pictures, place_picture
 from bozzetto.scene.renderer.labels import draw_label
 from bozzetto.scene.renderer.lines_and_points import (
@@ -31,10 +30,14 @@ from bozzetto.scene.renderer.lines_and_points import (
     draw_lines,
     draw_points,
 )
-from bozzetto.scene.renderer.shading import Shading
 from bozzetto.scene.renderer.surfaces import Pictures, Style, Veil, draw_surfaces, see_through
 from bozzetto.scene.renderer.view_transform import ViewTransform, view_transform
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Bytes, Floats
+    from bozzetto.scene.palette import Palette
+    from bozzetto.scene.renderer.shading import Shading
+    from bozzetto.view.camera import Camera
 
 Window = tuple[int, int, int, int]
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from bozzetto.arrays import Floats
-from bozzetto.scene.renderer.view_transform import ViewTransform
-from bozzetto.scene.renderer.zbuffer import DepthBuffer
+if TYPE_CHECKING:
+    from bozzetto.arrays import Floats
+    from bozzetto.scene.renderer.view_transform import ViewTransform
+    from bozzetto.scene.renderer.zbuffer import DepthBuffer
 
 STRIDE = 4
 """Pixels (at one sample each) between the places where hollows are measured."""

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, get_args
+from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Flags, Floats, Index
-from bozzetto.scene.palette import Color, Palette
-from bozzetto.scene.renderer.triangle_soup import Soup
-from bozzetto.scene.renderer.view_transform import ViewTransform
+
+if TYPE_CHECKING:
+    from bozzetto.scene.palette import Color, Palette
+    from bozzetto.scene.renderer.triangle_soup import Soup
+    from bozzetto.scene.renderer.view_transform import ViewTransform
 
 Shading = Literal["clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"]
 SHADINGS: Final[tuple[str, ...]] = get_args(Shading)

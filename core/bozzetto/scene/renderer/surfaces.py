@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Flags, Floats, Index
-from bozzetto.scene.display_list import Shaded
 from bozzetto.scene.palette import Palette
 from bozzetto.scene.renderer.compositing import Sheet, blend_sheets, nearest_sheet
 from bozzetto.scene.renderer.highlights import NO_SHEEN, SHEENS, with_highlights
@@ -25,9 +25,12 @@ from bozzetto.scene.renderer.shading import (
     surface_colors,
 )
 from bozzetto.scene.renderer.triangle_soup import Soup, gather
-from bozzetto.scene.renderer.view_transform import ViewTransform
 from bozzetto.scene.renderer.zbuffer import DepthBuffer, blank_buffer, rasterize
 from bozzetto.scene.renderer.zebra import with_zebra
+
+if TYPE_CHECKING:
+    from bozzetto.scene.display_list import Shaded
+    from bozzetto.scene.renderer.view_transform import ViewTransform
 
 Samples = Index
 

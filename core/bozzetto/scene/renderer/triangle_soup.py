@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Flags, Floats
-from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.renderer.normals import corner_normals
-from bozzetto.scene.renderer.view_transform import ViewTransform
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.mesh import Mesh
+    from bozzetto.scene.renderer.view_transform import ViewTransform
 
 Triples = NDArray[np.int32]
 

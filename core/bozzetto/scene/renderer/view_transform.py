@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Floats
-from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.view.camera import Camera
 
 NEAR = 1e-4
 """Nearest depth shown in perspective, as a part of the distance to the target."""

@@ -13,15 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Flags, Floats, Index
-from bozzetto.scene.palette import Color
-from bozzetto.scene.renderer.shading import Fragments
-from bozzetto.scene.renderer.view_transform import ViewTransform
+if TYPE_CHECKING:
+    from bozzetto.arrays import Flags, Floats, Index
+    from bozzetto.scene.palette import Color
+    from bozzetto.scene.renderer.shading import Fragments
+    from bozzetto.scene.renderer.view_transform import ViewTransform
 
 TUBES: Final = 24
 """Tubes from the nadir to the zenith; the gaps between them are as wide."""

@@ -8,16 +8,18 @@ all of them together take less time than one adjustment.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.dlt import FEWEST, direct_linear_transform
 from bozzetto.view.calibration.pose import PERSPECTIVITIES, SCALES, Poses, rotations
 from bozzetto.view.rotations import unit
 from bozzetto.view.standard_views import CUBE_DIRECTIONS
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 STRENGTHS: Final = (0.3, 1.0)
 """Perspectivities to start from, in reciprocal diagonals: a long and a usual lens."""

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.normalization import Framing
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array
 
 FEWEST: Final = 6
 """Marks of different points from which a camera is looked for. Four would do for seven

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.view.calibration.pose import Poses
 from bozzetto.view.camera import Camera
 from bozzetto.view.rotations import triple
+
+if TYPE_CHECKING:
+    from bozzetto.view.calibration.pose import Poses
 
 ASIDE: Final = 4.0
 """Distance of an orthographic camera's eye from its target, in root mean square radii of the

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,7 +11,9 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.view.calibration.input_checks import REACH
-from bozzetto.view.calibration.resection import Resection
+
+if TYPE_CHECKING:
+    from bozzetto.view.calibration.resection import Resection
 
 
 @dataclass(frozen=True, eq=False)
