@@ -26,7 +26,7 @@ from bozzetto.plugin import (
 from bozzetto.scene import Scene
 from bozzetto.view import Camera, fit_points, standard_view
 from bozzetto_product.commands.all_commands import all_commands
-from bozzetto_product.commands.rough_commands import with_rough_shape
+from bozzetto_product.commands.rough_commands import begun_on_box
 from bozzetto_product.hand_over.imported import product_of_network, product_of_shapes
 from bozzetto_product.hand_over.shapes import curves_of, shapes_of
 from bozzetto_product.hand_over.template_facts import with_template
@@ -74,7 +74,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         state = with_template(ProductState(symmetry=plane), context.facts)
         if state.nodes or context.facts.get("network") is not None or context.has_surface:
             return state
-        return replace(with_rough_shape(state, "box"), selected="")
+        return begun_on_box(state)
 
     @override
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:

@@ -102,6 +102,7 @@ class Framing(QObject):
         self._share = 1.0
         self._must_fit = False
         self._steps = STEPS
+        self._last: Camera | None = None
         session.drawing.opened.connect(self._opened)
         session.toolbox.modeler_changed.connect(self._take_modeler)
         session.scene.changed.connect(self._look)
@@ -109,6 +110,7 @@ class Framing(QObject):
         session.view.camera_changed.connect(self._moved)
         session.drawing.waiting_changed.connect(self.end)
         session.drawing.changed.connect(self._changed)
+        session.commands.begun.connect(self._begun)
 
     def end(self) -> None:
         """Leave the view to the person, who is at work."""
@@ -187,4 +189,11 @@ class Framing(QObject):
 
     def _changed(self) -> None:
         if self._session.drawing.history.undo_label is not None:
+            self._last = self._camera
             self.end()
+
+    def _begun(self) -> None:
+        """Frame what a command put on the sheet, too: nobody drew it where the eye was."""
+        if self._last is not None:
+            self._camera, self._steps = self._last, STEPS
+            self._look()

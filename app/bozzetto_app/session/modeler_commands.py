@@ -63,10 +63,13 @@ class ModelerCommands(QObject):
         There are other commands.
     enabled_changed
         Other commands apply.
+    begun
+        A command began an object.
     """
 
     changed = Signal()
     enabled_changed = Signal()
+    begun = Signal()
 
     def __init__(
         self,
@@ -185,6 +188,8 @@ class ModelerCommands(QObject):
                     is_new=answer.base is None,
                     only_chosen=answer.only_chosen,
                 )
+                if answer.base is None:
+                    self.begun.emit()
 
         self._edits.submit(
             Request(work, done, self._notices.complain, inputs=lambda: self._selection.model)

@@ -48,7 +48,18 @@ def _has_rough(state: ProductState) -> bool:
 
 
 def _adding(kind: RoughKind) -> Callable[[ProductState, Context], ProductState]:
-    return lambda state, context: with_rough_shape(state, kind)
+    return lambda state, context: with_rough_shape(_without_idle_box(state), kind)
+
+
+def begun_on_box(state: ProductState) -> ProductState:
+    """Return an empty product with a box to draw on, until another rough shape is asked for."""
+    return replace(with_rough_shape(state, "box"), selected="")
+
+
+def _without_idle_box(state: ProductState) -> ProductState:
+    """Return the state without the box that it began with, if nobody drew on it or chose it."""
+    empty = replace(state, nodes=())
+    return empty if len(state.nodes) == 1 and state == begun_on_box(empty) else state
 
 
 def with_rough_shape(state: ProductState, kind: RoughKind) -> ProductState:

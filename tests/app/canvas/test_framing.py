@@ -218,3 +218,26 @@ def test_a_new_sheet_is_seen_from_where_the_modeler_draws_best(make_window, sett
     session.toolbox.take_modeler("bozzetto.product")
     settle(session)
     assert session.view.camera == chosen  # a person's own choice
+
+
+@pytest.mark.parametrize("looked_elsewhere", [False, True])
+def test_what_a_command_puts_on_a_new_sheet_is_in_view(make_window, settle, looked_elsewhere):
+    """A bottle is higher than the box that it takes the place of; the person's view stays."""
+    window = make_window("bozzetto.product")
+    session = window.session
+    settle(session, window.keeper)
+    if looked_elsewhere:
+        look_away(window)
+    camera = session.view.camera
+    session.commands.run("add-bottle")
+    settle(session, window.keeper)
+    (model,) = session.drawing.document.models
+    assert [node.kind for node in model.state.nodes] == ["bottle"]
+    assert sees_all(window) is not looked_elsewhere
+    assert (session.view.camera == camera) is looked_elsewhere
+    settled = session.view.camera
+    session.commands.run("add-cylinder")
+    settle(session, window.keeper)
+    (model,) = session.drawing.document.models
+    assert [node.kind for node in model.state.nodes] == ["bottle", "cylinder"]
+    assert session.view.camera == settled
