@@ -22,7 +22,7 @@ from bozzetto.errors import UserError
 from bozzetto_app.style.theme import qcolor, tones
 from bozzetto_app.widgets.expression import compute
 
-__all__ = ["NumberField", "format_number", "sensible_step"]
+__all__ = ["NumberField", "format_number", "is_scale", "sensible_step"]
 
 DRAG_START = 4
 """Pixels the pointer must move before a press becomes a drag."""
@@ -35,6 +35,15 @@ COARSE = 10.0
 
 MOST_DECIMALS = 6
 
+WIDE = 500.0
+"""A range this many times as wide as a usual value is no scale."""
+
+UNKNOWN = 2.0
+"""Taken as usual where 0 is: ranges to 1,000 are scales then."""
+
+LEAST_SHARE = 0.1
+"""Share of a usual value from which on steps become no smaller."""
+
 HEIGHT = 24
 """Height of the field, px."""
 
@@ -46,6 +55,15 @@ def sensible_step(minimum: float | None, maximum: float | None, *, whole: bool =
     wish = (maximum - minimum) / 100.0
     power = 10.0 ** math.floor(math.log10(wish))
     return next(k * power for k in (1.0, 2.0, 5.0, 10.0) if k * power >= wish * 0.999)
+
+
+def is_scale(minimum: float, maximum: float, usual: float) -> bool:
+    """Return whether a range tells how far values go; a much wider one only keeps out nonsense.
+
+    A millimetre to a kilometre is no scale for a length of 10 cm: a touch of its slider would be
+    metres.
+    """
+    return maximum - minimum <= WIDE * (abs(usual) or UNKNOWN)
 
 
 def format_number(value: float, step: float) -> str:
@@ -72,6 +90,8 @@ class NumberField(QDoubleSpinBox):
         Values outside are brought to the nearer end.
     step : float, optional
         Default: see `sensible_step`.
+    usual : float, optional
+        A value that is usual, where the range is no scale: steps are a hundredth of the value then.
     unit : str
         Shown behind the number.
     whole : bool
@@ -99,6 +119,7 @@ class NumberField(QDoubleSpinBox):
         minimum: float | None = None,
         maximum: float | None = None,
         step: float | None = None,
+        usual: float | None = None,
         unit: str = "",
         whole: bool = False,
         zero: str = "",
@@ -108,6 +129,7 @@ class NumberField(QDoubleSpinBox):
         self._zero = zero
         self._unit = "" if not unit else unit if unit in ("°", "%") else f" {unit}"
         self._step = step or sensible_step(minimum, maximum, whole=whole)
+        self._usual = usual
         self._grabbed: tuple[QPointF, float] | None = None
         self._dragging = False
         self._typing = False
@@ -116,7 +138,6 @@ class NumberField(QDoubleSpinBox):
         self.setRange(
             -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
         )
-        self.setSingleStep(self._step)
         self.setSuffix(self._unit)
         self.setButtonSymbols(QAbstractSpinBox.ButtonSymbols.NoButtons)
         self.setAlignment(Qt.AlignmentFlag.AlignRight)
@@ -135,8 +156,14 @@ class NumberField(QDoubleSpinBox):
 
     # -- how numbers are written and read --
 
+    def step_at(self, value: float) -> float:
+        """Return the step from a value."""
+        if self._usual is None:
+            return self._step
+        return sensible_step(0.0, max(abs(value), LEAST_SHARE * (abs(self._usual) or UNKNOWN)))
+
     def textFromValue(self, value: float) -> str:
-        return "" if self._zero and value == 0.0 else format_number(value, self._step)
+        return "" if self._zero and value == 0.0 else format_number(value, self.step_at(value))
 
     def valueFromText(self, text: str) -> float:
         try:
@@ -181,7 +208,7 @@ class NumberField(QDoubleSpinBox):
     # -- typing --
 
     def stepBy(self, steps: int) -> None:
-        self._change(self.value() + steps * self._step, dragging=False)
+        self._change(self.value() + steps * self.step_at(self.value()), dragging=False)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
@@ -190,7 +217,7 @@ class NumberField(QDoubleSpinBox):
             self._restore()
         elif event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down) and event.modifiers():
             steps = self._pace(event.modifiers()) * (1 if event.key() == Qt.Key.Key_Up else -1)
-            self._change(self.value() + steps * self._step, dragging=False)
+            self._change(self.value() + steps * self.step_at(self.value()), dragging=False)
         else:
             self._typing = self._typing or bool(event.text().strip())
             super().keyPressEvent(event)
@@ -271,7 +298,7 @@ class NumberField(QDoubleSpinBox):
         self._dragging = True
         steps = math.trunc(moved / PIXELS_PER_STEP)
         pace = self._pace(event.modifiers())
-        self._change(start + steps * pace * self._step, dragging=True)
+        self._change(start + steps * pace * self.step_at(start), dragging=True)
         return True
 
     def _release(self) -> bool:

@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLineEdit
 
-from bozzetto_app.widgets.number_field import NumberField, format_number, sensible_step
+from bozzetto_app.widgets.number_field import NumberField, format_number, is_scale, sensible_step
 
 
 @pytest.fixture
@@ -272,3 +272,25 @@ def test_steps_are_one_two_or_five(low, span):
     mantissa = float(f"{step:e}".split("e")[0])
     assert round(mantissa, 6) in (1, 2, 5)
     assert 40 <= span / step <= 101
+
+
+@pytest.mark.parametrize("value", [0.05, 0.8, 7.0, 120.0, 4500.0, 2e5])
+def test_steps_in_a_range_that_is_no_scale_suit_the_value(qtbot, value):
+    """A millimetre to a kilometre only keeps out nonsense: an arrow key is about a hundredth."""
+    field = NumberField("Length", minimum=1e-3, maximum=1e6, usual=120.0, unit="mm")
+    qtbot.addWidget(field)
+    field.set_silently(value)
+    field.stepBy(1)
+    changed = field.value() - value
+    assert 0.0 < changed <= 0.025 * max(value, 12.0)
+    field.stepBy(-1)
+    assert field.value() == pytest.approx(value, rel=0.03)
+
+
+def test_a_scale_is_not_much_wider_than_what_is_usual():
+    assert is_scale(0.0, 1.0, 0.0)
+    assert is_scale(-180.0, 180.0, 0.0)
+    assert is_scale(0.0, 1000.0, 0.0)
+    assert is_scale(1000.0, 10_000.0, 4200.0)
+    assert not is_scale(1e-3, 1e6, 120.0)
+    assert not is_scale(-1e5, 1e5, 0.0)

@@ -13,7 +13,7 @@ from bozzetto.parameters import LONGEST_TEXT, Field
 from bozzetto_app.i18n import tr
 from bozzetto_app.widgets.choice import ChoiceBox, Segments, make_choice
 from bozzetto_app.widgets.icon_button import IconButton
-from bozzetto_app.widgets.number_field import NumberField, format_number, sensible_step
+from bozzetto_app.widgets.number_field import NumberField, format_number, is_scale, sensible_step
 from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import Swatch, color_name
 from bozzetto_app.widgets.toggle import Toggle
@@ -106,16 +106,26 @@ class ParameterRow(QWidget):
             return tr("Parameters", "nothing") if not value else f"“{value}”"
         if self.field.parameter.zero and value == 0:
             return self.field.parameter.zero
-        return f"{format_number(value, self._step())} {self.field.parameter.unit}".strip()
+        step = self._step() if self._is_scale else sensible_step(0.0, abs(value))
+        return f"{format_number(value, step)} {self.field.parameter.unit}".strip()
 
     def _restore(self) -> None:
         self.changed.emit(self.field.default, False)
 
+    @property
+    def _is_scale(self) -> bool:
+        """Whether the range of a number, if it has one, tells how far values go."""
+        low, high = self.field.parameter.minimum, self.field.parameter.maximum
+        if low is None or high is None or self.field.parameter.step:
+            return True
+        return is_scale(low, high, float(self.field.default))
+
     def _step(self) -> float:
-        asked = self.field.parameter
-        return asked.step or sensible_step(
-            asked.minimum, asked.maximum, whole=self.field.kind == "integer"
-        )
+        asked, whole = self.field.parameter, self.field.kind == "integer"
+        step = asked.step or sensible_step(asked.minimum, asked.maximum, whole=whole)
+        if asked.step or whole or not self.field.default:
+            return step
+        return min(step, sensible_step(0.0, 10.0 * abs(self.field.default)))
 
     def _options(self) -> tuple[tuple[str, str], ...]:
         named = dict(self.field.parameter.choices)
@@ -131,6 +141,7 @@ class ParameterRow(QWidget):
             minimum=asked.minimum,
             maximum=asked.maximum,
             step=self._step(),
+            usual=None if self._is_scale else float(self.field.default),
             unit=asked.unit,
             whole=self.field.kind == "integer",
             zero=asked.zero,
@@ -142,12 +153,11 @@ class ParameterRow(QWidget):
         self._line.addWidget(number)
         self.words.setBuddy(number)
         # On a slider, what is not given would be one end, beside the least that can be.
-        if asked.minimum is None or asked.maximum is None or asked.zero:
+        low, high = asked.minimum, asked.maximum
+        if low is None or high is None or asked.zero or not self._is_scale:
             self._show = number.set_silently
             return
-        slider = Slider(
-            asked.label, asked.minimum, asked.maximum, self._step(), float(self.field.default)
-        )
+        slider = Slider(asked.label, low, high, self._step(), float(self.field.default))
         slider.setToolTip(asked.help)
         slider.slid.connect(lambda v, going: self.changed.emit(self._typed(v), going))
         slider.drag_ended.connect(self.drag_ended)

@@ -9,6 +9,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QLineEdit
 
+from bozzetto.parameters import parameter_fields
+from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels.properties.form import ParametersPanel
 from bozzetto_app.panels.properties.parameter_row import ParameterRow
 from bozzetto_app.widgets.choice import ChoiceBox, Segments
@@ -297,3 +299,23 @@ def test_a_part_with_a_long_name_in_the_report_does_not_widen_the_panel(panel, f
     }
     fake_session.solver.report_changed.emit()
     assert panel.widget().minimumSizeHint().width() <= panel.viewport().width()
+
+
+def test_no_slider_of_a_bundled_modeler_jumps_by_more_than_what_is_usual(qtbot):
+    """A limit that only keeps out nonsense makes no slider: a pixel of it would be metres."""
+    registry = Registry()
+    for info in registry.modelers():
+        modeler = registry.modeler(info.id)
+        for owner in (modeler.state_type, *getattr(modeler, "part_types", ())):
+            for field in parameter_fields(owner):
+                if field.kind not in ("number", "integer"):
+                    continue
+                made = ParameterRow(field)
+                qtbot.addWidget(made)
+                slider, number = made.findChild(Slider), made.findChild(NumberField)
+                usual = abs(field.default) or 100.0
+                if slider is not None:
+                    span = field.parameter.maximum - field.parameter.minimum
+                    assert span / 200.0 <= 2.5 * usual, (info.id, owner.__name__, field.name)
+                step = number.step_at(float(field.default))
+                assert step <= 0.2 * usual or step == 1.0, (info.id, owner.__name__, field.name)
