@@ -65,6 +65,8 @@ def test_another_scene_and_another_theme_are_measured_anew(
     session.scene.show(open_box)
     qtbot.waitUntil(lambda: "closed" in canvas.thickness_scale.words, timeout=20_000)
     assert watched[-1].layers == open_box.layers
+    scale = canvas.thickness_scale
+    assert scale.width() > scale.fontMetrics().horizontalAdvance(scale.words), "all of it is read"
 
 
 def test_while_something_is_dragged_nothing_is_measured(qtbot, canvas, session, box_scene, watched):

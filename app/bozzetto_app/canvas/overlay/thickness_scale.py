@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["ThicknessScale"]
 
 SIZE: Final = (300, 74)
-"""Width and height, px."""
+"""Least width, and height, px; it is as wide as its words."""
 
 MARGIN: Final = 12
 """Distance from the sheet's lower left corner, px."""
@@ -54,8 +54,12 @@ class ThicknessScale(QWidget):
 
     def lie_on(self, area: QRect, left: int = 0) -> None:
         """Stay in the lower left corner of an area, beside what covers so much of its left."""
-        width, height = SIZE
-        self.setGeometry(left + MARGIN, area.bottom() + 1 - MARGIN - height, width, height)
+        height = SIZE[1]
+        corner = (left + MARGIN, area.bottom() + 1 - MARGIN - height)
+        self.setGeometry(*corner, self._width(), height)
+
+    def _width(self) -> int:
+        return max(SIZE[0], self.fontMetrics().horizontalAdvance(self.words) + 2 * PADDING + 2)
 
     def say(self, view: ThicknessView | None) -> None:
         """Tell of what was measured; None while it is measured."""
@@ -69,6 +73,7 @@ class ThicknessScale(QWidget):
             thickness = written_thickness(view.thinnest.thinnest)
             self.words = tr("Thickness", "Thinnest wall: {thickness}", thickness=thickness)
         self.setAccessibleName(self.words)
+        self.resize(self._width(), SIZE[1])
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
