@@ -347,7 +347,7 @@ class Canvas(QWidget):
         self.viewports.show_scene()
         if self.loupe.isVisible():
             self.loupe.show_scene(self._all_shown(), self._session.view.camera)
-        self.hand.scene_or_view_changed()
+        self.hand.hovering.scene_or_view_changed()
         if not self._session.drawing.is_dragging:
             self._prepare_picking(self._session.scene.visible, self._session.view.camera)
 
@@ -385,7 +385,7 @@ class Canvas(QWidget):
         self.viewports.show_camera()
         self.cube.set_camera(self._session.view.camera)
         self._show_next_place()
-        self.hand.scene_or_view_changed()
+        self.hand.hovering.scene_or_view_changed()
         if self._session.drawing.pending:
             self._show_pending()
 
@@ -444,7 +444,7 @@ class Canvas(QWidget):
         advising = self._session.advice
         self._show_words()
         self.viewports.show_advice()
-        self.hand.scene_or_view_changed()
+        self.hand.hovering.scene_or_view_changed()
         model = self._session.selection.model if self._pictured else None
         if model is not None and model.id == self._pictured and model is advising.about:
             self._pictured = ""
@@ -546,7 +546,7 @@ class Canvas(QWidget):
         return False
 
     def leaveEvent(self, event: QEvent) -> None:
-        self.hand.leave()
+        self.hand.hovering.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape and (self.hand.cancel() or self._session.escape()):
