@@ -187,9 +187,9 @@ def window() -> None:
         pen_stroke(shown.canvas, path, stroke.pressure, lambda: grab(shown, "drawing.png"))
     until(lambda: not session.busy)
     wait(2.0)
-    shown.canvas.look("three-quarter")
+    shown.canvas.views.look("three-quarter")
     wait(1.0)
-    shown.canvas.fit()
+    shown.canvas.views.fit()
     wait(1.0)
     until(lambda: not session.busy)
     wait(1.0)
@@ -200,7 +200,7 @@ def window() -> None:
 
     shown.set_theme(Theme.LIGHT)
     session.files.new()
-    shown.canvas.look("front")
+    shown.canvas.views.look("front")
     wait(0.5)
     turn = np.linspace(0.0, 2.0 * np.pi, 120)
     middle = np.array(session.view.camera.viewport) / 2.0
@@ -236,9 +236,9 @@ def creature(shown: Window) -> None:
     session.files.new()
     session.files.exchange.import_file(GALLERY / "creature.json")
     rest()
-    shown.canvas.look("three-quarter")
+    shown.canvas.views.look("three-quarter")
     wait(1.0)
-    shown.canvas.fit()
+    shown.canvas.views.fit()
     rest()
     model, parts = session.selection.id, session.parts.of(session.selection.id).parts
     session.toolbox.take_tool("arrange")

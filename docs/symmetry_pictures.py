@@ -183,7 +183,7 @@ def look(window: Window, azimuth: float, elevation: float) -> None:
     session = window.session
     viewport = session.view.camera.viewport
     session.view.set_camera(camera(session.scene.visible, azimuth, elevation, size=viewport))
-    window.canvas.fit()
+    window.canvas.views.fit()
     rest(window)
 
 

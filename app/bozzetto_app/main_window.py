@@ -133,7 +133,7 @@ class Window(QMainWindow):
         self.canvas.hand.pressed.connect(self._framing.end)
         self.replays = Replays(session, self)
         self.replays.began.connect(self._replay_began)
-        self.replays.inked.connect(self.canvas.follow)
+        self.replays.inked.connect(self.canvas.waiting.follow)
         self._closing = False
         self._said_first = ""
         self._is_guided = False
@@ -354,7 +354,7 @@ class Window(QMainWindow):
             view = drawn_in or standard_view(FIRST_VIEW, "three-quarter")
             self.session.view.set_camera(view.with_viewport(*size))
         self.session.solver.settled.connect(
-            lambda _: self.canvas.fit(), Qt.ConnectionType.SingleShotConnection
+            lambda _: self.canvas.views.fit(), Qt.ConnectionType.SingleShotConnection
         )
 
     def watch(self, modeler_id: str, path: Path) -> None:

@@ -32,6 +32,13 @@ from bozzetto_app.workers.main_thread import call_on_main_thread
 __all__ = ["application", "start"]
 
 VIEWPORT = "view/backend"
+FIRST_OBJECT = (
+    "bozzetto.plugin.context",
+    "bozzetto_app.panels.objects.part_row",
+    "bozzetto_app.panels.properties.parameter_row",
+)
+"""Imported in a thread after the first paint: the first stroke and what comes of it show them."""
+
 HEAVY = ("scipy.optimize", "scipy.spatial", "scipy.sparse.linalg", "shapely", "manifold3d")
 """Imported in a thread after the first paint, so that the first stroke need not wait."""
 
@@ -134,7 +141,7 @@ def _after_first_paint(window: Window, document: Path | None, tidier: Tidier) ->
     def import_heavy() -> None:
         import_module(RECOVERY)
         call_on_main_thread(window, window.offer_recovery)
-        for name in HEAVY:
+        for name in (*FIRST_OBJECT, *HEAVY):
             import_module(name)
         call_on_main_thread(tidier, tidier.settle)
 

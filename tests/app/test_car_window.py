@@ -162,7 +162,7 @@ def test_a_mark_is_dragged_and_the_car_goes_along(window, settle, qtbot):
     drop(window, GALLERY / "sedan.json", settle)
     session.selection.select(next(iter(session.drawing.document)).id)
     settle(session, window.keeper)
-    window.canvas.turn_to_better()
+    window.canvas.views.turn_to_better()
     settle(session, window.keeper)
     settle(session, window.keeper)
     assert session.toolbox.tool == "mark"

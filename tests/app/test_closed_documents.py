@@ -19,7 +19,7 @@ def test_nothing_holds_a_model_of_a_closed_document(make_window, settle, qtbot, 
     session.files.exchange.import_file(sorted(info.samples)[0])
     settle(session, window.keeper)
     (state,) = (weakref.ref(model.state) for model in session.drawing.document)
-    window.canvas.fit()
+    window.canvas.views.fit()
     settle(session, window.keeper)
     for _ in range(2):  # the next document may still be compared with the last one
         session.files.given_up.emit()

@@ -150,7 +150,7 @@ def test_the_eraser_takes_a_part_away_and_undo_brings_it_back(make_window, draw,
 def test_a_camera_key_turns_the_view_but_not_the_drawing(window, draw):
     draw(window)
     document, eye = window.session.drawing.document, window.session.view.camera.eye
-    window.canvas.look("right")
+    window.canvas.views.look("right")
     QApplication.processEvents()
     assert window.session.view.camera.eye != eye
     assert window.session.drawing.document is document

@@ -146,7 +146,7 @@ def put(make_window, settle, asked):
                 session.selection.select(None)
             if state == "waiting ink":
                 Stylus(window.canvas).draw([(300.0, 300.0), (420.0, 330.0), (520.0, 300.0)])
-            window.canvas.fit()
+            window.canvas.views.fit()
             settle(session, window.keeper)
             session.drawing.history.mark_saved(session.drawing.document)
 
@@ -300,7 +300,7 @@ def test_a_step_a_modeler_or_a_view_that_is_there_already_says_so(put, settle, a
     for press in (
         lambda: history.itemClicked.emit(history.item(session.drawing.history.position)),
         lambda: window.modelers._take(session.toolbox.modeler),
-        lambda: window.canvas.fit(),
+        lambda: window.canvas.views.fit(),
         lambda: window.actions_.run("view.shading.clay"),
     ):
         watch = Watch(window, asked)

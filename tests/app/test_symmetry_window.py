@@ -31,8 +31,8 @@ ACROSS = np.column_stack(
 @pytest.fixture
 def window(make_window, settle):
     made = make_window("bozzetto.symmetry")
-    made.canvas.look("three-quarter")
-    made.canvas.fit()
+    made.canvas.views.look("three-quarter")
+    made.canvas.views.fit()
     settle(made.session, made.keeper)
     return made
 

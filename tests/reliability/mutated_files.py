@@ -32,7 +32,7 @@ from bozzetto.plugin.host.manifest import read_manifest
 from bozzetto.view import Camera
 from bozzetto_car.template.loader import read_template
 from tests.document_kit import FakeRegistry
-from tests.hostile_files import dxf, dxf_block, dxf_insert, dxf_line, tags
+from tests.hostile_files.dxf import dxf, dxf_block, dxf_insert, dxf_line, tags
 from tests.reliability.mutated_documents import cases as document_cases
 from tests.reliability.mutated_documents import mutated as bytes_changed
 from tests.reliability.mutated_documents import other_value

@@ -69,13 +69,13 @@ class Person:
         for _ in range(chance.randrange(2, 6)):
             yield self._do("draw", self._draw)
         yield self._do("finish", session.gestures.commit)
-        yield self._do("fit", window.canvas.fit)
+        yield self._do("fit", window.canvas.views.fit)
         for _ in range(3):
             yield self._do("undo", session.drawing.undo)
             yield self._do("redo", session.drawing.redo)
         yield from self._sliders()
         for view in ("front", "right", "three-quarter"):
-            yield self._do("look", lambda view=view: window.canvas.look(view))
+            yield self._do("look", lambda view=view: window.canvas.views.look(view))
         yield self._do("turn", self._turn)
         yield self._do("theme", window.toggle_theme)
         saved = self.stage.folder / f"day {number % 6}.bozz"

@@ -170,7 +170,7 @@ class ChangingMenus(QObject):
             yield Action(
                 f"view.kept.{view.name}",
                 _plain(view.name),
-                partial(canvas.show_camera, view.camera),
+                partial(canvas.views.show_camera, view.camera),
                 "orbit",
                 menu=menu,
                 group="kept",

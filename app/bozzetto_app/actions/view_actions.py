@@ -50,12 +50,18 @@ def view_commands(window: Window) -> Iterator[Action]:
         "three-quarter": tr("View", "Three-quarter"),
     }
     yield Action(
-        "view.fit", tr("View", "Show &all"), canvas.fit, "home", ("Home",), menu, on_sheet=True
+        "view.fit",
+        tr("View", "Show &all"),
+        canvas.views.fit,
+        "home",
+        ("Home",),
+        menu,
+        on_sheet=True,
     )
     yield Action(
         "view.frame",
         tr("View", "&Frame the selection"),
-        canvas.frame_selection,
+        canvas.views.frame_selection,
         "fit",
         ("F",),
         menu,
@@ -63,7 +69,7 @@ def view_commands(window: Window) -> Iterator[Action]:
     yield Action(
         "view.projection",
         tr("View", "&Perspective or orthographic"),
-        canvas.toggle_projection,
+        canvas.views.toggle_projection,
         "perspective",
         ("Num+5",),
         menu,
@@ -72,7 +78,7 @@ def view_commands(window: Window) -> Iterator[Action]:
         yield Action(
             f"view.{view}",
             titles[view],
-            partial(canvas.look, view),
+            partial(canvas.views.look, view),
             VIEW_ICONS.get(view, "cube"),
             VIEW_KEYS[view],
             (*menu, tr("View", "&Look from")),
@@ -89,11 +95,11 @@ def view_commands(window: Window) -> Iterator[Action]:
     yield Action(
         "view.better",
         tr("View", "&Turn to the better view"),
-        canvas.turn_to_better,
+        canvas.views.turn_to_better,
         "orbit",
         ("T",),
         menu,
-        enabled=lambda: canvas.better_view is not None,
+        enabled=lambda: canvas.views.better_view is not None,
         why_not=lambda: tr("View", "No better view is known: this one will do."),
         tip=tr("View", "Where the light above the sheet points"),
     )

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QCursor,
@@ -29,11 +26,8 @@ from PySide6.QtWidgets import QApplication, QWidget
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import is_seen
 from bozzetto.scene.display_list import EMPTY, Scene, Shaded
-from bozzetto.view.camera import Camera, Point
-from bozzetto.view.navigation import with_kind
-from bozzetto.view.standard_views import look_along, standard_view
 from bozzetto_app.canvas.animation import ViewMotion
-from bozzetto_app.canvas.framing import framed, points_to_frame, same_view
+from bozzetto_app.canvas.ink_on_sheet import InkOnSheet
 from bozzetto_app.canvas.input.controller import Hand
 from bozzetto_app.canvas.input.drag_and_drop import carries_something, take
 from bozzetto_app.canvas.input.state_machine import Mode
@@ -45,19 +39,19 @@ from bozzetto_app.canvas.overlay.loupe import Loupe
 from bozzetto_app.canvas.overlay.pace_badge import PaceBadge
 from bozzetto_app.canvas.overlay.thickness_scale import ThicknessScale
 from bozzetto_app.canvas.overlay.view_cube import ViewCube
-from bozzetto_app.canvas.overlay.waiting_ink import MarkedLine
 from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
 from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
+from bozzetto_app.canvas.view_changes import ViewChanges
 from bozzetto_app.canvas.viewport.switching import Viewports
 from bozzetto_app.i18n import tr
 from bozzetto_app.settings import settings
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
-    from bozzetto.ink.stroke import Stroke
     from bozzetto.plugin.gesture import Tap
     from bozzetto.plugin.job import Job
     from bozzetto.scene.palette import Palette
+    from bozzetto.view.camera import Camera
     from bozzetto_app.session.notices import Notice
     from bozzetto_app.session.session import Session
 
@@ -92,6 +86,10 @@ class Canvas(QWidget):
     hand : Hand
         What turns input into gestures.
     motion : ViewMotion
+    views : ViewChanges
+        The ways to other views.
+    waiting : InkOnSheet
+        The ink that no modeler has taken yet.
     viewports : Viewports
     light : ViewLight
         What the modeler says of the view.
@@ -122,11 +120,11 @@ class Canvas(QWidget):
         self._colors = palette
         self._tilted = False
         self._pictured = ""
-        self._marked = 0
 
         self.viewports = Viewports(session, self, palette)
         self._sorting = Channel("sort-for-picking", parent=self)
         self.overlay = InkOverlay(self)
+        self.waiting = InkOnSheet(session, self.overlay)
         self.empty_hint = SheetHint(self)
         self.cube = ViewCube(self)
         self.light = ViewLight(self)
@@ -137,6 +135,7 @@ class Canvas(QWidget):
         self.menu.refused.connect(self.menu_refused)
         self.hand = Hand(session, self.overlay)
         self.motion = ViewMotion(session, self)
+        self.views = ViewChanges(session, self.motion)
         self._sorted = EMPTY
 
         self._proximity = ProximityWatch(self)
@@ -167,11 +166,11 @@ class Canvas(QWidget):
         self.hand.menu_pressed.connect(self.open_menu)
         self.hand.menu_moved.connect(self.menu.point)
         self.hand.menu_released.connect(lambda flicked: self.menu.lift(flicked=flicked))
-        self.cube.direction_chosen.connect(self._look_from)
-        self.cube.turned.connect(self._turn)
-        self.cube.home_chosen.connect(self.fit)
-        self.cube.projection_chosen.connect(self.toggle_projection)
-        self.light.turn_chosen.connect(self.turn_to_better)
+        self.cube.direction_chosen.connect(self.views.look_from)
+        self.cube.turned.connect(self.views.turn)
+        self.cube.home_chosen.connect(self.views.fit)
+        self.cube.projection_chosen.connect(self.views.toggle_projection)
+        self.light.turn_chosen.connect(self.views.turn_to_better)
         session.gestures.motion.pace_changed.connect(self.pace_badge.show_pace)
 
         self._mode_changed()
@@ -238,81 +237,6 @@ class Canvas(QWidget):
 
     # -- looking ------------------------------------------------------------------------------
 
-    def animate_to(self, camera: Camera) -> None:
-        """Go to another view, or say that it is shown."""
-        self.motion.finish()
-        if same_view(camera, self._session.view.camera):
-            self._session.notices.tell(tr("Canvas", "This view is shown already."))
-        else:
-            self.motion.animate_to(camera)
-
-    def show_camera(self, camera: Camera) -> None:
-        """Go to a view that was kept, perhaps on a sheet of another size."""
-        self.animate_to(camera.with_viewport(*self._session.view.camera.viewport))
-
-    def look(self, name: str) -> None:
-        """Go to a standard view by its name: "front", "three-quarter" and so on."""
-        self.motion.finish()
-        self.animate_to(standard_view(self._own_view(), name))
-
-    def toggle_projection(self) -> None:
-        """Change between perspective and parallel projection."""
-        self.motion.finish()
-        camera: Camera = self._session.view.camera
-        other = "perspective" if camera.kind == "orthographic" else "orthographic"
-        self.animate_to(with_kind(camera, other))  # type: ignore[arg-type]
-
-    @property
-    def better_view(self) -> Camera | None:
-        """Where the modeler would rather have the person draw; None where it names no view."""
-        advice = self._session.advice.advice
-        return None if advice is None else advice.better
-
-    def turn_to_better(self) -> None:
-        """Go to the view that the modeler calls better."""
-        if self.better_view is not None:
-            self.show_camera(self.better_view)
-
-    def fit(self) -> None:
-        """Show everything; on an empty sheet what the modeler shows there, such as its box."""
-        self._frame(points_to_frame(self._session))
-
-    def frame_selection(self) -> None:
-        """Show the selected model, or everything where none is selected."""
-        selected = self._session.selection.id
-        layers = tuple(
-            layer for layer in self._session.scene.visible.layers if layer.owner == selected
-        )
-        if selected and layers:
-            self._frame(Scene(layers).points())
-        else:
-            self.fit()
-
-    def _frame(self, points: NDArray[np.float64]) -> None:
-        self.motion.finish()
-        self.animate_to(framed(self._own_view(), points))
-
-    def _own_view(self) -> Camera:
-        """Return the view, as an ordinary one if it stands where a picture was drawn from.
-
-        There the opening angle was the picture's, and zooming has changed it: from elsewhere
-        nothing would look right with it. The scale stays.
-        """
-        camera: Camera = self._session.view.camera
-        if camera.kind == "orthographic" or not self._session.advice.holds_eye(camera):
-            return camera
-        flat = with_kind(camera, "orthographic")
-        return with_kind(replace(flat, fov_y=Camera().fov_y), "perspective")
-
-    def _look_from(self, direction: Point) -> None:
-        self.motion.finish()
-        x, y, z = direction
-        self.animate_to(look_along(self._own_view(), (-x, -y, -z)))
-
-    def _turn(self, camera: Camera) -> None:
-        self.motion.finish()
-        self._session.view.set_camera(camera)
-
     def _settled(self, model_id: str) -> None:
         if self._session.advice.holds_eye(self._session.view.camera) or self._pictured == model_id:
             return
@@ -347,7 +271,7 @@ class Canvas(QWidget):
         self.viewports.show_scene()
         if self.loupe.isVisible():
             self.loupe.show_scene(self._all_shown(), self._session.view.camera)
-        self.hand.scene_or_view_changed()
+        self.hand.hovering.scene_or_view_changed()
         if not self._session.drawing.is_dragging:
             self._prepare_picking(self._session.scene.visible, self._session.view.camera)
 
@@ -385,39 +309,14 @@ class Canvas(QWidget):
         self.viewports.show_camera()
         self.cube.set_camera(self._session.view.camera)
         self._show_next_place()
-        self.hand.scene_or_view_changed()
+        self.hand.hovering.scene_or_view_changed()
         if self._session.drawing.pending:
             self._show_pending()
 
     def _show_pending(self) -> None:
-        marked = self._marked_ink()
-        if len(marked) < self._marked:
-            self.overlay.light_up(())  # what was wrong is gone, or was mended
-        self._marked = len(marked)
-        self.overlay.set_pending(self._good_ink(), self._session.view.camera, marked)
+        self.waiting.show()
         if self._session.drawing.pending:
             self._fade_hint()  # ink that no pen brought
-
-    def _good_ink(self) -> tuple[Stroke, ...]:
-        return tuple(
-            stroke
-            for stroke in self._session.drawing.pending
-            if all(stroke is not one.stroke for one in self._session.drawing.marked_ink)
-        )
-
-    def _marked_ink(self) -> list[MarkedLine]:
-        """Ink with which something is wrong, lit where the tool that said so is in the hand."""
-        session = self._session
-        hand = session.toolbox.modeler, session.toolbox.tool
-        return [
-            MarkedLine.of(one, session.view.camera, is_lit=one.is_for(*hand))
-            for one in session.drawing.marked_ink
-        ]
-
-    def follow(self, stroke: Stroke | None) -> None:
-        """Show the ink of a stroke that no hand draws here; None when its pen is up."""
-        strokes = self._good_ink() if stroke is None else (*self._good_ink(), stroke)
-        self.overlay.set_pending(strokes, self._session.view.camera, self._marked_ink())
 
     def _show_next_step(self) -> None:
         if self.empty_hint.is_read:
@@ -444,11 +343,11 @@ class Canvas(QWidget):
         advising = self._session.advice
         self._show_words()
         self.viewports.show_advice()
-        self.hand.scene_or_view_changed()
+        self.hand.hovering.scene_or_view_changed()
         model = self._session.selection.model if self._pictured else None
         if model is not None and model.id == self._pictured and model is advising.about:
             self._pictured = ""
-            self.turn_to_better()
+            self.views.turn_to_better()
         self._follow()
 
     def _follow(self) -> None:
@@ -546,7 +445,7 @@ class Canvas(QWidget):
         return False
 
     def leaveEvent(self, event: QEvent) -> None:
-        self.hand.leave()
+        self.hand.hovering.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.key() == Qt.Key.Key_Escape and (self.hand.cancel() or self._session.escape()):

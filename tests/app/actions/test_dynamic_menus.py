@@ -80,7 +80,7 @@ def test_the_palette_lists_a_recent_document_once(window, tmp_path):
 
 def test_a_view_is_kept_shown_again_and_forgotten(window, qtbot, settle):
     session = window.session
-    window.canvas.look("right")
+    window.canvas.views.look("right")
     kept = session.view.camera
     window.actions_.run("view.keep")
     (dialog,) = window.findChildren(QInputDialog)
@@ -89,7 +89,7 @@ def test_a_view_is_kept_shown_again_and_forgotten(window, qtbot, settle):
     dialog.accept()
     assert [view.name for view in session.drawing.document.views] == ["Nose & ears"]
     assert session.drawing.history.undo_label == "Keep view “Nose & ears”"
-    window.canvas.look("top")
+    window.canvas.views.look("top")
     assert session.view.camera != kept
     found = submenu(window, "View", "Kept views")
     found["Nose && ears"].trigger()

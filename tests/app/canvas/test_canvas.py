@@ -34,7 +34,7 @@ def arrived(canvas, qtbot):
 @pytest.mark.parametrize("name", VIEWS)
 def test_standard_views(session, canvas, qtbot, name):
     begin = session.view.camera
-    canvas.look(name)
+    canvas.views.look(name)
     arrived(canvas, qtbot)
     np.testing.assert_allclose(session.view.camera.eye, standard_view(begin, name).eye, atol=1e-6)
 
@@ -42,7 +42,7 @@ def test_standard_views(session, canvas, qtbot, name):
 def test_a_change_of_view_passes_through_the_views_between(session, canvas, qtbot):
     seen = []
     session.view.camera_changed.connect(lambda: seen.append(session.view.camera.axes[2][0]))
-    canvas.look("right")
+    canvas.views.look("right")
     arrived(canvas, qtbot)
     assert len(seen) >= 3
     assert seen == sorted(seen, reverse=True)
@@ -51,7 +51,7 @@ def test_a_change_of_view_passes_through_the_views_between(session, canvas, qtbo
 
 def test_reduced_motion_goes_at_once_and_never_tilts(session, canvas):
     canvas.motion.reduced = True
-    canvas.look("top")
+    canvas.views.look("top")
     assert session.view.camera.axes[2][2] == pytest.approx(-1)
     before = session.view.camera
     session.solver.settled.emit("m1")
@@ -73,7 +73,7 @@ def test_the_view_tilts_once_and_comes_back_exactly(session, canvas, qtbot):
 
 
 def test_no_tilt_interrupts_a_view_on_its_way(session, canvas, qtbot):
-    canvas.look("right")
+    canvas.views.look("right")
     assert canvas.motion.is_running
     session.solver.settled.emit("m1")
     arrived(canvas, qtbot)
@@ -84,10 +84,10 @@ def test_no_tilt_interrupts_a_view_on_its_way(session, canvas, qtbot):
 
 def test_the_ink_of_a_replay_is_shown_with_what_waits(session, canvas):
     stroke = Stroke([10.0, 60.0, 90.0], [10.0, 20.0, 70.0], camera=session.view.camera)
-    canvas.follow(stroke)
+    canvas.waiting.follow(stroke)
     (ink,) = canvas.overlay._pending_ink
     assert np.allclose((ink[0][:2], ink[-1][:2]), ((10, 10), (90, 70)))
-    canvas.follow(None)
+    canvas.waiting.follow(None)
     assert canvas.overlay._pending_ink == []
 
 
@@ -100,7 +100,7 @@ def test_the_tilt_is_a_setting(session, canvas):
 
 def test_ink_ends_a_motion_first(session, canvas, pen):
     begin = session.view.camera
-    canvas.look("right")
+    canvas.views.look("right")
     pen.stroke([(100, 100, 0.5), (150, 100, 0.5), (200, 100, 0.5)])
     assert not canvas.motion.is_running
     (stroke,) = session.strokes
@@ -109,11 +109,11 @@ def test_ink_ends_a_motion_first(session, canvas, pen):
 
 def test_the_projection_changes_and_the_scale_stays(session, canvas, qtbot):
     scale = session.view.camera.pixels_per_mm
-    canvas.toggle_projection()
+    canvas.views.toggle_projection()
     arrived(canvas, qtbot)
     assert session.view.camera.kind == "orthographic"
     assert session.view.camera.pixels_per_mm == pytest.approx(scale)
-    canvas.toggle_projection()
+    canvas.views.toggle_projection()
     arrived(canvas, qtbot)
     assert session.view.camera.kind == "perspective"
     assert session.view.camera.pixels_per_mm == pytest.approx(scale)
@@ -124,10 +124,10 @@ def test_framing_the_selection_and_everything(session, canvas, qtbot, box_scene)
     session.scene.show(box_scene + far)
     begin = session.view.camera
     session.selection.id = "m2"
-    canvas.frame_selection()
+    canvas.views.frame_selection()
     arrived(canvas, qtbot)
     np.testing.assert_allclose(session.view.camera.eye, fit_points(begin, far.points()).eye)
-    canvas.fit()
+    canvas.views.fit()
     arrived(canvas, qtbot)
     pixels, _ = session.view.camera.project(session.scene.visible.points())
     share = pixels / session.view.camera.viewport
@@ -137,7 +137,7 @@ def test_framing_the_selection_and_everything(session, canvas, qtbot, box_scene)
 
 
 def test_fitting_an_empty_scene_is_no_accident(session, canvas, qtbot):
-    canvas.fit()
+    canvas.views.fit()
     arrived(canvas, qtbot)
     assert np.isfinite(session.view.camera.eye).all()
 
@@ -361,7 +361,7 @@ def test_a_new_picture_is_gone_to_once_its_advice_is_there(session, canvas):
     session.advice.about = model
     session.advice.say(ViewAdvice("warn", "of this one", better))
     assert session.view.camera == better
-    canvas.look("top")
+    canvas.views.look("top")
     session.advice.say(ViewAdvice("warn", "later", better))
     assert session.view.camera.axes[2][2] == pytest.approx(-1)
 

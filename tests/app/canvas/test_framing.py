@@ -89,7 +89,7 @@ def test_a_new_sheet_shows_the_whole_box_and_home_does(make_window, settle, size
     settle(window.session, window.keeper)
     assert sees_all(window)
     look_away(window)
-    window.canvas.fit()
+    window.canvas.views.fit()
     settle(window.session, window.keeper)
     assert sees_all(window), "Home shows the box even though nothing is drawn"
 
@@ -108,7 +108,7 @@ def test_a_document_opens_in_its_own_view_if_it_is_seen_there(make_window, settl
     window = make_window()
     document = draw_sample(window, settle)
     session = window.session
-    window.canvas.look("three-quarter")
+    window.canvas.views.look("three-quarter")
     own = navigation.orbit(session.view.camera, 40.0, 10.0)
     session.view.set_camera(own)
     assert sees_all(window)

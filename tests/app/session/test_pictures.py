@@ -307,7 +307,7 @@ def test_moving_and_zooming_keep_the_eye_and_fit_lets_go(pinned, settle):
     np.testing.assert_allclose(seen, (500, 300), atol=1e-6)
     settle(session)
     assert session.advice.holds_eye(session.view.camera)
-    canvas.fit()
+    canvas.views.fit()
     settle(session)
     assert session.view.camera.eye != before.eye
     assert session.view.camera.fov_y == 35.0

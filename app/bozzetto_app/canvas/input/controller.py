@@ -6,16 +6,15 @@ event; everything else happens once per round of the event loop in `_drain`.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from time import perf_counter
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QEventPoint, QMouseEvent, QTabletEvent, QTouchEvent, QWheelEvent
 
 from bozzetto.plugin.gesture import Drag, Tap
-from bozzetto_app.canvas.input.handle_picking import HANDLE_REACH, INKING_REACH, HandleTargets
+from bozzetto_app.canvas.input.hovering import Hovering
+from bozzetto_app.canvas.input.report_pace import ReportPace
 from bozzetto_app.canvas.input.state_machine import (
     TAP_TRAVEL,
     Button,
@@ -39,16 +38,11 @@ from bozzetto_app.canvas.input.view_control import ViewControl
 
 if TYPE_CHECKING:
     from bozzetto.ink.stroke import Stroke, StrokeTool
-    from bozzetto.scene.display_list import Handle
     from bozzetto.view.camera import Camera
     from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
     from bozzetto_app.session.session import Session
-    from bozzetto_app.session.tool_groups import ToolInfo
 
 __all__ = ["Hand"]
-
-REPORT_INTERVAL: Final = 1.0 / 30.0
-"""Least time between two reports of the stroke so far, seconds."""
 
 NO_PRESSURE: Final = 0.5
 """Pressure of a tap where the device tells of none, 0 … 1."""
@@ -69,6 +63,11 @@ class Hand(QObject):
     session : Session
     overlay : InkOverlay
         Where wet ink, the ring and the hot handle are shown.
+
+    Attributes
+    ----------
+    hovering : Hovering
+        What lies under a pen that is not down.
 
     Signals
     -------
@@ -104,7 +103,6 @@ class Hand(QObject):
         self.space_held = False
         self._session = session
         self._overlay = overlay
-        self._targets: HandleTargets | None = None
         self._columns: SampleColumns | None = None
         self._camera: Camera = session.view.camera
         self._view = ViewControl(session)
@@ -115,14 +113,13 @@ class Hand(QObject):
         self._lasting = Clock()
         self._keys = keys_of(Qt.KeyboardModifier.NoModifier, space=False)
         self._tool: StrokeTool = "pen"
-        self._reported = -math.inf
         self._due = False
-        self._hovers = False
         self._firmest = NO_PRESSURE
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._drain)
-        self._later = QTimer(self, singleShot=True)
-        self._later.timeout.connect(self._report)
+        self._pace = ReportPace(self)
+        self._pace.due.connect(self._report)
+        self.hovering = Hovering(session, overlay, self._pace)
 
     # -- pen ----------------------------------------------------------------------------------
 
@@ -261,16 +258,6 @@ class Hand(QObject):
         if press is not None and press.pointer == pointer and not is_held(press.button, event):
             self.end()
 
-    def scene_or_view_changed(self) -> None:
-        """Forget the positions of handles: they may differ now."""
-        self._targets = None
-
-    def leave(self) -> None:
-        """Show nothing under the pointer, which has left the canvas."""
-        self._tell_hover(None)
-        self._overlay.set_hover(None)
-        self._overlay.set_hot_handle(None)
-
     def _press(
         self,
         pointer: Pointer,
@@ -283,8 +270,8 @@ class Hand(QObject):
         if self.machine.owns(pointer, button):
             self.end()  # a button that goes down was up
         self.pressed.emit()
-        takes, aims = self._takes(), self._aims()
-        found = self._handle_under(sample.x, sample.y)
+        takes, aims = self.hovering.takes, self.hovering.aims
+        found = self.hovering.handle_under(sample.x, sample.y)
         press = Press(
             pointer,
             button,
@@ -296,7 +283,7 @@ class Hand(QObject):
             found[0].id if found is not None else "",
             takes,
             aims,
-            self._is(lambda tool: tool.grabs),
+            self.hovering.tool_is(lambda tool: tool.grabs),
         )
         if not self.machine.begin(press):
             return
@@ -312,7 +299,7 @@ class Hand(QObject):
             self._columns = SampleColumns(self.curve, has_pressure=pointer == "pen")
             self._recording = True
             self._seeking = aims and mode is Mode.DRAGGING
-            self._reported = -math.inf
+            self._pace.forget()
             if mode is not Mode.DRAGGING:
                 self._overlay.begin(erasing=mode is Mode.ERASING)
                 self.ink_began.emit()
@@ -322,7 +309,7 @@ class Hand(QObject):
             self._view.begin(sample.x, sample.y)
         elif mode is Mode.AIMING:
             self._seeking = True
-            self._reported = -math.inf
+            self._pace.forget()
             self._seek()
         elif mode is Mode.CHOOSING:
             self.menu_pressed.emit(QPointF(sample.x, sample.y))
@@ -340,8 +327,8 @@ class Hand(QObject):
     ) -> None:
         mode = self.machine.mode
         if mode is Mode.IDLE:
-            erases = self._takes() == "ink" and keys_of(event.modifiers(), space=False).ctrl
-            self._hover(place.x(), place.y(), eraser=eraser or erases)
+            erases = self.hovering.takes == "ink" and keys_of(event.modifiers(), space=False).ctrl
+            self.hovering.move(place.x(), place.y(), eraser=eraser or erases)
             return
         if not self.machine.owns(pointer):
             return
@@ -407,7 +394,7 @@ class Hand(QObject):
         self._newest = None
         self._columns = None
         self._soon.stop()
-        self._later.stop()
+        self._pace.stop()
         self._due = False
         if self._seeking:
             self._seeking = False
@@ -441,27 +428,19 @@ class Hand(QObject):
             self._overlay.extend(painted)
         elif self._seeking:
             self.aimed.emit(QPointF(*self.machine.place))
-        self._report_in_time()
+        self._pace.ask()
 
     def _seek(self) -> None:
         """Follow a tap that is aimed."""
         self.aimed.emit(QPointF(*self.machine.place))
-        self._report_in_time()
-
-    def _report_in_time(self) -> None:
-        wait = REPORT_INTERVAL - (perf_counter() - self._reported)
-        if wait <= 0:
-            self._report()
-        elif not self._later.isActive():
-            self._later.start(math.ceil(1000.0 * wait))
+        self._pace.ask()
 
     def _report(self) -> None:
         """Tell the session how the gesture stands, at most 30 times a second."""
         press, columns = self.machine.press, self._columns
         if press is None:
             return
-        self._reported = perf_counter()
-        self._later.stop()
+        self._pace.begin()
         if self.machine.mode is Mode.AIMING:
             self._session.gestures.tap_moved(self._tap(*self.machine.place, press))
             return
@@ -494,52 +473,3 @@ class Hand(QObject):
         press = self.machine.press
         if press is not None:
             self._view.turn(self.machine.motion, x - press.x, y - press.y)
-
-    # -- hovering -----------------------------------------------------------------------------
-
-    def _hover(self, x: float, y: float, *, eraser: bool) -> None:
-        found = None if eraser else self._handle_under(x, y)
-        self._tell_hover(None if eraser else (x, y))
-        if found is None:
-            self._overlay.set_hot_handle(None)
-            inks = eraser or self._takes() == "ink"
-            self._overlay.set_hover((x, y) if inks else None, erasing=eraser)
-        else:
-            handle, hx, hy = found
-            self._overlay.set_hover(None)
-            self._overlay.set_hot_handle((hx, hy), handle.color)
-
-    def _handle_under(self, x: float, y: float) -> tuple[Handle, float, float] | None:
-        if self._targets is None:
-            scene = self._session.scene
-            self._targets = HandleTargets(
-                scene.visible.under(scene.advice), self._session.view.camera
-            )
-        exact = self._takes() == "ink" or self._aims()
-        reach = INKING_REACH if exact else HANDLE_REACH
-        return self._targets.under(x, y, reach)
-
-    def _takes(self) -> Literal["ink", "tap", "drag"]:
-        """Return the kind of gesture that the active tool wants."""
-        tool = self._session.toolbox.active
-        return "ink" if tool is None else tool.gesture
-
-    def _aims(self) -> bool:
-        """Return whether the active tool wants positions that are met exactly."""
-        return self._is(lambda tool: tool.aims)
-
-    def _is(self, question: Callable[[ToolInfo], bool]) -> bool:
-        """Return the answer to a question about the active tool; False while there is none."""
-        tool = self._session.toolbox.active
-        return tool is not None and question(tool)
-
-    def _tell_hover(self, place: tuple[float, float] | None) -> None:
-        """Tell a tool that wants to know it where the pen is near the sheet; None where it left."""
-        if place is not None and self._is(lambda tool: tool.hovers):
-            now = perf_counter()
-            if now - self._reported >= REPORT_INTERVAL:
-                self._reported, self._hovers = now, True
-                self._session.gestures.hovered(Tap(*place, self._session.view.camera))
-        elif self._hovers:
-            self._hovers = False
-            self._session.gestures.cancel()

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.plugin import API_VERSION
 from bozzetto.plugin.guard.guard import Guard, PluginFault
-from bozzetto.plugin.host.announcements import announced
+from bozzetto.plugin.host.entry_points import announced
 from bozzetto.plugin.host.listing import ModelerInfo, PluginInfo, Standing, Status
 from bozzetto.plugin.host.loading import ask, check_modelers, import_plugin
 from bozzetto.plugin.host.manifest import (
