@@ -259,9 +259,7 @@ def evidence_of(template: Template, view: MarkedView) -> Evidence:
     """
     sketch = linear_sketch(template, view, Cost.balanced().hand)
     every = np.ones(len(view.nodes), bool)
-    return Evidence(
-        template, Cost.balanced(), [independent(sketch, 0.0, every)], 0.0, anyone=False
-    )
+    return Evidence(template, Cost.balanced(), [independent(sketch, 0.0, every)], 0.0, anyone=False)
 
 
 def _losses(
