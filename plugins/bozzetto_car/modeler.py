@@ -125,7 +125,7 @@ class Car(PartsModeler[CarState, Body]):
     @override
     def report(self, state: CarState, result: Body) -> Mapping[str, Any]:
         """Return nodes, cameras, residuals, constraints, creases and dimensions."""
-        return report_of(result)
+        return report_of(result, state.edits)
 
     @override
     def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:

@@ -12,6 +12,8 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Caution, Figure
 from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body.build import Body
+from bozzetto_car.body.edit_list import Edits
+from bozzetto_car.body.stroke_residuals import stroke_residuals
 from bozzetto_car.camera.rational_projection import camera_matrix
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.solver.initial_cameras import Placed, counted_marks
@@ -33,6 +35,9 @@ FIGURES: Final[Mapping[str, Figure]] = {
         digits=1,
         spread=True,
     ),
+    "stroke": Figure(
+        "Strokes", "Distance of each traced edge from its stroke", "px", digits=1, spread=True
+    ),
     "crease": Figure(
         "Creases", "Angles at which surfaces meet along their edges", "°", digits=1, spread=True
     ),
@@ -46,19 +51,26 @@ FIGURES: Final[Mapping[str, Figure]] = {
 """The words of the report; `Modeler.figures`."""
 
 
-def report_of(body: Body) -> dict[str, Any]:
+def report_of(body: Body, edits: Edits = ()) -> dict[str, Any]:
     """Report nodes, cameras, residuals, constraints, creases and dimensions.
+
+    Parameters
+    ----------
+    body : Body
+        The body.
+    edits : tuple of edits
+        Those that it was made with; their strokes are compared with it.
 
     Returns
     -------
     dict
         ``"template"``; ``"nodes"``: ``{name: [x, y, z]}``, mm; ``"views"``: for every sketch
         ``"name"``, ``"solved"``, ``"camera"`` (`_camera`), ``"residual_px"`` and
-        ``"leave_one_out_px"`` by node, ``"disagreeing"``; ``"constraints"``: the least slack of
-        each soundness constraint that is switched on, mm; ``"crease_deg"`` by edge;
-        ``"dimensions"``: ``LN``, ``WD``, ``HG``, ``FO``, ``WB``, mm; ``"known"``: by node
-        ``"seen"``, ``"mirrored"`` or ``"guessed"``; ``"next_view"``: the further sketch that
-        would tell most; ``"warnings"``.
+        ``"leave_one_out_px"`` by node, ``"disagreeing"``, and ``"stroke_px"`` by edge;
+        ``"constraints"``: the least slack of each soundness constraint that is switched on, mm;
+        ``"crease_deg"`` by edge; ``"dimensions"``: ``LN``, ``WD``, ``HG``, ``FO``, ``WB``, mm;
+        ``"known"``: by node ``"seen"``, ``"mirrored"`` or ``"guessed"``; ``"next_view"``: the
+        further sketch that would tell most; ``"warnings"``.
     """
     template, solved = body.template, body.solved
     positions = body.network.positions
@@ -67,7 +79,11 @@ def report_of(body: Body) -> dict[str, Any]:
     report: dict[str, Any] = {
         "template": template.id,
         "nodes": dict(zip(template.names, positions.tolist(), strict=True)),
-        "views": [_view(p, body.sketch_cameras[key], body) for key, p in solved.placed.items()],
+        "views": [
+            _view(placed, body.sketch_cameras[key], body)
+            | {"stroke_px": dict(stroke_residuals(body, edits, key))}
+            for key, placed in solved.placed.items()
+        ],
         "constraints": solved.soundness.least(variables),
         "crease_deg": {name: float(angle) for name, angle in angles if np.isfinite(angle)},
         "dimensions": _dimensions(body),

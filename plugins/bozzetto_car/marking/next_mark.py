@@ -6,13 +6,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
 from bozzetto.arrays import Array, Flags
-from bozzetto_car.camera.visibility import facing
+from bozzetto_car.camera.visibility import facing, on_their_side
 from bozzetto_car.marking.edit_marks import near_wheels
 from bozzetto_car.marking.mark_prediction import expected
-from bozzetto_car.marking.view_guess import likely_shown
+from bozzetto_car.marking.view_guess import likely_on_their_side, likely_shown
 from bozzetto_car.solver.initial_cameras import FEWEST, Placed
 from bozzetto_car.solver.pipeline import Solved
+from bozzetto_car.solver.prior import extent
 from bozzetto_car.solver.template_ranking import likelier_template
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template.model import Template
@@ -25,6 +28,9 @@ EXCHANGED: Final = (
     "Left and right seem to be exchanged. The command “Exchange left and right” puts it right."
 )
 """Message for marks that fit a mirrored car."""
+
+BESIDE: Final = 0.12
+"""Distance of nodes beside each other, in diagonals of the car: less than 60 cm."""
 
 SIDES: Final = {"L": "left", "R": "right"}
 
@@ -82,7 +88,9 @@ def open_nodes(placed: Placed, solved: Solved) -> tuple[int, ...]:
 
     The order is the template's. It continues from the newest mark and wraps around, so that
     skipped nodes come again, but not at once. Nodes on a side of the car that the sketch does not
-    show come last; before its camera is known, those that it is not likely to show.
+    show come last, and before them those that it shows from where nobody can tell them. Before
+    its camera is known these are the likely ones, and a node in the middle of the car beside one
+    that is marked waits, for it tells next to nothing of the camera.
     """
     template, sketch = solved.template, placed.sketch
     order = _order_after_newest(sketch, template)
@@ -90,8 +98,22 @@ def open_nodes(placed: Placed, solved: Solved) -> tuple[int, ...]:
     rest = [node for node in order if template.names[node] not in done]
     shown = shown_nodes(placed, solved)
     if shown is None:
-        shown = likely_shown(template, sketch)
-    return tuple(sorted(rest, key=lambda node: not shown[node]))
+        shown, near = likely_shown(template, sketch), likely_on_their_side(template, sketch)
+        near &= ~_beside_a_mark(sketch, template)
+    else:
+        near = on_their_side(template, solved.positions, placed.sketch_camera.camera)
+    return tuple(sorted(rest, key=lambda node: (not shown[node], not near[node])))
+
+
+def _beside_a_mark(sketch: Sketch, template: Template) -> Flags:
+    """Which nodes in the middle of the car are beside a marked one there, (n,)."""
+    beside = np.zeros(len(template.names), bool)
+    middle = template.centre
+    marked = [node for node in middle.tolist() if sketch.mark_of(template.names[node])]
+    away = template.positions[middle][:, None] - template.positions[marked]
+    close = np.linalg.norm(away, axis=2) < BESIDE * extent(template)
+    beside[middle] = close.any(axis=1)
+    return beside
 
 
 def neighbour_of(asked: str, step: int, placed: Placed, solved: Solved) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags
 from bozzetto.view import Camera, triple
-from bozzetto_car.camera.visibility import facing
+from bozzetto_car.camera.visibility import facing, on_their_side
 from bozzetto_car.marking.edit_marks import near_wheels
 from bozzetto_car.state import Sketch
 from bozzetto_car.template.model import Template, ViewHint, twin
@@ -36,18 +36,23 @@ cars from their template, as far as the grid tells a view."""
 MISTAKEN: Final = 0.1
 """Probability that a node is marked that does not face the eye, or noted as not visible though it
 does."""
+MAY: Final = 0.3
+"""Probability from which a sketch may be one from the side of a node: few marks tell little of the
+view, and those of one side of the car alone would leave the camera open."""
 
 
 @lru_cache(maxsize=8)
-def _views(template: Template) -> tuple[Array, Flags]:
+def _views(template: Template) -> tuple[Array, Flags, Flags]:
     """Return where possible views of the left side show each node, (v, n, 2), and which face them.
+
+    The third are those that are seen best from about there.
 
     Places are about their middle, in diagonals of the box of all nodes in the picture.
     """
     positions = template.positions
     middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
     size = float(np.linalg.norm(np.ptp(positions, axis=0)))
-    places, shown = [], []
+    places, shown, told = [], [], []
     for away in DISTANCES:
         for azimuth in AZIMUTHS:
             for elevation in ELEVATIONS:
@@ -57,7 +62,8 @@ def _views(template: Template) -> tuple[Array, Flags]:
                 seen = camera.project(positions)[0]
                 places.append((seen - seen.mean(axis=0)) / np.linalg.norm(np.ptp(seen, axis=0)))
                 shown.append(facing(template, positions, camera))
-    return np.array(places), np.array(shown)
+                told.append(on_their_side(template, positions, camera))
+    return np.array(places), np.array(shown), np.array(told)
 
 
 def likely_shown(template: Template, sketch: Sketch) -> Flags:
@@ -71,7 +77,17 @@ def likely_shown(template: Template, sketch: Sketch) -> Flags:
         The sketch. Until both of its near wheels are marked it may be one of the other side, whose
         marks will then change their names.
     """
-    places, shown = _views(template)
+    return _likely(template, sketch, _views(template)[1], 0.5)
+
+
+def likely_on_their_side(template: Template, sketch: Sketch) -> Flags:
+    """Which nodes may be seen best from about there, (n,), as `likely_shown`."""
+    return _likely(template, sketch, _views(template)[2], MAY)
+
+
+def _likely(template: Template, sketch: Sketch, which: Flags, share: float) -> Flags:
+    """Return the nodes of which that is so, by view (v, n), in a share of the likely views."""
+    places, shown, _ = _views(template)
     to_left = sketch.shows == "L"
 
     def node_of(name: str) -> int | None:
@@ -89,7 +105,7 @@ def likely_shown(template: Template, sketch: Sketch) -> Flags:
     fits = np.array([_log_fit(places[:, nodes], at * [side, 1.0]) for side in sides])
     logs = logs + np.logaddexp.reduce(fits, axis=0)
     weights = np.exp(logs - logs.max())
-    likely = weights @ shown / weights.sum() >= 0.5
+    likely = weights @ which / weights.sum() >= share
     return np.asarray(likely if to_left else likely[template.mirrored])
 
 

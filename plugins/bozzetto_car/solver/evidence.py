@@ -48,6 +48,11 @@ DETERMINED: Final = 1e-12
 UNDETERMINED: Final = 1e-9
 """Least size of a motion of the camera, of the greatest, that counts."""
 
+USUAL_BEND: Final = (10.0, 1.35)
+"""Median of what a hand that bends a drawing bends it by, in steady standard deviations of a mark
+(2 % of the diagonal of the marks), and the factor by which such hands differ. A bend is a matter of
+the eye and does not grow with the tremor of the pen."""
+
 KNOWN: Final = 64
 """Number of pairs of a template and a cost whose factors are remembered."""
 
@@ -170,6 +175,8 @@ class Evidence:
         How cars differ from it.
     sketches : sequence of Independent
         The marks that count.
+    bend : float
+        By how much more the hand bends than it trembles, which they were made independent with.
     anyone : bool
         Whether the hand may be anyone's, with heavy tails (Cauchy's distribution of the logarithm),
         so that a very unsteady one is told. With light tails (Gauss') a mistake in one mark is
@@ -185,7 +192,12 @@ class Evidence:
     """
 
     def __init__(
-        self, template: Template, cost: Cost, sketches: Sequence[Independent], anyone: bool
+        self,
+        template: Template,
+        cost: Cost,
+        sketches: Sequence[Independent],
+        bend: float,
+        anyone: bool,
     ) -> None:
         self._sketches = sketches
         spreads, self._hands = (grid.ravel() for grid in np.meshgrid(SPREADS, HANDS))
@@ -203,6 +215,9 @@ class Evidence:
         logs -= np.log1p(apart) if anyone else 0.5 * apart
         logs -= sum(sketch.log_size for sketch in sketches)
         logs -= 0.5 * (np.log(spreads / USUAL[0]) / np.log(USUAL[1])) ** 2
+        if bend > 0.0:
+            bent = np.log(bend * self._hands / USUAL_BEND[0]) / np.log(USUAL_BEND[1])
+            logs -= 0.5 * bent**2
         self.total = float(log_of_sum(logs))
         self._logs = logs - self.total
         self.log_spread, self.log_hand = (

@@ -40,10 +40,10 @@ ROUGH: Final = (0.2, 1.0)
 """By how much nodes differ by themselves, in deviations (`DEVIATION`). What a car differs by
 smoothly would otherwise be taken for a bend of the hand, for its nodes show no scatter."""
 
-BENDS: Final = (0.0, 3.0, 8.0)
+BENDS: Final = (0.0, 4.0, 10.0)
 """By how much more a hand bends a drawing than it trembles, standard deviations."""
 
-BENT: Final = 7.0
+BENT: Final = 4.0
 """Price of a hand that bends at all, as a natural logarithm."""
 
 GENEROUS: Final = 1.4
@@ -146,14 +146,17 @@ class Weights:
 
     def of(self, part: Part) -> Evidence:
         """Return the evidence of a part of the mixture."""
-        return Evidence(self._template, part.cost, self._independent(part.bend), anyone=False)
+        return Evidence(
+            self._template, part.cost, self._independent(part.bend), part.bend, anyone=False
+        )
 
     @cached_property
     def parts(self) -> tuple[Evidence, ...]:
         """The evidence of each part."""
         ready = {bend: self._independent(bend) for bend in BENDS}
         return tuple(
-            Evidence(self._template, part.cost, ready[part.bend], anyone=True) for part in MIXTURE
+            Evidence(self._template, part.cost, ready[part.bend], part.bend, anyone=True)
+            for part in MIXTURE
         )
 
     @cached_property
@@ -256,7 +259,7 @@ def evidence_of(template: Template, view: MarkedView) -> Evidence:
     """
     sketch = linear_sketch(template, view, Cost.balanced().hand)
     every = np.ones(len(view.nodes), bool)
-    return Evidence(template, Cost.balanced(), [independent(sketch, 0.0, every)], anyone=False)
+    return Evidence(template, Cost.balanced(), [independent(sketch, 0.0, every)], 0.0, anyone=False)
 
 
 def _losses(

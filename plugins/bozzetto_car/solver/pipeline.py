@@ -151,9 +151,66 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
         raise UserError(
             f"A car can have {MOST_VIEWS} sketches at once. Hide the ones that help least."
         )
-    nothing = Solved(template, cost, soundness, template.positions, None, placed, ())
     if not solid:
-        return nothing
+        return Solved(template, cost, soundness, template.positions, None, placed, ())
+    if before is None and state.cost != "paper":
+        usual = _put_in_perspective(state, template, soundness, placed)
+        if usual is not None and state.trace == TRACE:
+            return usual
+    return _solved_as_placed(state, template, cost, soundness, placed, before)
+
+
+def _put_in_perspective(
+    state: CarState, template: Template, soundness: Soundness, placed: dict[str, Placed]
+) -> Solved | None:
+    """Place sketches in perspective that the template's camera has taken for orthographic.
+
+    Returns the car with the slider where it stands at first; None if no sketch was in doubt.
+
+    What the car differs by from the template hides a perspective from the template's camera, and
+    not from the car's. It is worth its parameter by the Bayesian information criterion, in which
+    the cost stands for twice the logarithm of the probability; the slider has no say. A sketch in
+    perspective that is solved as an orthographic one loses half of the shape, and next to nothing
+    is lost the other way round.
+    """
+    usual = Cost.balanced()
+    flat: Solved | None = None
+    for key, one in list(placed.items()):
+        if not one.is_known or one.sketch.kind != "auto" or not _is_flat(one):
+            continue
+        other = place_sketch(template, replace(one.sketch, kind="perspective"))
+        if not other.is_known or other.disagreeing or _is_flat(other):
+            continue
+        changed = placed | {key: replace(other, sketch=one.sketch)}
+        state = replace(state, trace=TRACE)
+        try:
+            flat = flat or _solved_as_placed(state, template, usual, soundness, {**placed}, None)
+            deep = _solved_as_placed(state, template, usual, soundness, {**changed}, None)
+        except UserError:  # it is told where the car itself is solved
+            continue
+        assert flat.joint is not None
+        assert deep.joint is not None
+        if deep.joint.cost + np.log(2 * len(one.sketch.marks)) < flat.joint.cost:
+            placed[key], flat = changed[key], deep
+    return flat
+
+
+def _is_flat(placed: Placed) -> bool:
+    """Whether the camera that the template has for a sketch is orthographic."""
+    return placed.resection is not None and placed.resection.camera.kind == "orthographic"
+
+
+def _solved_as_placed(
+    state: CarState,
+    template: Template,
+    cost: Cost,
+    soundness: Soundness,
+    placed: dict[str, Placed],
+    before: Solved | None,
+) -> Solved:
+    """Return the car of sketches with the kinds of cameras with which they are placed."""
+    last = {} if before is None else before.placed
+    solid = tuple(key for key, one in placed.items() if one.is_known)
     start = None
     if before is not None and before.joint is not None:
         start = before.joint.variables

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto_car.body.build import body_of
-from bozzetto_car.camera.visibility import facing
+from bozzetto_car.camera.visibility import facing, on_their_side
 from bozzetto_car.marking.edit_marks import set_mark, with_asked, with_skipped
 from bozzetto_car.marking.next_mark import (
     asked_of,
@@ -18,7 +18,8 @@ from bozzetto_car.marking.next_mark import (
     open_nodes,
 )
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.model import twin
 from tests.plugins.car.penned import blank, guided, places_of, view_of
 from tests.plugins.car.sketched import FRONT_QUARTER, PICTURE, looking, styled
 
@@ -52,6 +53,42 @@ def test_the_templates_order_is_followed_while_all_of_it_is_likely_seen():
     for count in range(5):
         met.append(asked(guided(view, count)).node)
     assert met == ORDER["L"][:5]
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("azimuth", [20.0, 30.0, 45.0])
+def test_from_the_front_nothing_is_asked_of_the_rear_window(name, azimuth):
+    """Its upper edge faces an eye that looks along the roof, and nobody can tell it there."""
+    template = bundled(name)
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        car = styled(template, seed)
+        camera = looking(car, ((azimuth, azimuth), (4.0, 20.0), (5.0, 12.0)), rng)
+        places, shown = camera.project(car)[0], facing(template, car, camera)
+        state = replace(CarState(), template=template.id).with_node(blank().sketch)
+        met = []
+        while len(state.sketch.marks) < 6:
+            met.append(asked(state).node)
+            there = met[-1] if state.sketch.shows == "R" else twin(met[-1])
+            node = template.node[there if met[-1].endswith((".L", ".R")) else met[-1]]
+            if shown[node]:
+                state = set_mark(state, met[-1], tuple(places[node]), template)
+            else:
+                state = with_skipped(state, [met[-1]])
+        assert not {"C5", "C6", "C7", "C8"} & {*met}
+
+
+def test_from_whose_side_a_node_is_seen_is_that_of_its_image_from_the_other_side():
+    rng = np.random.default_rng(1)
+    for azimuth in (20.0, 50.0, 70.0, 110.0, 160.0):
+        views = [((sign * azimuth,) * 2, (9.0, 9.0), (7.0, 7.0)) for sign in (1.0, -1.0)]
+        right, left = (
+            on_their_side(SEDAN, SEDAN.positions, looking(SEDAN.positions, view, rng))
+            for view in views
+        )
+        assert (right == left[SEDAN.mirrored]).all()
+        assert right[SEDAN.node["C3"]] == (azimuth < 120.0)
+        assert right[SEDAN.node["C5"]] == (azimuth > 62.0)
 
 
 def test_nothing_is_asked_without_a_sketch():
