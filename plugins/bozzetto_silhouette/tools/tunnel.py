@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from bozzetto.errors import Unfinished
@@ -27,7 +29,7 @@ class DrawTunnel(ErasingTool):
     id = "tunnel"
     title = "Tunnel"
     icon = "icons/tunnel.svg"
-    hint = "Draw a closed outline over the shape; it goes straight through."
+    hint = "Draw a closed outline over the shape; it goes straight through, or to a depth."
 
     @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
@@ -62,9 +64,18 @@ class DrawTunnel(ErasingTool):
         outline_of(part)
         check_that_it_carves(state, state.with_node(part))
         trace = _trace(state, ink.strokes, part.sheet)
-        return (
-            state.with_node(part) if trace is None else insert_node(state, part, trace.parts(state))
-        )
+        if trace is None:
+            return state.with_node(part)
+        part = replace(part, sheet=_on_surface(part.sheet, trace))
+        return insert_node(state, part, trace.parts(state))
+
+
+def _on_surface(sheet: Sheet, trace: Trace) -> Sheet:
+    """Return the parallel sheet where the outline first meets the shape: depth is from there."""
+    if not trace.hit.any():
+        return sheet
+    heights = (trace.near[trace.hit] - sheet.origin) @ sheet.normal
+    return sheet.at(float(heights.max()))
 
 
 def _trace(state: SilhouetteState, strokes: tuple[Stroke, ...], sheet: Sheet) -> Trace | None:
