@@ -16,6 +16,11 @@ from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
 from bozzetto_silhouette.tools.draw_outline import meets_itself
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.insert_node import check_that_it_carves, insert_node
+from bozzetto_silhouette.tools.reflection import (
+    reflected_scene,
+    reflection_of,
+    with_reflected_tool,
+)
 from bozzetto_silhouette.tools.through_preview import Trace, trace_of
 from bozzetto_silhouette.view.picking import shape_seen
 
@@ -36,8 +41,12 @@ class DrawTunnel(ErasingTool):
         """Show where the tunnel goes in and comes out, and lines of sight through it."""
         if not isinstance(gesture, Ink):
             return Scene()
-        trace = _trace(state, gesture.strokes, sheet_under(gesture.strokes[0], context))
-        return Scene() if trace is None else trace.scene(through=True)
+        sheet = sheet_under(gesture.strokes[0], context)
+        trace = _trace(state, gesture.strokes, sheet)
+        if trace is None:
+            return Scene()
+        scene = trace.scene(through=True)
+        return reflected_scene(scene, reflection_of(sheet, context)) if state.mirrored else scene
 
     @override
     def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
@@ -63,11 +72,15 @@ class DrawTunnel(ErasingTool):
         )
         outline_of(part)
         check_that_it_carves(state, state.with_node(part))
-        trace = _trace(state, ink.strokes, part.sheet)
+        sheet = part.sheet
+        trace = _trace(state, ink.strokes, sheet)
         if trace is None:
             return state.with_node(part)
-        part = replace(part, sheet=_on_surface(part.sheet, trace))
-        return insert_node(state, part, trace.parts(state))
+        part = replace(part, sheet=_on_surface(sheet, trace))
+        carved = insert_node(state, part, trace.parts(state))
+        if not state.mirrored:
+            return carved
+        return with_reflected_tool(state, carved, part.id, sheet, context)
 
 
 def _on_surface(sheet: Sheet, trace: Trace) -> Sheet:
