@@ -57,3 +57,13 @@ def test_a_disc_by_hand_is_flat_nowhere() -> None:
     for seed in range(4):
         (ring,) = rings_from_strokes([by_hand(np.random.default_rng(seed), 0.5)])
         assert measure(inflated(ring, ConvolutionHeights())).flattest > 0.9
+
+
+@pytest.mark.parametrize("at", [2, 157, 79])
+def test_a_spike_beside_an_end_does_not_pull_it_down(at: int) -> None:
+    """The axis runs on into it, past balls that get no constraint of their own."""
+    points, normal = ellipse()
+    points[at] += 1.15 * normal[at]
+    solid = inflated(points, VariationalHeights())
+    assert min(end_shares(solid)) > 0.85
+    assert measure(solid).flattest > 0.9
