@@ -12,6 +12,7 @@ from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import Sheet, sheet_under
 from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.model.view_rays import view_rays_through
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
 from bozzetto_silhouette.tools.draw_outline import meets_itself
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
@@ -76,19 +77,21 @@ class DrawTunnel(ErasingTool):
         trace = _trace(state, ink.strokes, sheet)
         if trace is None:
             return state.with_node(part)
-        part = replace(part, sheet=_on_surface(sheet, trace))
+        part = replace(part, sheet=_on_surface(sheet, trace, ink.strokes))
         carved = insert_node(state, part, trace.parts(state))
         if not state.mirrored:
             return carved
         return with_reflected_tool(state, carved, part.id, sheet, context)
 
 
-def _on_surface(sheet: Sheet, trace: Trace) -> Sheet:
+def _on_surface(sheet: Sheet, trace: Trace, strokes: tuple[Stroke, ...]) -> Sheet:
     """Return the parallel sheet where the outline first meets the shape: depth is from there."""
-    if not trace.hit.any():
-        return sheet
-    heights = (trace.near[trace.hit] - sheet.origin) @ sheet.normal
-    return sheet.at(float(heights.max()))
+    camera = strokes[0].camera
+    if not trace.hit.any() or any(stroke.camera != camera for stroke in strokes):
+        return sheet  # elsewhere what was drawn from two sides would not meet
+    height = float(((trace.near[trace.hit] - sheet.origin) @ sheet.normal).max())
+    _, most = view_rays_through(sheet, camera).before_eye(0.0, height)
+    return sheet.at(height) if height <= most else sheet  # an eye in the shape sees no surface
 
 
 def _trace(state: SilhouetteState, strokes: tuple[Stroke, ...], sheet: Sheet) -> Trace | None:
