@@ -12,7 +12,9 @@ from bozzetto.plugin import remembered
 from bozzetto_silhouette.analysis.projected_outline import shadow_of
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
+from bozzetto_silhouette.outline.medial_axis import Skeleton
 from bozzetto_silhouette.outline.outline import Outline
+from bozzetto_silhouette.outline.signed_distance import RimDistance
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
@@ -124,7 +126,7 @@ def _flattest(solid: SilhouetteSolid) -> float:
     a, b, c = corners[triangles].transpose(1, 0, 2)
     (ux, uy), (vx, vy) = (b - a).T, (c - a).T
     area = 0.5 * np.abs(ux * vy - uy * vx)
-    balls = solid.skeleton.heights((a + b + c) / 3.0)
+    balls = _inscribed(solid).heights((a + b + c) / 3.0)
     inside = balls > 0.0
     if not inside.any():
         return 1.0
@@ -134,6 +136,17 @@ def _flattest(solid: SilhouetteSolid) -> float:
     order = np.argsort(share)
     below = np.cumsum(area[inside][order])
     return float(share[order][np.searchsorted(below, FLATTENED * below[-1])])
+
+
+def _inscribed(solid: SilhouetteSolid) -> Skeleton:
+    """Return the balls of a solid's skeleton, none larger than the outline around it allows.
+
+    A disc has two beside its middle that are as large as itself.
+    """
+    nodes, rim = solid.skeleton.nodes, len(solid.plan.after)
+    room = RimDistance(solid.plan.points[:rim], solid.plan.after)(nodes[:, :2]).distance
+    fitting = np.minimum(nodes[:, 2], np.maximum(room, 0.0))
+    return Skeleton(np.column_stack([nodes[:, :2], fitting]), solid.skeleton.edges)
 
 
 def deviation_along(solid: SilhouetteSolid, ring: Array) -> tuple[Array, Array]:

@@ -51,10 +51,12 @@ def smooth_maximum(first: Sample, second: Sample, reach: Array | float) -> Sampl
     excess = np.maximum(k - np.abs(a - b), 0.0)
     k = np.maximum(k, 1e-300)
     value = np.maximum(a, b) + 0.25 * excess * (excess / k)
-    share = (a >= b).astype(np.float64)
+    one, other = (a >= b).astype(np.float64), (a < b).astype(np.float64)
     near = excess > 0.0  # elsewhere the quotient may overflow
-    share[near] = 0.5 + 0.5 * ((a - b)[near] / k[near])
-    return _mixed(value, share, first, 1.0 - share, second)
+    half = 0.5 * ((a - b)[near] / k[near])
+    # Not one from the other: the same to the last bit in either order.
+    one[near], other[near] = 0.5 + half, 0.5 - half
+    return _mixed(value, one, first, other, second)
 
 
 def summed(first: Sample, second: Sample, reach: Array | float) -> Sample:

@@ -135,7 +135,7 @@ class Composite:
         narrow = self.reach / self.blend
         one, other = (np.minimum(narrow * s.curvature, _NARROWEST) for s in (first, second))
         return np.broadcast_to(
-            self.reach * (1.0 + one**_NARROWING + other**_NARROWING) ** (-1.0 / _NARROWING),
+            self.reach * (1.0 + (one**_NARROWING + other**_NARROWING)) ** (-1.0 / _NARROWING),
             len(first.value),
         )
 

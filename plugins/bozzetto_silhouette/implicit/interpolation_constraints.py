@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import Placement
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.implicit.variational import (
@@ -67,6 +67,13 @@ DENSEST = 0.5
 STANDS_OUT = 1.25
 """A ball that reaches less far than this from the middle of a higher one, in its heights, gets no
 constraint: the axis runs on into every kink of a round end, and would pull that down to it."""
+
+STEEP = 0.88
+"""Fall of the radius along the axis, by the length, from which on it runs into a kink of a round
+end: of a corner it is the sine of half its angle, so corners of up to 120 degrees are none."""
+
+FAR = 0.5
+"""Length over which that is looked at, at least, in radii of the larger ball."""
 
 THIN = 0.04
 """Height, as a share of the size, below which the axis of a limb gets a constraint of its own:
@@ -255,6 +262,8 @@ def _heights(frame: Frame) -> Array:
         if near:
             gap = np.hypot(*(rim.points[near] - xy[k]).T)
             height[k] = np.average(gap, weights=length[near])
+    own = ~_in_kinks(xy, radius)
+    xy, height = xy[own], height[own]
     order = np.argsort(-height, kind="stable")
     xy, height = xy[order], height[order]
     kept: list[int] = []
@@ -264,3 +273,11 @@ def _heights(frame: Frame) -> Array:
         if (own & (gap >= DENSEST * height[k])).all():
             kept.append(k)
     return np.column_stack([xy, height])[kept]
+
+
+def _in_kinks(xy: Array, radius: Array) -> Flags:
+    """Mark balls, at (k, 2), of radii (k,), to which the axis falls steeply from a larger one."""
+    gap = np.sqrt(((xy[:, None] - xy) ** 2).sum(axis=2))
+    steep = radius[:, None] - radius >= STEEP * gap
+    found: Flags = (steep & (gap >= FAR * radius[:, None])).any(axis=0)
+    return found

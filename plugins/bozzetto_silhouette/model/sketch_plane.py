@@ -6,7 +6,7 @@ the person who drew it, all in mm.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,6 +68,10 @@ class Sheet:
         """Carry object-frame directions into the world, shape (n, 3)."""
         frame = np.vstack((self.right, self.up, self.normal))
         return np.asarray(np.asarray(vectors, float) @ frame, np.float64)
+
+    def at(self, height: float) -> Sheet:
+        """Return the plane parallel to this one at a height over it, mm."""
+        return replace(self, origin=_point(self.origin + height * self.normal))
 
     def faces_as(self, other: Sheet) -> bool:
         """Whether both sheets are parallel and face the same way."""

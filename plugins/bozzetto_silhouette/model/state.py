@@ -25,6 +25,9 @@ Operation = Literal["add", "merge", "carve", "intersect"]
 Surface = Literal["convolution", "variational", "inflation", "straight"]
 Kernel = Literal["scalis", "cauchy", "inverse-cubic", "inverse-quartic", "quartic", "sextic"]
 
+DEEPEST = 1e4
+"""Depth of a tool at most, mm; what reaches behind a shape goes through it."""
+
 
 @dataclass(frozen=True)
 class Oversketch:
@@ -151,6 +154,19 @@ class Part(Node):
             help="How deep the shape swells; 1 is round, the silhouette stays as drawn.",
         ),
     ] = 1.0
+    depth: Annotated[
+        float,
+        Parameter(
+            "Depth",
+            0.0,
+            DEEPEST,
+            step=0.5,
+            unit="mm",
+            zero="through",
+            help="How deep what goes straight through and carves or intersects reaches behind its "
+            "outline.",
+        ),
+    ] = 0.0
     softness: Annotated[
         float,
         Parameter(

@@ -8,6 +8,7 @@ is upright or level on the sheet, through the middle of the outline.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
 ALIKE = 1e-3
 """How far an outline may be from its mirror image, as a share of its longest side: less than the
 width of a line on the screen, and more than curves lose when they become polygons."""
+
+UNLIKE = 4e-3
+"""Share of its area by which an outline and its mirror image may differ at most: of a thin thing
+`ALIKE` may be a good part."""
 
 GLANCE = 50
 """Points that are looked at first."""
@@ -56,7 +61,7 @@ def mirrored_coordinate(rings: tuple[Array, ...]) -> int | None:
         seen = np.concatenate(rings) * flip
         # Most outlines are not alike, and some of their points say so.
         some = seen[:: max(1, len(seen) // GLANCE)]
-        if all(_near(places, lines) for places in (some, seen)):
+        if all(_near(places, lines) for places in (some, seen)) and _shares(rings, flip):
             return coordinate
     return None
 
@@ -65,6 +70,21 @@ def _near(places: Array, lines: shapely.MultiLineString) -> bool:
     import shapely
 
     return bool(shapely.dwithin(shapely.points(places), lines, ALIKE).all())
+
+
+def _shares(rings: tuple[Array, ...], flip: Array) -> bool:
+    """Whether an outline and its mirror image cover the same but for `UNLIKE`."""
+    import shapely
+
+    inside, image = (
+        reduce(
+            shapely.symmetric_difference,
+            (shapely.make_valid(shapely.Polygon(ring * sign)) for ring in rings),
+        )
+        for sign in (np.ones(2), flip)
+    )
+    differs = shapely.area(shapely.symmetric_difference(inside, image))
+    return bool(differs <= UNLIKE * shapely.area(inside))
 
 
 def mirrored_plan(plan: Plan, coordinate: int) -> Plan:

@@ -206,6 +206,8 @@ def _remainder(
     other = united(second.lumps + added) if operation == "carve" else second.whole
     if one is None or other is None:
         return None
+    if operation == "intersect" and tuple(second.box.ravel()) < tuple(first.box.ravel()):
+        one, other = other, one  # the same to the last bit, whichever came first
     left = one - other if operation == "carve" else one ^ other
     if not is_allowed(left, operation, one, other):
         return None

@@ -164,7 +164,10 @@ def _without_specks(vertices: Array, faces: Faces, step: float) -> Flags:
     Where a fillet grazes a body, slivers of it may stay by themselves, or hollows within.
     """
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    pieces, piece = connected_pieces(a, b, len(vertices))
+    once = a < b
+    pieces, piece = connected_pieces(a[once], b[once], len(vertices))
+    if pieces == 1:
+        return np.ones(len(vertices), dtype=bool)
     one, two, three = (vertices[faces] - vertices.mean(axis=0)).transpose(1, 0, 2)
     sixfold = np.einsum("nk,nk->n", one, np.cross(two, three))
     volumes = np.abs(np.bincount(piece[faces[:, 0]], sixfold, pieces)) / 6.0
@@ -178,7 +181,8 @@ def _seam(assembly: Assembly, whole: UnionMesh) -> Index:
     known, at = np.unique(whole.numbers, return_inverse=True)
     fillet = np.array([mine.get(int(number), -1) for number in known], np.intp)[at]
     seam = np.full(len(whole.vertices), -1)
-    np.maximum.at(seam, whole.faces, fillet[:, None])
+    made = fillet >= 0
+    np.maximum.at(seam, whole.faces[made], fillet[made, None])
     return seam
 
 

@@ -149,8 +149,8 @@ def straight_body(part: Part, around: Array | None, resolution: int) -> Body:
         Its surface is "straight".
     around : (2, 3) float array, optional
         Corners of a box, in the same frame, around what it acts on: it reaches beyond that
-        on both sides, but not behind the eye. Without it, it is a slab as thick as the
-        outline is wide, times its inflation.
+        on both sides, or on the far one as deep as the part is, but not behind the eye.
+        Without it, it is a slab as thick as the outline is wide, times its inflation.
     resolution : int
         Cells along the longest side of the outline and of what it acts on.
 
@@ -176,7 +176,8 @@ def straight_body(part: Part, around: Array | None, resolution: int) -> Body:
     else:
         z = corners[:, 2]
         reach = CLEARANCE * size
-        low, high = view_rays.before_eye(min(z.min(), 0.0) - reach, max(z.max(), 0.0) + reach)
+        floor = -part.depth if part.depth > 0.0 else min(z.min(), 0.0) - reach
+        low, high = view_rays.before_eye(floor, max(z.max(), 0.0) + reach)
     vertices, faces = _prism(plan, view_rays, low, high, WALL_PITCH * size / resolution)
     soundness = soundness_of(vertices, faces, outline)
     if not soundness.ok:

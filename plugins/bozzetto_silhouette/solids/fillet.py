@@ -121,6 +121,7 @@ def fillets_of(
     near = places[solid.felt(places)]
     if not len(near):
         return ()
+    near = near[np.lexsort(near.T)]
     box = np.stack([near.min(axis=0) - solid.reach, near.max(axis=0) + solid.reach])
     local = solid.within(box, BEYOND * solid.reach)
     return _made(local, near, step, checkpoint)

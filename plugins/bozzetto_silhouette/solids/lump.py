@@ -37,6 +37,11 @@ class Lump(NamedTuple):
     surface: Surface | None = None
 
     @property
+    def place(self) -> tuple[float, ...]:
+        """What tells lumps apart and puts them into an order that depends on no other."""
+        return tuple(self.box.ravel().tolist())
+
+    @property
     def manifold(self) -> Manifold:
         """The solid as manifold3d sees it."""
         return self.held.manifold
@@ -65,7 +70,7 @@ def united(lumps: tuple[Lump, ...]) -> Manifold | None:
     from manifold3d import Manifold, OpType
 
     rows: list[list[Lump]] = []
-    for lump in lumps:
+    for lump in sorted(lumps, key=lambda lump: lump.place):  # whichever came first
         free = (row for row in rows if not any(meet(lump.box, other.box) for other in row))
         row = next(free, None)
         if row is None:

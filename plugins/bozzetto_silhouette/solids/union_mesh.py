@@ -116,7 +116,8 @@ def _pieces(lumps: tuple[Lump, ...]) -> tuple[int, list[Piece]]:
     boxes = np.stack([lump.box for lump in lumps])
     below = (boxes[:, None, 0] <= boxes[None, :, 1]).all(axis=2)
     meets: Flags = np.logical_and(below, below.T)
-    base = int(meets.sum(axis=1).argmax())
+    many = meets.sum(axis=1)
+    base = min(np.flatnonzero(many == many.max()).tolist(), key=lambda k: lumps[k].place)
     one, other = np.nonzero(meets)
     close = [
         (i, j)

@@ -11,19 +11,22 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.model.state import DEEPEST, Group, Part, SilhouetteState
 from bozzetto_silhouette.rigging.posing import JOINT, posed, posed_scene
 from bozzetto_silhouette.solids.evaluate import draft_surface
 from bozzetto_silhouette.solids.placements import carried, groups_around
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
-from bozzetto_silhouette.view.drag_motion import moved, resized, settled, turned
-from bozzetto_silhouette.view.handles import ARRANGE, grip_of, handles_layer
+from bozzetto_silhouette.view.drag_motion import moved, pulled, resized, settled, turned
+from bozzetto_silhouette.view.handles import ARRANGE, depth_grip, grip_of, handles_layer
 from bozzetto_silhouette.view.picking import touched_part
 
 Moved = TypeVar("Moved", bound=Part | Group)
 
 LIVE_CELLS = 48
 """Resolution of the shape while a part is dragged."""
+
+SHALLOWEST = 0.01
+"""Least depth that a tool can be dragged to, as a share of the radius of its ring."""
 
 NOTHING = "There is nothing to arrange yet. Draw a shape first."
 
@@ -84,10 +87,15 @@ class Arrange(ErasingTool):
         kind, _, node_id = drag.handle.partition(":")
         node = next((node for node in state.nodes if node.id == node_id), None)
         grip = None if node is None else grip_of(state, node)
-        if node is None or grip is None or kind not in ("move", "turn", "size"):
+        depth = None if node is None or kind != "depth" else depth_grip(state, node)
+        known = kind in ("move", "turn", "size") or depth is not None
+        if node is None or grip is None or not known:
             raise UserError("This handle holds nothing any more. Tap a part to choose it.")
         start, end = drag.path.points[0].astype(float), drag.path.points[-1].astype(float)
         camera = drag.camera
+        if depth is not None and isinstance(node, Part):
+            by = pulled(depth.place, depth.inwards, camera, start, end)
+            return state.with_node(_deepened(node, by / depth.scale, grip.radius / depth.scale))
         if kind == "move":
             motion = moved(grip.middle, camera, start, end, along_axis=drag.shift)
         elif kind == "turn":
@@ -95,6 +103,15 @@ class Arrange(ErasingTool):
         else:
             motion = resized(grip.middle, camera, start, end)
         return state.with_node(after_motion(state, node, motion))
+
+
+def _deepened(tool: Part, by: float, radius: float) -> Part:
+    """Return a tool that goes deeper, in its own mm.
+
+    Pulled out it gets shallow and never goes through again, which would be a surprise.
+    """
+    least = SHALLOWEST * radius if tool.depth > 0.0 else 0.0
+    return replace(tool, depth=min(max(least, tool.depth + by), DEEPEST))
 
 
 def after_motion(state: SilhouetteState, node: Moved, motion: Placement) -> Moved:

@@ -13,6 +13,11 @@ from bozzetto_silhouette.model.state import Cut, Part, SilhouetteState
 from bozzetto_silhouette.tools.cut_preview import cut_preview
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.insert_node import check_that_it_carves, insert_node
+from bozzetto_silhouette.tools.reflection import (
+    reflected_scene,
+    reflection_of,
+    with_reflected_tool,
+)
 from bozzetto_silhouette.tools.through_preview import trace_of
 from bozzetto_silhouette.view.picking import shape_seen
 
@@ -35,7 +40,12 @@ class DrawCut(ErasingTool):
             return Scene()
         cut = _cut(state, gesture.strokes[-1], context)
         touch = shape_seen(state)
-        return Scene() if touch is None else cut_preview(cut, touch)
+        if touch is None:
+            return Scene()
+        scene = cut_preview(cut, touch)
+        return (
+            reflected_scene(scene, reflection_of(cut.sheet, context)) if state.mirrored else scene
+        )
 
     @override
     def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
@@ -57,7 +67,10 @@ class DrawCut(ErasingTool):
         cut = _cut(state, stroke, context)
         choices = (cut, replace(cut, side="right"))
         chosen = max(choices, key=lambda one: check_that_it_carves(state, state.with_node(one)))
-        return insert_node(state, chosen, _under(state, stroke))
+        done = insert_node(state, chosen, _under(state, stroke))
+        if not state.mirrored:
+            return done
+        return with_reflected_tool(state, done, cut.id, cut.sheet, context)
 
 
 def _cut(state: SilhouetteState, stroke: Stroke, context: Context) -> Cut:

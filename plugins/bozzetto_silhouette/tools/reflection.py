@@ -9,13 +9,14 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.plugin import Context
-from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto.scene import Item, Layer, Lines, Scene, Shaded
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, surrounds
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, stroke_in
 from bozzetto_silhouette.tools.arrange import after_motion
+from bozzetto_silhouette.tools.insert_node import NOTHING, volume_left
 from bozzetto_silhouette.view.drag_motion import mirrored
 from bozzetto_silhouette.view.picking import TOUCHED_CELLS
 
@@ -53,14 +54,19 @@ def reflection_of(sheet: Sheet, context: Context) -> Placement:
 
 def twin_of(state: SilhouetteState, part: Part, image: Placement) -> Part | None:
     """Return the mirror image of a part; None where the part is its own."""
+    twin = _image_of(state, part, image)
+    return None if _is_alike(part, twin) else twin
+
+
+def _image_of(state: SilhouetteState, part: Part, image: Placement) -> Part:
+    """Return the mirror image of a part as a part of its own."""
     name = f"{part.name} mirrored"
     taken = any(node.name == name for node in state.nodes)
-    twin = replace(
+    return replace(
         after_motion(state, part, image),
         id=state.unused_id(),
         name=state.unused_name(name) if taken else name,
     )
-    return None if _is_alike(part, twin) else twin
 
 
 def with_twin(state: SilhouetteState, part: Part, twin: Part) -> SilhouetteState:
@@ -107,12 +113,41 @@ def reflected(
     return after
 
 
+def with_reflected_tool(
+    before: SilhouetteState, after: SilhouetteState, tool: str, sheet: Sheet, context: Context
+) -> SilhouetteState:
+    """Carve on the other side of the plane, too, where that takes anything away.
+
+    Parameters
+    ----------
+    before, after : SilhouetteState
+        Without the tool, and with it.
+    tool : str
+        Its id.
+    sheet : Sheet
+        What it was drawn on.
+    context : Context
+        With the plane of symmetry.
+    """
+    part = next(part for part in after.parts if part.id == tool)
+    both = with_twin(after, part, _image_of(after, part, reflection_of(sheet, context)))
+    whole, once, twice = (volume_left(state) for state in (before, after, both))
+    # Its own image takes away next to nothing more.
+    tells = once - twice > SAME * (whole - once) and twice > NOTHING * whole
+    return both if tells else after
+
+
 def reflected_scene(scene: Scene, image: Placement) -> Scene:
-    """Return a scene of shaded shapes with its mirror image."""
+    """Return a scene of shaded shapes and lines with its mirror image."""
     layers = []
     for layer in scene.layers:
-        shaded = [item for item in layer.items if isinstance(item, Shaded)]
-        twins = tuple(Shaded(item.mesh.placed(image), pickable=False) for item in shaded)
+        twins: list[Item] = []
+        for item in layer.items:
+            if isinstance(item, Shaded):
+                twins.append(replace(item, mesh=item.mesh.placed(image), pickable=False))
+            elif isinstance(item, Lines) and len(item.points):
+                places = image.points(item.points.astype(np.float64)).astype(np.float32)
+                twins.append(replace(item, points=places))
         layers.append(Layer(layer.name, (*layer.items, *twins)))
     return Scene(tuple(layers))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from bozzetto.errors import Unfinished
@@ -10,10 +12,16 @@ from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import Sheet, sheet_under
 from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.model.view_rays import view_rays_through
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
 from bozzetto_silhouette.tools.draw_outline import meets_itself
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.insert_node import check_that_it_carves, insert_node
+from bozzetto_silhouette.tools.reflection import (
+    reflected_scene,
+    reflection_of,
+    with_reflected_tool,
+)
 from bozzetto_silhouette.tools.through_preview import Trace, trace_of
 from bozzetto_silhouette.view.picking import shape_seen
 
@@ -27,15 +35,19 @@ class DrawTunnel(ErasingTool):
     id = "tunnel"
     title = "Tunnel"
     icon = "icons/tunnel.svg"
-    hint = "Draw a closed outline over the shape; it goes straight through."
+    hint = "Draw a closed outline over the shape; it goes straight through, or to a depth."
 
     @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
         """Show where the tunnel goes in and comes out, and lines of sight through it."""
         if not isinstance(gesture, Ink):
             return Scene()
-        trace = _trace(state, gesture.strokes, sheet_under(gesture.strokes[0], context))
-        return Scene() if trace is None else trace.scene(through=True)
+        sheet = sheet_under(gesture.strokes[0], context)
+        trace = _trace(state, gesture.strokes, sheet)
+        if trace is None:
+            return Scene()
+        scene = trace.scene(through=True)
+        return reflected_scene(scene, reflection_of(sheet, context)) if state.mirrored else scene
 
     @override
     def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
@@ -61,10 +73,25 @@ class DrawTunnel(ErasingTool):
         )
         outline_of(part)
         check_that_it_carves(state, state.with_node(part))
-        trace = _trace(state, ink.strokes, part.sheet)
-        return (
-            state.with_node(part) if trace is None else insert_node(state, part, trace.parts(state))
-        )
+        sheet = part.sheet
+        trace = _trace(state, ink.strokes, sheet)
+        if trace is None:
+            return state.with_node(part)
+        part = replace(part, sheet=_on_surface(sheet, trace, ink.strokes))
+        carved = insert_node(state, part, trace.parts(state))
+        if not state.mirrored:
+            return carved
+        return with_reflected_tool(state, carved, part.id, sheet, context)
+
+
+def _on_surface(sheet: Sheet, trace: Trace, strokes: tuple[Stroke, ...]) -> Sheet:
+    """Return the parallel sheet where the outline first meets the shape: depth is from there."""
+    camera = strokes[0].camera
+    if not trace.hit.any() or any(stroke.camera != camera for stroke in strokes):
+        return sheet  # elsewhere what was drawn from two sides would not meet
+    height = float(((trace.near[trace.hit] - sheet.origin) @ sheet.normal).max())
+    _, most = view_rays_through(sheet, camera).before_eye(0.0, height)
+    return sheet.at(height) if height <= most else sheet  # an eye in the shape sees no surface
 
 
 def _trace(state: SilhouetteState, strokes: tuple[Stroke, ...], sheet: Sheet) -> Trace | None:

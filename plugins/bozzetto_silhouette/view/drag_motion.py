@@ -60,6 +60,22 @@ def moved(
     return _shift(shift)
 
 
+def pulled(place: Array, axis: Array, camera: Camera, start: Array, end: Array) -> float:
+    """Return how far a drag pulls a place along an axis (3,), a unit vector, mm.
+
+    Raises
+    ------
+    UserError
+        If the axis runs along the line of sight.
+    """
+    right, up, _ = camera.axes
+    seen = np.hypot(axis @ right, axis @ up)
+    by = _along(place, axis, camera, end) - _along(place, axis, camera, start)
+    if seen < END_ON or not np.isfinite(by):
+        raise UserError("From here the depth is not seen. Turn the view to the side, then drag.")
+    return by
+
+
 def turned(
     middle: Array, camera: Camera, start: Array, end: Array, *, stepped: bool = False
 ) -> Placement:

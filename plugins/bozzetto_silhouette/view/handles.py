@@ -1,4 +1,7 @@
-"""Handles of the chosen node: its middle moves it, two places on a ring turn and size it."""
+"""Handles of the chosen node: its middle moves it, two places on a ring turn and size it.
+
+Beside the ring of a tool stands one more, which sets how deep it goes.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.scene import Handle, Layer, Lines
+from bozzetto.scene import Handle, Item, Layer, Lines
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.solids.extrude import acts_on
 from bozzetto_silhouette.solids.placements import carried, is_shown, placement_of
 
 ARRANGE = "arrange"
@@ -18,6 +22,9 @@ ROOM = 1.12
 """Radius of the ring over that of the node's ink around its middle."""
 
 RING_STEPS = 96
+
+DEPTH_ANGLE = np.deg2rad(-110.0)
+"""Where over the ring the handle stands that sets how deep a tool goes."""
 
 ANGLES = np.deg2rad([-30.0, 70.0])
 """Where on the ring the handles for turning and for the size stand: apart from each other and
@@ -77,6 +84,46 @@ def grip_of(state: SilhouetteState, node: Part | Group) -> Grip | None:
     return Grip(middle, right, up, radius) if radius > 0.0 else None
 
 
+@dataclass(frozen=True, eq=False)
+class DepthGrip:
+    """The handle that sets how deep a tool goes, in the model's frame.
+
+    Attributes
+    ----------
+    start, place : (3,) float array
+        Beside its outline, and as far behind it as the tool is deep.
+    inwards : (3,) float array
+        Unit vector.
+    scale : float
+        Millimetres there in one of the part's own.
+    """
+
+    start: Array
+    place: Array
+    inwards: Array
+    scale: float
+
+    def items(self, node: Part | Group) -> tuple[Item, ...]:
+        """Return the handle and the line that it runs along."""
+        line = np.stack([self.start, self.place]).astype(np.float32)
+        return (
+            Lines(line, color="accent", width=1.0, opacity=0.45, hidden="show"),
+            _handle(f"depth:{node.id}", self.place, "Depth"),
+        )
+
+
+def depth_grip(state: SilhouetteState, node: Part | Group) -> DepthGrip | None:
+    """Return where the depth of a tool is set; None for what has none."""
+    grip = grip_of(state, node)
+    if grip is None or not isinstance(node, Part) or not acts_on(node):
+        return None
+    (start,) = grip.on_ring(np.array([DEPTH_ANGLE]))
+    stands = placement_of(state, node)
+    inwards = -carried(state, node).directions(node.sheet.normal)[0]
+    inwards = inwards / np.linalg.norm(inwards)
+    return DepthGrip(start, start + stands.scale * node.depth * inwards, inwards, stands.scale)
+
+
 def handles_layer(state: SilhouetteState) -> Layer | None:
     """Return the handles of the chosen node; None where nothing is chosen that can be seen."""
     node = next((node for node in state.nodes if node.id == state.selected), None)
@@ -87,6 +134,7 @@ def handles_layer(state: SilhouetteState) -> Layer | None:
         return None
     turn, size = grip.on_ring(ANGLES)
     ring = grip.on_ring(np.linspace(0.0, 2.0 * np.pi, RING_STEPS + 1))
+    depth = depth_grip(state, node)
     return Layer(
         "handles",
         (
@@ -94,6 +142,7 @@ def handles_layer(state: SilhouetteState) -> Layer | None:
             _handle(f"move:{node.id}", grip.middle, "Move"),
             _handle(f"turn:{node.id}", turn, "Turn; with Shift by 15°"),
             _handle(f"size:{node.id}", size, "Size"),
+            *([] if depth is None else depth.items(node)),
         ),
         tool=ARRANGE,
     )

@@ -16,10 +16,13 @@ from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.evaluate import tree_body
 from bozzetto_silhouette.tools import DrawOutline
+from bozzetto_silhouette.tools.cut import DrawCut
+from bozzetto_silhouette.tools.tunnel import DrawTunnel
 from tests.plugins.silhouette import bodies as b
 from tests.previews import preview_of
 
 PEN, TOOL, CONTEXT = Pen(), DrawOutline(), Context()
+TUNNEL, CUT = DrawTunnel(), DrawCut()
 BODY = PEN.circle(600, 450, 200)
 EMPTY = SilhouetteState(mirrored=True)
 
@@ -70,6 +73,38 @@ def test_from_the_side_the_image_lies_across_the_plane_of_symmetry() -> None:
     state = TOOL.apply(EMPTY, Ink((limb,), True), Context(camera=camera))
     assert len(state.parts) == 2
     assert_symmetric(state, 1)
+
+
+def test_tunnels_are_drawn_on_both_sides() -> None:
+    body = drawn(BODY)
+    eyes = TUNNEL.apply(body, Ink((PEN.circle(520, 400, 30),), True), CONTEXT)
+    assert [part.name for part in eyes.parts] == ["Part 1", "Tunnel 1", "Tunnel 1 mirrored"]
+    assert_symmetric(eyes, 0)
+    middle = TUNNEL.apply(body, Ink((PEN.circle(600, 450, 30),), True), CONTEXT)
+    assert len(middle.parts) == 2
+
+
+def test_cuts_are_drawn_on_both_sides() -> None:
+    line = PEN.along([(460, 200), (455, 450), (460, 700)])
+    cheeks = CUT.apply(drawn(BODY), Ink((line,), True), CONTEXT)
+    assert [part.name for part in cheeks.parts] == ["Part 1", "Cut 1", "Cut 1 mirrored"]
+    assert_symmetric(cheeks, 0)
+
+
+def test_pockets_from_the_side_are_on_both_sides_when_they_have_a_depth() -> None:
+    camera = standard_view(PEN.camera, "right")
+    ink = Ink((Pen(camera).circle(640, 450, 40),), True)
+    one = TUNNEL.apply(drawn(BODY), ink, Context(camera=camera))
+    assert len(one.parts) == 3
+    assert_symmetric(one, 1)
+
+
+def test_the_preview_of_a_tunnel_shows_both() -> None:
+    ink = Ink((PEN.circle(520, 400, 30),))
+    body = drawn(BODY)
+    one, both = (preview_of(TUNNEL, replace(body, mirrored=on), ink, CONTEXT) for on in (0, 1))
+    assert one.bounds()[1][0] < 0.0
+    assert both.bounds()[1][0] == pytest.approx(-both.bounds()[0][0], rel=1e-5)
 
 
 def test_switched_off_nothing_is_mirrored() -> None:

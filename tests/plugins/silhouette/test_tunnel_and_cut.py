@@ -17,15 +17,18 @@ from bozzetto.view import Camera
 from bozzetto.view.standard_views import standard_view
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
+from bozzetto_silhouette.tools.arrange import Arrange, after_motion
 from bozzetto_silhouette.tools.cut import DrawCut
 from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.tools.extrude import Extrude
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
+from bozzetto_silhouette.view.drag_motion import mirrored
+from bozzetto_silhouette.view.handles import depth_grip
 from bozzetto_silhouette.view.picking import shape_seen
 from tests.previews import preview_of
 
 FRONT = Camera()
-TUNNEL, CUT = DrawTunnel(), DrawCut()
+ARRANGE, TUNNEL, CUT = Arrange(), DrawTunnel(), DrawCut()
 
 
 def ball(radius: float = 220.0) -> SilhouetteState:
@@ -288,3 +291,69 @@ def test_odd_ink_makes_a_solid_or_words(tool, number: int) -> None:
             words = refusal.message
         assert words.endswith(".")
         assert solid(state).volume() > 0.0
+
+
+def of_depth(state: SilhouetteState, depth: float) -> SilhouetteState:
+    return state.with_node(replace(state.parts[-1], depth=depth))
+
+
+@pytest.mark.parametrize("view", ["front", "right", "top", "three-quarter"])
+def test_a_tunnel_of_a_depth_is_a_pocket_behind_its_outline(view: str) -> None:
+    camera = standard_view(Camera("orthographic"), view)
+    tunnel = applied(TUNNEL, ball(), Pen(camera).circle(600, 450, 60))
+    part = tunnel.parts[-1]
+    drawn = part.sheet.from_pixels(part.strokes[0].points, camera)
+    radius = 0.5 * np.ptp(drawn, axis=0)[0]
+    large = 0.5 * np.ptp(shape_seen(ball()).body.bounds, axis=0)[0]
+    rise = large - np.sqrt(large**2 - radius**2)
+    cap = np.pi * rise**2 * (3.0 * large - rise) / 3.0
+    for depth in (7.0, 20.0, 50.0):
+        pocket = solid(of_depth(tunnel, depth))
+        assert pocket.genus() == 0
+        taken = solid(ball()).volume() - pocket.volume()
+        assert taken == pytest.approx(np.pi * radius**2 * depth + cap, rel=0.03)
+
+
+@pytest.mark.parametrize("kind", ["orthographic", "perspective"])
+def test_the_depth_of_a_tool_follows_its_handle(kind) -> None:
+    drawn_from = standard_view(Camera(kind), "right")
+    state = applied(TUNNEL, ball(), Pen(drawn_from).circle(600, 450, 60))
+    assert state.parts[-1].depth == 0.0
+    assert solid(state).genus() == 1
+    camera = Camera(kind)
+    for pixels, handles in ((80.0, 0), (-60.0, 0), (900.0, 1)):
+        grip = depth_grip(state, state.parts[-1])
+        start = camera.project([grip.place])[0][0]
+        toward = camera.project([grip.place + grip.inwards])[0][0] - start
+        end = start + pixels * toward / np.hypot(*toward)
+        before = state.parts[-1].depth
+        gesture = Drag(f"depth:{state.selected}", Pen(camera).along([start, end]))
+        state = ARRANGE.apply(state, gesture, Context(camera=camera))
+        moved = depth_grip(state, state.parts[-1])
+        assert np.allclose(camera.project([moved.place])[0][0], end, atol=1e-6)
+        assert (state.parts[-1].depth - before) * pixels > 0.0
+        assert solid(state).genus() == handles
+    state = state.with_node(replace(state.parts[-1], depth=1.0))
+    out = Drag(f"depth:{state.selected}", Pen(camera).along([end, end - 900.0 * toward]))
+    assert 0.0 < ARRANGE.apply(state, out, Context(camera=camera)).parts[-1].depth < 1.0
+
+
+def test_the_depth_is_not_set_from_where_it_is_not_seen() -> None:
+    state = applied(TUNNEL, ball(), Pen(FRONT).circle(600, 450, 60))
+    gesture = Drag(f"depth:{state.selected}", Pen(FRONT).along([(600, 450), (620, 470)]))
+    with pytest.raises(UserError, match="Turn the view"):
+        ARRANGE.apply(state, gesture, Context(camera=FRONT))
+
+
+def test_a_pocket_grows_with_its_part_and_has_a_mirror_image() -> None:
+    state = of_depth(
+        applied(TUNNEL, ball(), Pen(standard_view(FRONT, "right")).circle(600, 450, 60)), 8.0
+    )
+    taken = solid(ball()).volume() - solid(state).volume()
+    middle = shape_seen(ball()).body.bounds.mean(axis=0)
+    flip = mirrored(middle, np.array([1.0, 0.0, 0.0]))
+    tool = state.parts[-1]
+    both = state.with_node(replace(after_motion(state, tool, flip), id="n9"))
+    assert solid(both).volume() == pytest.approx(solid(state).volume() - taken, rel=1e-3)
+    large = SilhouetteState(tuple(replace(part, pose=Placement(scale=3.0)) for part in state.parts))
+    assert solid(large).volume() == pytest.approx(27.0 * solid(state).volume(), rel=1e-3)

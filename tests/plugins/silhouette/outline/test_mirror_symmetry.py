@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from bozzetto.plugin import Job
+from bozzetto_silhouette.analysis.fidelity import measure
 from bozzetto_silhouette.inflation.manifold_check import topology_of
 from bozzetto_silhouette.inflation.solidify import solidify
 from bozzetto_silhouette.modeler import Silhouette
@@ -98,3 +99,13 @@ def test_what_is_narrow_at_the_axis_stays_as_it_was_drawn(gap):
     for rings in (pair, [circle(0.0, 0.0, 30.0, 90), slit[::-1]]):
         solid = solidify(outline_from_rings(rings), resolution=48)
         assert solid.soundness.ok, solid.soundness
+
+
+def test_a_needle_that_is_only_nearly_symmetric_keeps_its_outline():
+    """What a hand draws thin is not made symmetric at the cost of what it drew."""
+    x = np.linspace(0.0, 300.0, 120)
+    bent = 0.1 * np.sin(x / 300.0 * 2.0 * np.pi)
+    upper, lower = 0.007 * x + bent, -0.007 * x + bent
+    ring = np.vstack([np.column_stack([x, lower]), np.column_stack([x, upper])[::-1][:-1]])
+    outline = outline_from_rings([ring])
+    assert measure(solidify(outline, resolution=64)).iou > 0.995
