@@ -12,15 +12,14 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
-from bozzetto.ink import resample
+from bozzetto.arrays import Array
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.interpretation.folding import Folding
+from bozzetto_symmetry.interpretation.mirrored_ink import MEASURES, InkLine, equations
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.bowed_plane import FIGURES, BowedPlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-from bozzetto_symmetry.stereo.uncertainty import image_slopes
 
 ROUNDS: Final = 15
 """Most Gauss–Newton steps for the plane."""
@@ -30,15 +29,6 @@ SETTLED: Final = 1e-6
 
 FEWEST: Final = 8
 """Least matched places that say in which plane a curve lies."""
-
-FINE: Final = 480
-"""Places of the ink among which the nearest one is looked for."""
-
-REACH: Final = 6
-"""Of these, to either side over which the direction of the ink is taken."""
-
-SHOWN: Final = 0.8
-"""Least share of a half whose mirror image is not beyond the ends of the ink."""
 
 OFF: Final = (2.5, 0.01)
 """Distance of the mirror image from the ink (rms, px; as a share of the ink's length) up to which a
@@ -77,16 +67,6 @@ is bowed."""
 SHALLOW: Final = 0.5
 """Standard deviation of a bow, in sizes of the curve."""
 
-FARTHEST: Final = 1e3
-"""Distance, px, that counts where an end cannot be seen at all."""
-
-ENDS: Final = 2.0
-"""How much worse a hand ends in the right place than it keeps on the curve: the ends of a line are
-each other's mirror images, and say so along the ink where all else speaks across it."""
-
-CARELESS: Final = 3.0
-"""Errors of such a hand beyond which an end was not meant there, and says little more."""
-
 ASLANT: Final = 0.01
 """Standard deviation, radians, from the box's ways of a plane that is meant to be level or
 upright."""
@@ -99,9 +79,6 @@ LOST: Final = 0.3
 
 WORST: Final = 1e8
 """Condition of the equations from which the ink does not say in which plane a curve lies."""
-
-MEASURES: Final = 3.5
-"""Independent measurements along half a stroke: a tremor stays alike over a 25th of it."""
 
 ALIKE: Final = 1e-3
 """Share of the length within which a place counts as the crossing itself."""
@@ -130,7 +107,7 @@ def flattened(
     tuple or None
         None where the ink says that the curve is not flat, or does not say in which plane.
     """
-    near, ink = folding.pairing.near, _Ink.of(pixels, ring, folding.first)
+    near, ink = folding.pairing.near, InkLine.of(pixels, ring, folding.first)
     if len(near) < FEWEST:
         return None
     size = float(np.linalg.norm(np.ptp(half.points, axis=0)))
@@ -170,7 +147,7 @@ class _Plane:
     rest : (m,) float
         How far the mirror image is from the ink, px.
     columns : (m, 5) float
-        Derivatives of that; see `_equations`.
+        Derivatives of that; see `equations`.
     free : int
         How many figures were looked for.
     axis : float or None
@@ -200,7 +177,7 @@ class _Plane:
 
 
 def _starts(
-    stereo: Stereo, folding: Folding, half: HalfInSpace, ink: _Ink
+    stereo: Stereo, folding: Folding, half: HalfInSpace, ink: InkLine
 ) -> list[tuple[float, float]]:
     """Return planes from which the search begins, as angles and distances.
 
@@ -224,14 +201,14 @@ def _starts(
 def _settled(
     stereo: Stereo,
     near: Array,
-    ink: _Ink,
+    ink: InkLine,
     start: BowedPlane,
     free: int,
     axis: float | None = None,
 ) -> _Plane | None:
     """Return the surface nearest to a start that explains the ink best by its first figures."""
     surface, size = start, start.size
-    made = _equations(stereo, near, ink, None, surface)
+    made = equations(stereo, near, ink, None, surface)
     for _ in range(ROUNDS):
         if made is None:
             return None
@@ -252,13 +229,13 @@ def _settled(
         surface = replace(surface, angle=float(angle), away=float(away))
         if bows:
             surface = replace(surface, bows=(float(bows[0]), float(bows[1]), float(bows[2])))
-        made = _equations(stereo, near, ink, ink.nearest(images), surface)
+        made = equations(stereo, near, ink, ink.nearest(images), surface)
         if np.abs(step).max() < SETTLED:
             break
     return None if made is None else _Plane(surface, made[0], made[1], free, axis)
 
 
-def _aligned(stereo: Stereo, near: Array, ink: _Ink, plane: _Plane) -> _Plane:
+def _aligned(stereo: Stereo, near: Array, ink: InkLine, plane: _Plane) -> _Plane:
     """Return a plane that is level or upright where the ink may well mean that, else itself.
 
     Of a plane that is not, any angle is as likely as any other; so the odds are those of a normal
@@ -286,111 +263,7 @@ def _plane_through(half: HalfInSpace) -> tuple[float, float] | None:
     return float(np.arctan2(normal[1], normal[0])), float(normal @ middle)
 
 
-@dataclass(frozen=True, eq=False)
-class _Ink:
-    """A line as places close to one another, with its normals.
-
-    Attributes
-    ----------
-    pixels, normals : (n, 2) float
-    ring : bool
-    backwards : bool
-        The half whose places are known was drawn first, towards the crossing.
-    """
-
-    pixels: Array
-    normals: Array
-    ring: bool
-    backwards: bool
-
-    @classmethod
-    def of(cls, pixels: Array, ring: bool, backwards: bool = False) -> _Ink:
-        fine = resample(pixels, count=FINE, closed=ring)
-        way = np.roll(fine, -REACH, axis=0) - np.roll(fine, REACH, axis=0)
-        if not ring:
-            index = np.arange(FINE)
-            way = fine[np.minimum(index + REACH, FINE - 1)] - fine[np.maximum(index - REACH, 0)]
-        length = np.linalg.norm(way, axis=1, keepdims=True)
-        normals = np.column_stack((-way[:, 1], way[:, 0])) / np.maximum(length, 1e-12)
-        return cls(fine, normals, ring, backwards)
-
-    @property
-    def ends(self) -> tuple[Array, Array, Array]:
-        """The end of the known half and that of the other one, px; the direction of the latter."""
-        line, normals = self.pixels, self.normals
-        if not self.backwards:
-            line, normals = line[::-1], normals[::-1]
-        way = np.array((normals[-1, 1], -normals[-1, 0]))
-        return line[:1], line[-1], way
-
-    def nearest(self, places: Array) -> Index:
-        """Return the numbers of the nearest places of the line."""
-        apart = ((places[:, None] - self.pixels) ** 2).sum(axis=2)
-        return np.asarray(apart.argmin(axis=1))
-
-    def shown(self, feet: Index) -> Flags:
-        """Return which feet are not beyond an end of the line."""
-        if self.ring:
-            return np.ones(len(feet), bool)
-        return np.asarray((feet > 0) & (feet < len(self.pixels) - 1))
-
-
-def _equations(
-    stereo: Stereo, near: Array, ink: _Ink, feet: Index | None, surface: BowedPlane
-) -> tuple[Array, Array, Array] | None:
-    """Return how far the mirror image is from the ink, and the derivatives of that.
-
-    Without feet the nearest places of the ink are taken.
-
-    Returns
-    -------
-    rest : (m,) float
-        Across the ink, px, of the places whose image is not beyond its ends; then along it at its
-        end.
-    columns : (m, 5) float
-        By the figures of the surface.
-    images : (n, 2) float
-        Of all places mirrored, px.
-    """
-    points, rays, slopes = surface.met(stereo, near)
-    images = stereo.project(points * MIRROR)
-    if not np.isfinite(images).all():
-        return None
-    feet = ink.nearest(images) if feet is None else feet
-    shown = ink.shown(feet)
-    if shown.mean() < SHOWN:
-        return None
-    normals = ink.normals[feet]
-    rest = ((images - ink.pixels[feet]) * normals).sum(axis=1)
-    columns = _columns(stereo, surface, points, rays / slopes[:, None], normals)
-    rest, columns = rest[shown], columns[shown]
-    if not ink.ring:
-        off, row = _at_end(stereo, ink, surface)
-        share = float(np.sqrt(len(rest) / MEASURES)) / ENDS
-        share /= float(np.hypot(1.0, off / (CARELESS * ENDS * np.sqrt(2.0))))
-        rest, columns = np.append(rest, share * off), np.vstack((columns, share * row))
-    return rest, columns, images
-
-
-def _columns(stereo: Stereo, surface: BowedPlane, points: Array, rays: Array, ways: Array) -> Array:
-    """Return how far mirror images move along ways on the sheet for each figure, (n, 5) px."""
-    slopes = image_slopes(stereo, points * MIRROR) * MIRROR
-    moved = np.einsum("ni,nij,nj->n", ways, slopes, rays)
-    return np.asarray(surface.moves(points) * moved[:, None])
-
-
-def _at_end(stereo: Stereo, ink: _Ink, surface: BowedPlane) -> tuple[float, Array]:
-    """Return how far beyond its end the mirror image of the other end is, px, and its row."""
-    end, other, way = ink.ends
-    points, rays, slopes = surface.met(stereo, end)
-    image = stereo.project(points * MIRROR)
-    if not np.isfinite(image).all():
-        return FARTHEST, np.zeros((1, FIGURES))
-    row = _columns(stereo, surface, points, rays / slopes[:, None], way[None])
-    return float((image[0] - other) @ way), row
-
-
-def _off(stereo: Stereo, ink: _Ink, plane: _Plane) -> float:
+def _off(stereo: Stereo, ink: InkLine, plane: _Plane) -> float:
     """Return how far the ink is from its mirror image, all of it or the matched half (rms, px).
 
     A line that is folded at a wrong place has ink that the halves have no part in.

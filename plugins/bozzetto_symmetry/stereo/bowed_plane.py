@@ -1,7 +1,7 @@
 """The plane of a flat symmetric curve, and the surface of one that bows out of it a little.
 
-A plane that is its own mirror image contains the normal of the centre plane, so its angle about that
-normal and its distance say which it is. Three figures more bow it across and along itself.
+A plane that is its own mirror image contains the normal of the centre plane, so its angle about
+that normal and its distance say which it is. Three figures more bow it across and along itself.
 """
 
 from __future__ import annotations
