@@ -23,6 +23,7 @@ from bozzetto_symmetry.fitting.normal_equations import NO_PLANES, Fit, Problem
 from bozzetto_symmetry.fitting.reprojection import Ink, match_ink
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
+from bozzetto_symmetry.stereo.bowed_plane import BowedPlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 Controls = Literal["adaptive", "seven"]
@@ -104,6 +105,7 @@ def adjust_bundle(
     ring: bool = False,
     controls: Controls = "adaptive",
     planes: Array = NO_PLANES,
+    surface: BowedPlane | None = None,
 ) -> Adjusted:
     """Fit one symmetric spline to all ink of all views.
 
@@ -133,6 +135,8 @@ def adjust_bundle(
         0.1 px (rms) or 0.7 times the noise of the hand, or more explain no shape.
     planes : (k, 4) float
         Rows (n, d): the curve lies in the planes ``n · X = d``, whatever the ink says.
+    surface : BowedPlane, optional
+        The curve lies on it.
 
     Returns
     -------
@@ -159,12 +163,13 @@ def adjust_bundle(
     # The third derivative of a wave grows by the third power of the number of its turns.
     turning = basis.count / FEWEST if basis.count > WINDING else 1.0
     roughness = ROUGHNESS * turning**3
-    made = best = _fitted(basis, place, spread, stations, sights, planes, roughness)
+    held = planes, surface
+    made = best = _fitted(basis, place, spread, stations, sights, held, roughness)
     idle = 0
     while made.rms > enough and idle < 2 and made.problem.basis.count + MORE <= most:
         basis = SymmetricBasis(reading, made.problem.basis.count + MORE, pairwise, ring)
         if made.rms > LOST:
-            made = _fitted(basis, place, spread, stations, sights, planes, roughness)
+            made = _fitted(basis, place, spread, stations, sights, held, roughness)
         else:
             made = made.refined(basis)
         better = made.betters(best)
@@ -211,13 +216,14 @@ def _fitted(
     covariances: Array,
     stations: Array,
     sights: Sequence[Sight],
-    planes: Array,
+    held: tuple[Array, BowedPlane | None],
     roughness: float,
 ) -> Fit:
     """Return the best curve with one number of control points, from places in space."""
     start = approximate(basis, points, covariances, stations)
     inks = _matched(sights, basis, start)
-    problem = Problem.of(basis, start, inks, planes, roughness)
+    planes, surface = held
+    problem = Problem.of(basis, start, inks, planes, roughness, surface)
     return Fit.at(problem, start, inks, steps=0).settled()
 
 

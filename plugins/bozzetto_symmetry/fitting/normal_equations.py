@@ -12,6 +12,7 @@ from bozzetto.arrays import Array
 from bozzetto_symmetry.fitting.initial_guess import ROUGHNESS, approximate, chord_length
 from bozzetto_symmetry.fitting.reprojection import END_NOISE, Ink
 from bozzetto_symmetry.fitting.symmetric_basis import SymmetricBasis
+from bozzetto_symmetry.stereo.bowed_plane import BowedPlane
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
 
 ROUNDS: Final = 10
@@ -65,6 +66,8 @@ class Problem:
         Each row wants ``matrix @ free = target``, in standard deviations.
     planes : (k, 4) float
         In which the curve lies.
+    surface : BowedPlane or None
+        On which it lies.
     roughness : float
         Third derivative (rms) that the curve may well have, by a parameter from 0 to 1, in lengths.
     """
@@ -74,6 +77,7 @@ class Problem:
     target: Array
     planes: Array = field(default_factory=lambda: NO_PLANES)
     roughness: float = ROUGHNESS
+    surface: BowedPlane | None = None
 
     @classmethod
     def of(
@@ -83,10 +87,12 @@ class Problem:
         inks: Sequence[Ink],
         planes: Array = NO_PLANES,
         roughness: float = ROUGHNESS,
+        surface: BowedPlane | None = None,
     ) -> Problem:
         """Return rows of smoothness, of the first guess (count, 3) mm, and of ends without ink.
 
-        Planes (k, 4), rows (n, d) with ``n · X = d``, hold the whole curve.
+        Planes (k, 4), rows (n, d) with ``n · X = d``, hold the whole curve, and so does a bowed
+        plane, by its tangent planes at the places of the first guess.
         """
         low, high = basis.half
         at = np.linspace(low, high, HELD, endpoint=not basis.periodic)
@@ -107,7 +113,13 @@ class Problem:
         for plane in planes:
             rows.append(basis.rows(values, np.tile(plane[:3], (len(at), 1))) / (FLAT * length))
             targets.append(np.full(len(at), plane[3]) / (FLAT * length))
-        return cls(basis, np.vstack(rows), np.concatenate(targets), planes, roughness)
+        if surface is not None:
+            places = basis.at(values, start)
+            ways = surface.gradients(places) / (FLAT * length)
+            rows.append(basis.rows(values, ways))
+            heights = surface.heights(places) / (FLAT * length)
+            targets.append((ways * places).sum(axis=1) - heights)
+        return cls(basis, np.vstack(rows), np.concatenate(targets), planes, roughness, surface)
 
 
 def _loose_ends(basis: SymmetricBasis, inks: Sequence[Ink]) -> list[float]:
@@ -211,7 +223,9 @@ class Fit:
         places = old.at(old.values(low + (high - low) * stations), self.points)
         start = approximate(basis, places, np.zeros((len(places), 3, 3)), stations)
         before = self.problem
-        problem = Problem.of(basis, start, self.inks, before.planes, before.roughness)
+        problem = Problem.of(
+            basis, start, self.inks, before.planes, before.roughness, before.surface
+        )
         return Fit.at(problem, start, self.inks, steps=0).settled()
 
     def betters(self, other: Fit) -> bool:

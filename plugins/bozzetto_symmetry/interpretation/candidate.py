@@ -22,7 +22,11 @@ MISSING: Final = 20.0
 """Price of a curve of which no place has a partner, px: a tenth without costs 2."""
 
 OUTSIDE: Final = 10.0
-"""Price of a curve that is all outside the box, px."""
+"""Price of the first of a curve that is outside the box, px for all of it."""
+
+AT_MOST: Final = 0.6
+"""Price, px, that leaving the box never exceeds: the box is a ruler, and curves may leave it. It
+decides where the ink fits two readings alike, and not against the ink."""
 
 ASTRIDE: Final = 20.0
 """Price of a side that lies as much on one side of the plane as on the other, px."""
@@ -120,8 +124,14 @@ class Candidate:
         read, source = self.whole, (self, b"")
         if left_out.any():
             read, source = self.build(self.half.without(left_out)), (self, left_out.tobytes())
-        cost = read.cost + OUTSIDE * self.half.share_outside(box)
+        cost = read.cost + beyond(self.half, box)
         return replace(read, cost=cost, source=source)
+
+
+def beyond(half: HalfInSpace, box: Array | None) -> float:
+    """Return what it costs that a curve leaves a box (2, 3) mm, px."""
+    share = OUTSIDE * half.share_outside(box)
+    return share / (1.0 + share / AT_MOST)
 
 
 def price(misfit: float, half: HalfInSpace, missing: float) -> float:

@@ -12,14 +12,14 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
-from bozzetto.ink import resample
+from bozzetto.arrays import Array
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.interpretation.folding import Folding
+from bozzetto_symmetry.interpretation.mirrored_ink import MEASURES, InkLine, equations
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
+from bozzetto_symmetry.stereo.bowed_plane import FIGURES, BowedPlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-from bozzetto_symmetry.stereo.uncertainty import image_slopes
 
 ROUNDS: Final = 15
 """Most Gauss–Newton steps for the plane."""
@@ -30,15 +30,6 @@ SETTLED: Final = 1e-6
 FEWEST: Final = 8
 """Least matched places that say in which plane a curve lies."""
 
-FINE: Final = 480
-"""Places of the ink among which the nearest one is looked for."""
-
-REACH: Final = 6
-"""Of these, to either side over which the direction of the ink is taken."""
-
-SHOWN: Final = 0.8
-"""Least share of a half whose mirror image is not beyond the ends of the ink."""
-
 OFF: Final = (2.5, 0.01)
 """Distance of the mirror image from the ink (rms, px; as a share of the ink's length) up to which a
 curve may be flat. Curves that are not are off by 20 px and more, or could not be told by hand."""
@@ -46,6 +37,13 @@ curve may be flat. Curves that are not are off by 20 px and more, or could not b
 BENT: Final = (0.15, 5.0)
 """A curve is bent if its mirror image is farther than this from the ink (rms, px), and this many
 times as far as that of a curve bent along and across its plane. Hands of 1 px reach 3."""
+
+USUAL: Final = 6.0
+"""How many measurements it is worth to know that a hand errs by about 1 px."""
+
+CONTRADICTED: Final = 9.0
+"""Gain in squared errors of the hand by which a bend is more than tremor: one in a hundred flat
+curves gains as much."""
 
 HALVES: Final = float(np.sqrt(0.5))
 """Share of this distance that counts: the hand errs in either half."""
@@ -59,6 +57,16 @@ BEST: Final = 2
 SPARSE: Final = 4
 """Every which place of a half is looked at while planes are tried."""
 
+PLANE: Final = 2
+"""Figures that say which plane a flat curve lies in."""
+
+BOWED: Final = 2.0
+"""Distance of the mirror image from the ink (rms, px) up to which a curve may lie in a plane that
+is bowed."""
+
+SHALLOW: Final = 0.5
+"""Standard deviation of a bow, in sizes of the curve."""
+
 ASLANT: Final = 0.01
 """Standard deviation, radians, from the box's ways of a plane that is meant to be level or
 upright."""
@@ -71,12 +79,6 @@ LOST: Final = 0.3
 
 WORST: Final = 1e8
 """Condition of the equations from which the ink does not say in which plane a curve lies."""
-
-MEASURES: Final = 3.5
-"""Independent measurements along half a stroke: a tremor stays alike over a 25th of it."""
-
-STEEP: Final = 0.05
-"""Least sine of the angle between rays and the plane of a flat curve."""
 
 ALIKE: Final = 1e-3
 """Share of the length within which a place counts as the crossing itself."""
@@ -105,47 +107,57 @@ def flattened(
     tuple or None
         None where the ink says that the curve is not flat, or does not say in which plane.
     """
-    near, ink = folding.pairing.near, _Ink.of(pixels, ring)
+    near, ink = folding.pairing.near, InkLine.of(pixels, ring, folding.first)
     if len(near) < FEWEST:
         return None
     size = float(np.linalg.norm(np.ptp(half.points, axis=0)))
     most = max(OFF[0], OFF[1] * length_of(pixels))
-    best = None
-    for angle, away in _starts(stereo, folding, half, ink):
-        fitted = _settled(stereo, near, ink, size, (angle, away, None))
-        if fitted is not None and (best is None or fitted.off < best.off):
-            best = fitted
-    if best is None or not best.off <= most or _is_bent(best.rest, best.columns):
+    tried = [
+        _settled(stereo, near, ink, BowedPlane(angle, away, size=size), PLANE)
+        for angle, away in _starts(stereo, folding, half, ink)
+    ]
+    best = min(filter(None, tried), key=lambda fitted: fitted.off, default=None)
+    if best is None:
         return None
-    best = _aligned(stereo, near, ink, size, best)
+    off = _off(stereo, ink, best)
+    if off <= most and not _is_bent(best.rest, best.columns):
+        best = _aligned(stereo, near, ink, best)
+    else:
+        middle = float(np.mean(half.points @ best.surface.along))
+        bowed = replace(best.surface, middle=middle)
+        best = _settled(stereo, near, ink, bowed, FIGURES)
+        off = np.inf if best is None else _off(stereo, ink, best)
+        if best is None or not off <= BOWED:
+            return None
     information = best.information
-    if not np.linalg.cond(information * np.outer((1.0, size), (1.0, size))) < WORST:
+    units = np.array((1.0, size, 1.0, 1.0, 1.0))[: len(information)]
+    if not np.linalg.cond(information * np.outer(units, units)) < WORST:
         return None
-    normal = np.array((np.cos(best.angle), 0.0, np.sin(best.angle)))
-    form = SimpleForm(np.append(normal, best.away)[None], np.asarray(np.linalg.inv(information)))
-    return _on_plane(stereo, folding, half, pixels, ring, form, best.off * HALVES)
+    form = SimpleForm.on(best.surface, np.asarray(np.linalg.inv(information)))
+    return _on_plane(stereo, folding, half, pixels, ring, form, off * HALVES)
 
 
 @dataclass(frozen=True, eq=False)
 class _Plane:
-    """A plane in which a line may lie, and what the ink says of it.
+    """A surface in which a line may lie, and what the ink says of it.
 
     Attributes
     ----------
-    angle, away : float
-        Of its normal, radians, and its distance, mm.
+    surface : BowedPlane
     rest : (m,) float
         How far the mirror image is from the ink, px.
-    columns : (m, 4) float
-        Derivatives of that; see `_equations`.
+    columns : (m, 5) float
+        Derivatives of that; see `equations`.
+    free : int
+        How many figures were looked for.
     axis : float or None
         Angle that it is drawn to.
     """
 
-    angle: float
-    away: float
+    surface: BowedPlane
     rest: Array
     columns: Array
+    free: int
     axis: float | None = None
 
     @property
@@ -155,16 +167,17 @@ class _Plane:
 
     @property
     def information(self) -> Array:
-        """What a hand of 1 px and the axis say of angle and distance, (2, 2)."""
-        moves = self.columns[:, :2]
+        """What a hand of 1 px and the axis say of the figures that are free, (k, k)."""
+        moves = self.columns[:, : self.free]
         told = moves.T @ moves * (MEASURES / len(self.rest)) / 2.0
         if self.axis is not None:
             told[0, 0] += 1.0 / ASLANT**2
+        told[2:, 2:] += np.eye(self.free - 2) / SHALLOW**2
         return np.asarray(told)
 
 
 def _starts(
-    stereo: Stereo, folding: Folding, half: HalfInSpace, ink: _Ink
+    stereo: Stereo, folding: Folding, half: HalfInSpace, ink: InkLine
 ) -> list[tuple[float, float]]:
     """Return planes from which the search begins, as angles and distances.
 
@@ -177,7 +190,7 @@ def _starts(
     tried = []
     for angle in np.arange(TURNS) * np.pi / TURNS:
         away = float(foot[0] * np.cos(angle) + foot[2] * np.sin(angle))
-        points = _met(stereo, folding.pairing.near[::SPARSE], float(angle), away)[0]
+        points = BowedPlane(float(angle), away).met(stereo, folding.pairing.near[::SPARSE])[0]
         images = stereo.project(points * MIRROR)
         if np.isfinite(images).all():
             apart = images - ink.pixels[ink.nearest(images)]
@@ -188,42 +201,53 @@ def _starts(
 def _settled(
     stereo: Stereo,
     near: Array,
-    ink: _Ink,
-    size: float,
-    start: tuple[float, float, float | None],
+    ink: InkLine,
+    start: BowedPlane,
+    free: int,
+    axis: float | None = None,
 ) -> _Plane | None:
-    """Return the plane nearest to a start (angle, distance, axis) that explains the ink best."""
-    angle, away, axis = start
-    made = _equations(stereo, near, ink, None, angle, away)
+    """Return the surface nearest to a start that explains the ink best by its first figures."""
+    surface, size = start, start.size
+    made = equations(stereo, near, ink, None, surface)
     for _ in range(ROUNDS):
         if made is None:
             return None
         rest, columns, images = made
-        rows, off = columns[:, :2] * (1.0, size), -rest
+        # A figure that is known besides counts as so many places.
+        weight = float(np.sqrt(2.0 * len(rest) / MEASURES))
+        figures = np.array((surface.angle, surface.away, *surface.bows))[:free]
+        known = np.zeros((free, free))
+        wanted = np.zeros(free)
+        known[range(2, free), range(2, free)] = weight / SHALLOW
+        wanted[2:] = -weight / SHALLOW * figures[2:]
         if axis is not None:
-            weight = float(np.sqrt(2.0 * len(rest) / MEASURES)) / ASLANT
-            rows = np.vstack((rows, (weight, 0.0)))
-            off = np.append(off, weight * (axis - angle))
-        step = np.linalg.lstsq(rows, off, rcond=None)[0]
-        angle, away = angle + float(step[0]), away + float(step[1]) * size
-        made = _equations(stereo, near, ink, ink.nearest(images), angle, away)
+            known[0, 0], wanted[0] = weight / ASLANT, weight / ASLANT * (axis - surface.angle)
+        units = np.array((1.0, size, 1.0, 1.0, 1.0))[:free]
+        rows = np.vstack((columns[:, :free], known)) * units
+        step = np.linalg.lstsq(rows, np.append(-rest, wanted), rcond=None)[0]
+        angle, away, *bows = figures + step * units
+        surface = replace(surface, angle=float(angle), away=float(away))
+        if bows:
+            surface = replace(surface, bows=(float(bows[0]), float(bows[1]), float(bows[2])))
+        made = equations(stereo, near, ink, ink.nearest(images), surface)
         if np.abs(step).max() < SETTLED:
             break
-    return None if made is None else _Plane(angle, away, made[0], made[1], axis)
+    return None if made is None else _Plane(surface, made[0], made[1], free, axis)
 
 
-def _aligned(stereo: Stereo, near: Array, ink: _Ink, size: float, plane: _Plane) -> _Plane:
+def _aligned(stereo: Stereo, near: Array, ink: InkLine, plane: _Plane) -> _Plane:
     """Return a plane that is level or upright where the ink may well mean that, else itself.
 
     Of a plane that is not, any angle is as likely as any other; so the odds are those of a normal
     density about the axis to an even one (Bayes factor).
     """
+    surface = plane.surface
     spread = float(np.linalg.inv(plane.information)[0, 0]) + ASLANT**2
-    axis = 0.5 * np.pi * round(plane.angle / (0.5 * np.pi))
-    density = np.exp(-0.5 * (plane.angle - axis) ** 2 / spread) / np.sqrt(2.0 * np.pi * spread)
+    axis = 0.5 * np.pi * round(surface.angle / (0.5 * np.pi))
+    density = np.exp(-0.5 * (surface.angle - axis) ** 2 / spread) / np.sqrt(2.0 * np.pi * spread)
     if not density * 0.5 * np.pi > ODDS:
         return plane
-    made = _settled(stereo, near, ink, size, (axis, plane.away, axis))
+    made = _settled(stereo, near, ink, replace(surface, angle=axis), PLANE, axis)
     return plane if made is None or made.off > plane.off + LOST else made
 
 
@@ -239,100 +263,31 @@ def _plane_through(half: HalfInSpace) -> tuple[float, float] | None:
     return float(np.arctan2(normal[1], normal[0])), float(normal @ middle)
 
 
-@dataclass(frozen=True, eq=False)
-class _Ink:
-    """A line as places close to one another, with its normals.
+def _off(stereo: Stereo, ink: InkLine, plane: _Plane) -> float:
+    """Return how far the ink is from its mirror image, all of it or the matched half (rms, px).
 
-    Attributes
-    ----------
-    pixels, normals : (n, 2) float
-    ring : bool
+    A line that is folded at a wrong place has ink that the halves have no part in.
     """
-
-    pixels: Array
-    normals: Array
-    ring: bool
-
-    @classmethod
-    def of(cls, pixels: Array, ring: bool) -> _Ink:
-        fine = resample(pixels, count=FINE, closed=ring)
-        way = np.roll(fine, -REACH, axis=0) - np.roll(fine, REACH, axis=0)
-        if not ring:
-            index = np.arange(FINE)
-            way = fine[np.minimum(index + REACH, FINE - 1)] - fine[np.maximum(index - REACH, 0)]
-        length = np.linalg.norm(way, axis=1, keepdims=True)
-        normals = np.column_stack((-way[:, 1], way[:, 0])) / np.maximum(length, 1e-12)
-        return cls(fine, normals, ring)
-
-    def nearest(self, places: Array) -> Index:
-        """Return the numbers of the nearest places of the line."""
-        apart = ((places[:, None] - self.pixels) ** 2).sum(axis=2)
-        return np.asarray(apart.argmin(axis=1))
-
-    def shown(self, feet: Index) -> Flags:
-        """Return which feet are not beyond an end of the line."""
-        if self.ring:
-            return np.ones(len(feet), bool)
-        return np.asarray((feet > 0) & (feet < len(self.pixels) - 1))
-
-
-def _met(stereo: Stereo, pixels: Array, angle: float, away: float) -> tuple[Array, Array]:
-    """Return where rays meet a plane, (n, 3) mm, and their directions; NaN where they do not."""
-    rays = stereo.rays(pixels)
-    normal = np.array((np.cos(angle), 0.0, np.sin(angle)))
-    slope = rays.directions @ normal
-    steep = np.abs(slope) > STEEP
-    reach = np.divide(
-        away - rays.origins @ normal, slope, out=np.full(len(slope), np.nan), where=steep
-    )
-    if not stereo.parallel:
-        reach = np.where(reach > 0.0, reach, np.nan)
-    return rays.origins + reach[:, None] * rays.directions, rays.directions
-
-
-def _equations(
-    stereo: Stereo, near: Array, ink: _Ink, feet: Index | None, angle: float, away: float
-) -> tuple[Array, Array, Array] | None:
-    """Return how far the mirror image is from the ink, and the derivatives of that.
-
-    Without feet the nearest places of the ink are taken.
-
-    Returns
-    -------
-    rest : (m,) float
-        Across the ink, px, of the places whose image is not beyond its ends.
-    columns : (m, 4) float
-        By the plane's angle and its distance, and by what bends it across and along itself.
-    images : (n, 2) float
-        Of all places mirrored, px.
-    """
-    points, rays = _met(stereo, near, angle, away)
-    images = stereo.project(points * MIRROR)
+    images = stereo.project(plane.surface.met(stereo, ink.pixels)[0] * MIRROR)
     if not np.isfinite(images).all():
-        return None
-    feet = ink.nearest(images) if feet is None else feet
-    shown = ink.shown(feet)
-    if shown.mean() < SHOWN:
-        return None
-    normal = np.array((np.cos(angle), 0.0, np.sin(angle)))
-    along = np.array((-normal[2], 0.0, normal[0]))
-    slopes = image_slopes(stereo, points * MIRROR) * MIRROR
-    normals = ink.normals[feet]
-    moved = np.einsum("ni,nij,nj->n", normals, slopes, rays) / (rays @ normal)
-    rest = ((images - ink.pixels[feet]) * normals).sum(axis=1)
-    inner = points @ along
-    bends = points[:, 1] ** 2, (inner - inner.mean()) ** 2
-    columns = np.column_stack((-inner, np.ones(len(points)), *bends)) * moved[:, None]
-    return rest[shown], columns[shown], images
+        return np.inf
+    feet = ink.nearest(images)
+    apart = ((images - ink.pixels[feet]) * ink.normals[feet]).sum(axis=1)[ink.shown(feet)]
+    return max(plane.off, float(np.sqrt(np.mean(apart**2)))) if len(apart) else np.inf
 
 
 def _is_bent(rest: Array, columns: Array) -> bool:
-    """Return whether a bend explains nearly all of what is off."""
+    """Return whether a bow explains what is off, or so much of it that it is no tremor."""
+    columns = columns[:, :-1]
     scaled = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
     left = rest - scaled @ np.linalg.lstsq(scaled, rest, rcond=1e-9)[0]
     least, factor = BENT
-    off = float(np.sqrt(np.mean(rest**2)))
-    return off > max(least, factor * float(np.sqrt(np.mean(left**2))))
+    off, bent = float(np.mean(rest**2)), float(np.mean(left**2))
+    if np.sqrt(off) > max(least, factor * np.sqrt(bent)):
+        return True
+    # Two halves err, seven measurements tell, and a bend takes two of them.
+    hand = (USUAL + MEASURES * bent) / (USUAL + 3.0)
+    return bool(MEASURES * (off - bent) > CONTRADICTED * hand)
 
 
 def _on_plane(
@@ -345,10 +300,10 @@ def _on_plane(
     off: float,
 ) -> tuple[Folding, HalfInSpace, SimpleForm] | None:
     """Return the folding whose places lie in a plane, and the half that they make."""
-    normal, away = form.planes[0, :3], float(form.planes[0, 3])
-    angle = float(np.arctan2(normal[2], normal[0]))
-    crossings = _crossings(stereo, folding, pixels, ring, angle, away)
-    points = _met(stereo, folding.pairing.near, angle, away)[0]
+    surface = form.surface
+    assert surface is not None
+    crossings = _crossings(stereo, folding, pixels, ring, surface)
+    points = surface.met(stereo, folding.pairing.near)[0]
     if crossings is None or not np.isfinite(points).all():
         return None
     # The crossing has moved: what is on its other side now belongs to the other half.
@@ -372,11 +327,11 @@ def _on_plane(
 
 
 def _crossings(
-    stereo: Stereo, folding: Folding, pixels: Array, ring: bool, angle: float, away: float
+    stereo: Stereo, folding: Folding, pixels: Array, ring: bool, surface: BowedPlane
 ) -> Array | None:
     """Return where the flat curve crosses the centre plane, nearest to where it was folded, px."""
     line = np.vstack((pixels, pixels[:1])) if ring else pixels
-    heights = _met(stereo, line, angle, away)[0][:, 1]
+    heights = surface.met(stereo, line)[0][:, 1]
     if not np.isfinite(heights).all():
         return None
     steps = np.flatnonzero(heights[:-1] * heights[1:] <= 0.0)

@@ -29,6 +29,10 @@ ASKEW: Final = 2.0
 well in either sense: a wheel is an upright ellipse as well. What people draw mostly faces the
 side, the front or the top, and is evenly round, which the matching's own score counts."""
 
+SQUARELY: Final = (0.6, 0.01)
+"""Price of a loop that does not squarely face an axis, px, and over which 1 − the cosine: by chance
+hardly any loop does, so one that does is meant to."""
+
 BENT: Final = 0.5
 """Price of a loop that does not lie in a plane, px. In the wrong sense only an ellipse is flat;
 what else people draw mostly is."""
@@ -103,7 +107,9 @@ def _price(pairing: Pairing, half: HalfInSpace) -> float:
     misfit = SENSE * pairing.score
     if pairing.closed:
         bent = float(np.interp(half.off_plane, FLAT, (0.0, 1.0)))
-        misfit += ASKEW * half.askew + BENT * bent
+        most, near = SQUARELY
+        aslant = 1.0 - float(np.exp(-half.askew / near))
+        misfit += ASKEW * half.askew + most * aslant + BENT * bent
     return price(misfit, half, 1.0 - half.kept * float(np.mean(covered)))
 
 

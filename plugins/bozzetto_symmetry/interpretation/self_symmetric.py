@@ -24,6 +24,9 @@ NEEDLESS: Final = 0.7
 """Price of a curve that is bent more than the ink asks for, px, beside a simpler one: what the two
 halves of a careful hand stray by."""
 
+LIKELY: Final = 1.7
+"""Price of a simpler curve, px, up to which a hand may well have meant it."""
+
 SAME: Final = 1e-6
 """Distance from the plane, in lengths of the curve, at which a place is the crossing itself."""
 
@@ -50,17 +53,19 @@ def as_crossing(stereo: Stereo, side: Side, more: float = 0.0) -> Iterator[Candi
     pixels = side.pixels if ring else side.unrolled
     found = found or _folded(stereo, pixels, False)
     flats = [flattened(stereo, folding, half, pixels, ring) for folding, half in found]
-    dear = more + NEEDLESS
-    for flat in flats:
-        if flat is not None:
-            level, apart, form = flat
-            cost = dear if bars else more
-            yield Candidate(apart, partial(_read, stereo, level, pixels, ring, cost, form))
-    # Wherever the line is folded, a simpler curve is meant if there is one.
-    simpler = bool(bars) or any(flat is not None for flat in flats)
+    level = [
+        Candidate(apart, partial(_read, stereo, folding, pixels, ring, (more, more), form))
+        for folding, apart, form in filter(None, flats)
+    ]
+    yield from level
+    # A curve that is free to bend follows the tremor: coming nearer to the ink than one that a
+    # hand may well have meant is no merit.
+    simpler = [*bars, *level]
+    dear = more + (NEEDLESS if simpler else 0.0)
+    likely = [one.whole.cost for one in simpler if one.whole.cost <= more + LIKELY]
+    least = min(likely, default=0.0) + dear
     for folding, half in found:
-        cost = dear if simpler else more
-        yield Candidate(half, partial(_read, stereo, folding, pixels, ring, cost, None))
+        yield Candidate(half, partial(_read, stereo, folding, pixels, ring, (dear, least), None))
 
 
 def _folded(stereo: Stereo, pixels: Array, ring: bool) -> list[tuple[Folding, HalfInSpace]]:
@@ -81,7 +86,7 @@ def _read(
     folding: Folding,
     pixels: Array,
     ring: bool,
-    more: float,
+    costs: tuple[float, float],
     form: SimpleForm | None,
     half: HalfInSpace,
 ) -> Read:
@@ -99,10 +104,11 @@ def _read(
     warnings: tuple[str, ...] = ()
     if missing > TELL:
         warnings = (f"{100.0 * missing:.0f} % of the curve across the plane have no counterpart.",)
+    more, least = costs
+    cost = max(price(pairing.cost, half, missing) + more, least)
     return Read(
-        "self", price(pairing.cost, half, missing) + more, 1.0 - missing, points, covariances,
-        pairing, folding.crossings, (near,), (far,), closed=ring, ring=ring, form=form,
-        warnings=warnings,
+        "self", cost, 1.0 - missing, points, covariances, pairing, folding.crossings,
+        (near,), (far,), closed=ring, ring=ring, form=form, warnings=warnings,
     )  # fmt: skip
 
 

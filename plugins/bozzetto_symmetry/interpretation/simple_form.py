@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto_symmetry.stereo.bowed_plane import BowedPlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import across_image, image_slopes
 
@@ -22,13 +23,27 @@ class SimpleForm:
     ----------
     planes : (k, 4) float
         Rows (n, d) with ``n · X = d``, n of unit length with ``n_y = 0``; mm.
-    covariance : (2, 2) float
-        For 1 px of the hand: of one plane, that of its angle (radians) and of d (mm); of two,
-        that of x and z (mm²).
+    covariance : (k, k) float
+        For 1 px of the hand: of one plane, that of its angle (radians) and of d (mm), and of its
+        bows; of two, that of x and z (mm²).
+    surface : BowedPlane or None
+        The one plane, where it is bowed.
     """
 
     planes: Array
     covariance: Array
+    surface: BowedPlane | None = None
+
+    @classmethod
+    def on(cls, surface: BowedPlane, covariance: Array) -> SimpleForm:
+        """Return the form of a curve on a plane or a bowed one, from the doubt of its figures."""
+        planes = np.append(surface.normal, surface.away)[None]
+        return cls(planes if surface.flat else planes[:0], covariance, surface)
+
+    @property
+    def flat(self) -> bool:
+        """Whether planes say where the curve lies."""
+        return len(self.planes) > 0
 
     def sigmas(self, stereo: Stereo, points: Array, tangents: Array) -> Array:
         """Return how far places of the curve may be off across it, (n,) mm for 1 px.
@@ -45,20 +60,22 @@ class SimpleForm:
         """
         if len(self.planes) > 1:
             return np.full(len(points), float(np.trace(self.covariance)) ** 0.5)
-        normal = self.planes[0, :3]
-        turned = np.array((-normal[2], 0.0, normal[0]))
+        surface = self.surface
+        assert surface is not None
         length = np.linalg.norm(tangents, axis=1, keepdims=True)
         along = np.divide(tangents, length, out=np.zeros_like(tangents), where=length > 0)
-        aside = np.cross(normal, along)
+        steep = surface.gradients(points)
+        normals = steep / np.linalg.norm(steep, axis=1, keepdims=True)
+        aside = np.cross(normals, along)
         known = np.zeros(len(points))
         for sides in (np.ones(3), MIRROR):
             rows = across_image(image_slopes(stereo, points * sides) * sides, along)
             known += np.einsum("ni,ni->n", rows, aside) ** 2
         rays = stereo.rays(stereo.project(points)).directions
-        slope = rays @ normal
+        slope = (rays * steep).sum(axis=1)
         way = rays - (rays * along).sum(axis=1, keepdims=True) * along
         reach = np.linalg.norm(way, axis=1) / np.maximum(np.abs(slope), 1e-9)
-        moves = np.column_stack((-(points @ turned), np.ones(len(points))))
+        moves = surface.moves(points)[:, : len(self.covariance)]
         moved = np.einsum("ni,ij,nj->n", moves, self.covariance, moves)
         sigma = np.sqrt(1.0 / np.maximum(known, 1e-12) + reach**2 * moved)
         apart = np.linalg.norm(points[:, None] - points, axis=2)

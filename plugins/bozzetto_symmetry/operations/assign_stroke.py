@@ -17,6 +17,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline, is_one_view, on_canvas, resample
 from bozzetto.view import Camera
 from bozzetto_symmetry.ink.polyline import length_of
+from bozzetto_symmetry.ink.sides import MOST_STROKES
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
@@ -73,9 +74,30 @@ def add_drawing(
         )
         state = state.with_node(curve)
     for stroke in strokes:
-        if not stroke.group:
-            state = add_strokes(state, (stroke,))
+        if stroke.group:
+            continue
+        again = _gone_over(state, stroke)
+        state = add_strokes(state, (stroke,)) if again is None else state.with_node(again)
     return state
+
+
+def _gone_over(state: SymmetryState, stroke: Stroke) -> Curve | None:
+    """Return the chosen curve with one more stroke along its first and its last one, if it is that.
+
+    What goes over the same ink again belongs to it whatever that ink means: nothing is solved, and
+    many equal strokes take no longer than they must.
+    """
+    curve = state.chosen
+    if curve is None or curve.canvas is not None or len(curve.strokes) < 2:
+        return None
+    if len(curve.strokes) >= MOST_STROKES:
+        return None
+    for drawn in (curve.strokes[0], curve.strokes[-1]):
+        if not is_one_view(stroke.camera, drawn.camera):
+            return None
+        if not _is_along(on_canvas(stroke, drawn.camera).points, drawn.points):
+            return None
+    return replace(curve, strokes=curve.strokes.extended((stroke,)))
 
 
 def add_strokes(state: SymmetryState, strokes: tuple[Stroke, ...]) -> SymmetryState:

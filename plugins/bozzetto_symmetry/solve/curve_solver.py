@@ -401,6 +401,7 @@ def _fitted(views: Sequence[View], alike: Mapping[int, Read], main: int, detail:
         first.reading, whole.points, whole.covariances, sights,
         closed=first.closed, ring=first.ring, controls=detail,
         planes=NO_PLANES if form is None else form.planes,
+        surface=None if form is None or form.flat else form.surface,
     )  # fmt: skip
     return Fit(made.curve, made.rms, tuple(sights), form)
 

@@ -14,6 +14,9 @@ from bozzetto_symmetry.ink import stroke_grouping as grouping
 from bozzetto_symmetry.ink.sides import MOST_STROKES, sides_of
 from bozzetto_symmetry.ink.stroke_grouping import group_strokes
 from bozzetto_symmetry.ink.stroke_line import MOST_SAMPLES, smooth_line, thin_out
+from bozzetto_symmetry.model.state import SymmetryState
+from bozzetto_symmetry.operations import assign_stroke
+from bozzetto_symmetry.operations.assign_stroke import add_drawing
 
 CAMERA = Camera().with_viewport(1000.0, 800.0)
 
@@ -79,3 +82,31 @@ def test_a_scribble_of_random_points_grows_no_faster_than_its_crossings():
     # Crossings grow with the square; the slack is for a machine that others use as well.
     assert spent[2] < 16.0 * max(spent[0], 0.02) * 2.0
     assert spent[2] < 3.0
+
+
+def test_ink_that_goes_over_one_curve_is_read_without_solving_it_each_time(monkeypatch):
+    solved = []
+    trace_of = assign_stroke.trace_of
+    monkeypatch.setattr(
+        assign_stroke, "trace_of", lambda *asked: solved.append(1) or trace_of(*asked)
+    )
+    found = []
+    for count in (4, 40):
+        solved.clear()
+        state = add_drawing(SymmetryState(), [stroke(wave(0.05 * k)) for k in range(count)])
+        found.append((len(state.curves), len(state.curves[0].strokes), len(solved)))
+    assert found[0][:2] == (1, 4)
+    assert found[1] == (1, 40, found[0][2])
+
+
+def test_ink_beside_what_was_gone_over_is_a_curve_of_its_own():
+    strokes = [stroke(wave(0.05 * k)) for k in range(3)] + [stroke(wave(200.0))]
+    first = add_drawing(SymmetryState(), strokes).curves[0]
+    assert all(abs(drawn.points[0, 1] - 400.0) < 1.0 for drawn in first.strokes[:3])
+
+
+def test_drifting_strokes_are_not_gone_over():
+    state = add_drawing(SymmetryState(), [stroke(wave(6.0 * k)) for k in range(12)])
+    first = state.curves[0].strokes
+    assert assign_stroke._gone_over(state.with_node(state.curves[0]), stroke(wave(72.0))) is None
+    assert len(first) < 12 or len(state.curves) == 1

@@ -1,0 +1,145 @@
+"""How far the mirror image of a curve on a surface is from its ink, and what would bring it nearer.
+
+Of a curve that is its own mirror image the ink shows both halves: from one half and the surface in
+which the curve lies follows where the other half is seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Flags, Index
+from bozzetto.ink import resample
+from bozzetto_symmetry.stereo.bowed_plane import FIGURES, BowedPlane
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
+from bozzetto_symmetry.stereo.uncertainty import image_slopes
+
+FINE: Final = 480
+"""Places of the ink among which the nearest one is looked for."""
+
+REACH: Final = 6
+"""Of these, to either side over which the direction of the ink is taken."""
+
+SHOWN: Final = 0.8
+"""Least share of a half whose mirror image is not beyond the ends of the ink."""
+
+MEASURES: Final = 3.5
+"""Independent measurements along half a stroke: a tremor stays alike over a 25th of it."""
+
+ENDS: Final = 2.0
+"""How much worse a hand ends in the right place than it keeps on the curve: the ends of a line are
+each other's mirror images, and say so along the ink where all else speaks across it."""
+
+CARELESS: Final = 3.0
+"""Errors of such a hand beyond which an end was not meant there, and says little more."""
+
+FARTHEST: Final = 1e3
+"""Distance, px, that counts where an end cannot be seen at all."""
+
+
+@dataclass(frozen=True, eq=False)
+class InkLine:
+    """A line as places close to one another, with its normals.
+
+    Attributes
+    ----------
+    pixels, normals : (n, 2) float
+    ring : bool
+    backwards : bool
+        The half whose places are known was drawn first, towards the crossing.
+    """
+
+    pixels: Array
+    normals: Array
+    ring: bool
+    backwards: bool
+
+    @classmethod
+    def of(cls, pixels: Array, ring: bool, backwards: bool = False) -> InkLine:
+        """Return a line (n, 2) px at even steps."""
+        fine = resample(pixels, count=FINE, closed=ring)
+        way = np.roll(fine, -REACH, axis=0) - np.roll(fine, REACH, axis=0)
+        if not ring:
+            index = np.arange(FINE)
+            way = fine[np.minimum(index + REACH, FINE - 1)] - fine[np.maximum(index - REACH, 0)]
+        length = np.linalg.norm(way, axis=1, keepdims=True)
+        normals = np.column_stack((-way[:, 1], way[:, 0])) / np.maximum(length, 1e-12)
+        return cls(fine, normals, ring, backwards)
+
+    @property
+    def ends(self) -> tuple[Array, Array, Array]:
+        """The end of the known half and that of the other one, px; the direction of the latter."""
+        line, normals = self.pixels, self.normals
+        if not self.backwards:
+            line, normals = line[::-1], normals[::-1]
+        way = np.array((normals[-1, 1], -normals[-1, 0]))
+        return line[:1], line[-1], way
+
+    def nearest(self, places: Array) -> Index:
+        """Return the numbers of the nearest places of the line."""
+        apart = ((places[:, None] - self.pixels) ** 2).sum(axis=2)
+        return np.asarray(apart.argmin(axis=1))
+
+    def shown(self, feet: Index) -> Flags:
+        """Return which feet are not beyond an end of the line."""
+        if self.ring:
+            return np.ones(len(feet), bool)
+        return np.asarray((feet > 0) & (feet < len(self.pixels) - 1))
+
+
+def equations(
+    stereo: Stereo, near: Array, ink: InkLine, feet: Index | None, surface: BowedPlane
+) -> tuple[Array, Array, Array] | None:
+    """Return how far the mirror image is from the ink, and the derivatives of that.
+
+    Without feet the nearest places of the ink are taken.
+
+    Returns
+    -------
+    rest : (m,) float
+        Across the ink, px, of the places whose image is not beyond its ends; then along it at its
+        end.
+    columns : (m, 5) float
+        By the figures of the surface.
+    images : (n, 2) float
+        Of all places mirrored, px.
+    """
+    points, rays, slopes = surface.met(stereo, near)
+    images = stereo.project(points * MIRROR)
+    if not np.isfinite(images).all():
+        return None
+    feet = ink.nearest(images) if feet is None else feet
+    shown = ink.shown(feet)
+    if shown.mean() < SHOWN:
+        return None
+    normals = ink.normals[feet]
+    rest = ((images - ink.pixels[feet]) * normals).sum(axis=1)
+    columns = _columns(stereo, surface, points, rays / slopes[:, None], normals)
+    rest, columns = rest[shown], columns[shown]
+    if not ink.ring:
+        off, row = _at_end(stereo, ink, surface)
+        share = float(np.sqrt(len(rest) / MEASURES)) / ENDS
+        share /= float(np.hypot(1.0, off / (CARELESS * ENDS * np.sqrt(2.0))))
+        rest, columns = np.append(rest, share * off), np.vstack((columns, share * row))
+    return rest, columns, images
+
+
+def _columns(stereo: Stereo, surface: BowedPlane, points: Array, rays: Array, ways: Array) -> Array:
+    """Return how far mirror images move along ways on the sheet for each figure, (n, 5) px."""
+    slopes = image_slopes(stereo, points * MIRROR) * MIRROR
+    moved = np.einsum("ni,nij,nj->n", ways, slopes, rays)
+    return np.asarray(surface.moves(points) * moved[:, None])
+
+
+def _at_end(stereo: Stereo, ink: InkLine, surface: BowedPlane) -> tuple[float, Array]:
+    """Return how far beyond its end the mirror image of the other end is, px, and its row."""
+    end, other, way = ink.ends
+    points, rays, slopes = surface.met(stereo, end)
+    image = stereo.project(points * MIRROR)
+    if not np.isfinite(image).all():
+        return FARTHEST, np.zeros((1, FIGURES))
+    row = _columns(stereo, surface, points, rays / slopes[:, None], way[None])
+    return float((image[0] - other) @ way), row
