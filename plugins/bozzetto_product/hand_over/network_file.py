@@ -18,8 +18,10 @@ from bozzetto.ink import (
     an_object,
     point_rows,
 )
+from bozzetto_product.hand_over.gaps import with_gaps_closed
 from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
 from bozzetto_product.hand_over.point_joints import joints_of
+from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
 from bozzetto_product.model.curves import Curve, EdgeKind
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.settling import settled_state
@@ -35,6 +37,13 @@ MOST_CURVES: Final = 2000
 
 FIT: Final = 1e-4
 """Tolerance of the fit of a curve to its points, as share of the diagonal of the network."""
+
+FINE: Final = 1e-5
+"""Tolerance where the points of a curve are smooth enough for it: its tangents are right to a few
+hundredths of a degree then, so that surfaces can be smooth over them."""
+
+NOISE: Final = 3.5
+"""Greatest distance of a point that trembles from its curve, in standard deviations."""
 
 SAME: Final = 1e-9
 """Distance of neighbours below which they are one point, as share of the diagonal."""
@@ -89,22 +98,22 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     rows = _rows(given.get("curves"), UNITS[unit])
     size = float(np.linalg.norm(np.ptp(np.vstack(list(rows.values())), axis=0)))
     creases = _numbers(given.get("creases", {}), "creases", rows)
-    splines: list[Spline] = []
-    for name, points in rows.items():
-        splines.append(_spline(points, name, size))
-    joints = joints_of(splines, size)
+    tolerance, fine = _tolerances(rows, size, UNITS[unit])
+    splines = [_spline(points, name, size, tolerance, fine) for name, points in rows.items()]
+    joints = joints_of(splines, tolerance / FIT)
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
         for number, (name, spline) in enumerate(zip(rows, splines, strict=True), 1)
     )
     # Curves meet within the tolerance of their fit so far; settled, they meet exactly.
     state = settled_state(ProductState(nodes=curves, joints=joints), {})
+    state = with_gaps_closed(state, size)
     loops = None if given.get("loops") is None else _loops(given["loops"], rows)
     return Network(
         state,
         loops,
         _pressures(given.get("pressure", {}), rows),
-        FIT * size,
+        tolerance,
         given.get("details", ()),
         UNITS[unit],
     )
@@ -138,7 +147,15 @@ def _points(value: object, where: str, scale: float) -> Array:
     return points
 
 
-def _spline(points: Array, name: str, size: float) -> Spline:
+def _tolerances(rows: Mapping[str, Array], size: float, scale: float) -> tuple[float, float]:
+    """Return how far curves may be from their points, mm, and how far where these are smooth."""
+    rounding = scale * rounding_of(np.vstack(list(rows.values())) / scale, size / scale)
+    noise = noise_of(rows.values(), size)
+    tolerance = max(FIT * size, rounding, NOISE * noise)
+    return tolerance, max(FINE * size, rounding, NOISE * noise)
+
+
+def _spline(points: Array, name: str, size: float, tolerance: float, fine: float) -> Spline:
     """Return the spline through the points of a curve; closed where it returns smoothly."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     kept = points[np.concatenate(([True], steps > SAME * size))]
@@ -148,8 +165,8 @@ def _spline(points: Array, name: str, size: float) -> Spline:
     kept = np.vstack((kept[:-1], points[-1:]))
     is_ring = len(kept) > 5 and np.linalg.norm(kept[-1] - kept[0]) <= SAME * size
     if is_ring and not _has_corner(kept):
-        return closed_spline_through(kept[:-1], FIT * size)
-    return spline_through(kept, FIT * size)
+        return closed_spline_through(kept[:-1], tolerance, fine)
+    return spline_through(kept, tolerance, fine)
 
 
 def _has_corner(ring: Array) -> bool:

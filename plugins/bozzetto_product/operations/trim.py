@@ -106,13 +106,13 @@ def trim(
     width = default_gap(state) if gap is None else gap
     if not splines or not np.isfinite(width) or not width > 0.0:
         return Trimmed(state)
-    ended, joined = _with_ends_joined(state, width, only)
-    crossed, more = _with_crossings_joined(ended, width, only)
+    ended, joined = ends_joined(state, width, only)
+    crossed, more = crossings_joined(ended, width, only)
     return Trimmed(crossed, (*joined, *more), proposals_of(crossed, width, only))
 
 
-def _with_ends_joined(
-    state: ProductState, width: float, only: Collection[str] | None
+def ends_joined(
+    state: ProductState, width: float, only: Collection[str] | None = None
 ) -> tuple[ProductState, tuple[str, ...]]:
     """Return the network with free ends joined, and the ids of the joints."""
     ends = network_ends(state, width)
@@ -141,8 +141,8 @@ def _with_ends_joined(
     return smooth_over_plane(joined, flat), tuple(joint.id for joint, _ in named)
 
 
-def _with_crossings_joined(
-    state: ProductState, width: float, only: Collection[str] | None
+def crossings_joined(
+    state: ProductState, width: float, only: Collection[str] | None = None
 ) -> tuple[ProductState, tuple[str, ...]]:
     """Return the network with curves joined where their insides cross."""
     found = crossings_of(state, width, only)
