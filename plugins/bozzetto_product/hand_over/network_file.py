@@ -18,13 +18,11 @@ from bozzetto.ink import (
     an_object,
     point_rows,
 )
-from bozzetto_product.hand_over.gaps import with_gaps_closed
+from bozzetto_product.hand_over.joining import joined_state
 from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
-from bozzetto_product.hand_over.point_joints import joints_of
 from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
 from bozzetto_product.model.curves import Curve, EdgeKind
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.operations.settling import settled_state
 
 KEYS: Final = ("curves", "loops", "creases", "pressure", "details")
 """The keys of a network."""
@@ -100,14 +98,11 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     creases = _numbers(given.get("creases", {}), "creases", rows)
     tolerance, fine = _tolerances(rows, size, UNITS[unit])
     splines = [_spline(points, name, size, tolerance, fine) for name, points in rows.items()]
-    joints = joints_of(splines, tolerance / FIT)
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
         for number, (name, spline) in enumerate(zip(rows, splines, strict=True), 1)
     )
-    # Curves meet within the tolerance of their fit so far; settled, they meet exactly.
-    state = settled_state(ProductState(nodes=curves, joints=joints), {})
-    state = with_gaps_closed(state, size)
+    state = joined_state(curves, size, tolerance / FIT)
     loops = None if given.get("loops") is None else _loops(given["loops"], rows)
     return Network(
         state,
