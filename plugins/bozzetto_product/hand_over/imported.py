@@ -13,6 +13,7 @@ from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.geometry import Shapes, Spline
 from bozzetto.ink import Drawing
 from bozzetto_product.hand_over.detail_file import with_details
+from bozzetto_product.hand_over.flattening import flattened
 from bozzetto_product.hand_over.names import loop_names, piece_names
 from bozzetto_product.hand_over.network_file import FIT, Network, network_of
 from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
@@ -51,6 +52,7 @@ def product_of_network(
         state = with_patches_found(state)
     else:
         state = _with_named_loops(state, network)
+    state = flattened(state, network.rounding)
     state = _with_pressures(state, network)
     return replace(with_details(state, network.details, network.scale, drawings or {}), selected="")
 

@@ -68,6 +68,8 @@ class Network:
         As the file gives them; see `with_details`.
     scale : float
         Millimetres in a unit of the file.
+    rounding : float
+        Step to which its coordinates are rounded, mm.
     """
 
     state: ProductState
@@ -76,6 +78,7 @@ class Network:
     tolerance: float
     details: object = ()
     scale: float = 1.0
+    rounding: float = 0.0
 
 
 def network_of(facts: Mapping[str, Any]) -> Network:
@@ -96,7 +99,11 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     rows = _rows(given.get("curves"), UNITS[unit])
     size = float(np.linalg.norm(np.ptp(np.vstack(list(rows.values())), axis=0)))
     creases = _numbers(given.get("creases", {}), "creases", rows)
-    tolerance, fine = _tolerances(rows, size, UNITS[unit])
+    rounding = UNITS[unit] * rounding_of(
+        np.vstack(list(rows.values())) / UNITS[unit], size / UNITS[unit]
+    )
+    noise = NOISE * noise_of(rows.values(), size)
+    tolerance, fine = (max(share * size, rounding, noise) for share in (FIT, FINE))
     splines = [_spline(points, name, size, tolerance, fine) for name, points in rows.items()]
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
@@ -111,6 +118,7 @@ def network_of(facts: Mapping[str, Any]) -> Network:
         tolerance,
         given.get("details", ()),
         UNITS[unit],
+        rounding,
     )
 
 
@@ -140,14 +148,6 @@ def _points(value: object, where: str, scale: float) -> Array:
     if not (np.abs(points) <= farthest).all():
         raise UserError(f"“{where}” reaches further than {farthest:g} mm.")
     return points
-
-
-def _tolerances(rows: Mapping[str, Array], size: float, scale: float) -> tuple[float, float]:
-    """Return how far curves may be from their points, mm, and how far where these are smooth."""
-    rounding = scale * rounding_of(np.vstack(list(rows.values())) / scale, size / scale)
-    noise = noise_of(rows.values(), size)
-    tolerance = max(FIT * size, rounding, NOISE * noise)
-    return tolerance, max(FINE * size, rounding, NOISE * noise)
 
 
 def _spline(points: Array, name: str, size: float, tolerance: float, fine: float) -> Spline:
