@@ -61,13 +61,7 @@ def edge_normals(net: Net, loops: Sequence[Loop]) -> tuple[LoopNormals, ...]:
         Counter-clockwise seen from outside.
     """
     corners = [loop_corners(net, loop) for loop in loops]
-    uses: dict[int, list[tuple[int, int, bool]]] = {}
-    for number, loop in enumerate(loops):
-        for place, (edge, forward) in enumerate(loop):
-            uses.setdefault(edge, []).append((number, place, forward))
-    smooth = {
-        edge: both for edge, both in uses.items() if _is_smooth(net, edge, both, corners, loops)
-    }
+    smooth = _smooth_edges(net, loops, corners)
     fields: list[list[NormalField | None]] = [[None] * len(loop) for loop in loops]
     for edge, common in common_fields(net, loops, corners, smooth).items():
         for number, place, forward in smooth[edge]:
@@ -76,6 +70,48 @@ def edge_normals(net: Net, loops: Sequence[Loop]) -> tuple[LoopNormals, ...]:
     return tuple(
         LoopNormals(tuple(mine), tuple(found)) for mine, found in zip(corners, fields, strict=True)
     )
+
+
+def _smooth_edges(
+    net: Net, loops: Sequence[Loop], corners: Sequence[Sequence[Corner]]
+) -> dict[int, list[tuple[int, int, bool]]]:
+    """Return of each smooth edge the loops, the places in them, and whether they run in its sense."""
+    uses: dict[int, list[tuple[int, int, bool]]] = {}
+    for number, loop in enumerate(loops):
+        for place, (edge, forward) in enumerate(loop):
+            uses.setdefault(edge, []).append((number, place, forward))
+    return {
+        edge: both for edge, both in uses.items() if _is_smooth(net, edge, both, corners, loops)
+    }
+
+
+def planes_of_ends(net: Net, loops: Sequence[Loop]) -> dict[tuple[int, int], list[Array]]:
+    """Return the tangent planes in which the ends of edges are to lie so that surfaces are smooth.
+
+    Parameters
+    ----------
+    net, loops
+        See `edge_normals`.
+
+    Returns
+    -------
+    dict of (int, int) to list of (3,) array
+        Number of an edge, and 0 for its start or 1 for its end: the normals of the fans there, of
+        two corners or more.
+    """
+    corners = [loop_corners(net, loop) for loop in loops]
+    planes: dict[tuple[int, int], list[Array]] = {}
+    for fan in _fans(_smooth_edges(net, loops, corners), corners, loops):
+        if len(fan) < 2:
+            continue
+        normal = _common_normal([_of(corners, one) for one in fan], list(fan.values()))
+        ends = set()
+        for number, place in fan:
+            (after, onward), (before, there) = loops[number][place], loops[number][place - 1]
+            ends |= {(after, 0 if onward else 1), (before, 1 if there else 0)}
+        for end in sorted(ends):
+            planes.setdefault(end, []).append(normal)
+    return planes
 
 
 def common_fields(

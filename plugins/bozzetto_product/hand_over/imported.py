@@ -13,10 +13,12 @@ from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.geometry import Shapes, Spline
 from bozzetto.ink import Drawing
 from bozzetto_product.hand_over.detail_file import with_details
+from bozzetto_product.hand_over.flattening import flattened
 from bozzetto_product.hand_over.names import loop_names, piece_names
 from bozzetto_product.hand_over.network_file import FIT, Network, network_of
 from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
 from bozzetto_product.hand_over.point_joints import joints_of
+from bozzetto_product.hand_over.tangent_planes import with_common_tangents
 from bozzetto_product.loops.boundaries import boundary_of
 from bozzetto_product.loops.orientation import orient_loops
 from bozzetto_product.model.curves import FARTHEST, Curve
@@ -51,6 +53,7 @@ def product_of_network(
         state = with_patches_found(state)
     else:
         state = _with_named_loops(state, network)
+    state = with_common_tangents(flattened(state, network.rounding), network.tolerance)
     state = _with_pressures(state, network)
     return replace(with_details(state, network.details, network.scale, drawings or {}), selected="")
 

@@ -18,11 +18,11 @@ from bozzetto.ink import (
     an_object,
     point_rows,
 )
+from bozzetto_product.hand_over.joining import joined_state
 from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
-from bozzetto_product.hand_over.point_joints import joints_of
+from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
 from bozzetto_product.model.curves import Curve, EdgeKind
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.operations.settling import settled_state
 
 KEYS: Final = ("curves", "loops", "creases", "pressure", "details")
 """The keys of a network."""
@@ -35,6 +35,13 @@ MOST_CURVES: Final = 2000
 
 FIT: Final = 1e-4
 """Tolerance of the fit of a curve to its points, as share of the diagonal of the network."""
+
+FINE: Final = 1e-5
+"""Tolerance where the points of a curve are smooth enough for it: its tangents are right to a few
+hundredths of a degree then, so that surfaces can be smooth over them."""
+
+NOISE: Final = 3.5
+"""Greatest distance of a point that trembles from its curve, in standard deviations."""
 
 SAME: Final = 1e-9
 """Distance of neighbours below which they are one point, as share of the diagonal."""
@@ -61,6 +68,8 @@ class Network:
         As the file gives them; see `with_details`.
     scale : float
         Millimetres in a unit of the file.
+    rounding : float
+        Step to which its coordinates are rounded, mm.
     """
 
     state: ProductState
@@ -69,6 +78,7 @@ class Network:
     tolerance: float
     details: object = ()
     scale: float = 1.0
+    rounding: float = 0.0
 
 
 def network_of(facts: Mapping[str, Any]) -> Network:
@@ -89,24 +99,26 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     rows = _rows(given.get("curves"), UNITS[unit])
     size = float(np.linalg.norm(np.ptp(np.vstack(list(rows.values())), axis=0)))
     creases = _numbers(given.get("creases", {}), "creases", rows)
-    splines: list[Spline] = []
-    for name, points in rows.items():
-        splines.append(_spline(points, name, size))
-    joints = joints_of(splines, size)
+    rounding = UNITS[unit] * rounding_of(
+        np.vstack(list(rows.values())) / UNITS[unit], size / UNITS[unit]
+    )
+    noise = NOISE * noise_of(rows.values(), size)
+    tolerance, fine = (max(share * size, rounding, noise) for share in (FIT, FINE))
+    splines = [_spline(points, name, size, tolerance, fine) for name, points in rows.items()]
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
         for number, (name, spline) in enumerate(zip(rows, splines, strict=True), 1)
     )
-    # Curves meet within the tolerance of their fit so far; settled, they meet exactly.
-    state = settled_state(ProductState(nodes=curves, joints=joints), {})
+    state = joined_state(curves, size, tolerance / FIT)
     loops = None if given.get("loops") is None else _loops(given["loops"], rows)
     return Network(
         state,
         loops,
         _pressures(given.get("pressure", {}), rows),
-        FIT * size,
+        tolerance,
         given.get("details", ()),
         UNITS[unit],
+        rounding,
     )
 
 
@@ -138,7 +150,7 @@ def _points(value: object, where: str, scale: float) -> Array:
     return points
 
 
-def _spline(points: Array, name: str, size: float) -> Spline:
+def _spline(points: Array, name: str, size: float, tolerance: float, fine: float) -> Spline:
     """Return the spline through the points of a curve; closed where it returns smoothly."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     kept = points[np.concatenate(([True], steps > SAME * size))]
@@ -148,8 +160,8 @@ def _spline(points: Array, name: str, size: float) -> Spline:
     kept = np.vstack((kept[:-1], points[-1:]))
     is_ring = len(kept) > 5 and np.linalg.norm(kept[-1] - kept[0]) <= SAME * size
     if is_ring and not _has_corner(kept):
-        return closed_spline_through(kept[:-1], FIT * size)
-    return spline_through(kept, FIT * size)
+        return closed_spline_through(kept[:-1], tolerance, fine)
+    return spline_through(kept, tolerance, fine)
 
 
 def _has_corner(ring: Array) -> bool:

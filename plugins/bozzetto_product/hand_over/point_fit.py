@@ -19,15 +19,22 @@ CORRECTIONS: Final = 5
 FOOT_STEPS: Final = 3
 """Newton steps to the foot of each point, which is near where it was in the round before."""
 
+SPARE: Final = 0.6
+"""Control points by points up to which a curve is fitted finely: more would follow each of them."""
+
+MOST_THROUGH: Final = 40
+"""Most points that a curve goes through where they are few and foretell one another."""
+
 HOPELESS: Final = 6.0
 """Distance, in tolerances, from which no correction of parameters helps enough."""
 
 
-def spline_through(points: Array, tolerance: float) -> Spline:
+def spline_through(points: Array, tolerance: float, fine: float | None = None) -> Spline:
     """Fit a clamped cubic spline to a row of points: its ends are the first and last, exactly.
 
-    The fewest control points of `COUNTS` that keep to the tolerance are taken; where none do, the
-    spline goes through every point.
+    The fewest control points of `COUNTS` that keep to the fine tolerance are taken, where the points
+    are many enough to tell so much; else the fewest that keep to the other. Where none do, and where
+    points are few but every second one foretells the others, the spline goes through all of them.
 
     Parameters
     ----------
@@ -35,50 +42,82 @@ def spline_through(points: Array, tolerance: float) -> Spline:
         At least two, no two neighbours the same, mm.
     tolerance : float
         Greatest distance of a point from the curve, mm.
+    fine : float, optional
+        The same where the points are smooth enough, mm.
     """
     if len(points) == 2:
         share = np.linspace(0.0, 1.0, DEGREE + 1)[:, None]
         straight = (1.0 - share) * points[0] + share * points[1]
         return _with_ends(Spline.uniform(straight), points)
     along = _shares(points)
+    finer = tolerance if fine is None else fine
+    kept: Spline | None = None
     for count in COUNTS:
-        if count > max(len(points), DEGREE + 1):
+        spare = count <= max(DEGREE + 1, SPARE * len(points))
+        if count > max(len(points), DEGREE + 1) or (kept is not None and not spare):
             break
-        at = along
-        for _ in range(CORRECTIONS):
-            spline = _least_squares(points, at, count)
-            feet = spline.foot_points(points, at, steps=FOOT_STEPS)
-            worst = float(np.linalg.norm(spline.value(feet) - points, axis=1).max())
-            if worst <= tolerance:
-                return spline
-            if worst > HOPELESS * tolerance:
-                break
-            at = _ordered(feet, at)
-    return _interpolated(points, along)
+        spline, worst = _fitted(points, along, count, finer if spare else tolerance)
+        if worst <= finer and (spare or finer == tolerance):
+            return spline
+        if worst <= tolerance and kept is None:
+            kept = spline
+    through = _interpolated(points, along)
+    if kept is None or (finer < tolerance and _foretold(points, along, tolerance)):
+        return through
+    return kept
 
 
-def closed_spline_through(points: Array, tolerance: float) -> Spline:
+def _fitted(points: Array, along: Array, count: int, wanted: float) -> tuple[Spline, float]:
+    """Return a spline of so many control points, and how far it is from the points."""
+    at = along
+    for _ in range(CORRECTIONS):
+        spline = _least_squares(points, at, count)
+        feet = spline.foot_points(points, at, steps=FOOT_STEPS)
+        worst = float(np.linalg.norm(spline.value(feet) - points, axis=1).max())
+        if worst <= wanted or worst > HOPELESS * wanted:
+            break
+        at = _ordered(feet, at)
+    return spline, worst
+
+
+def _foretold(points: Array, along: Array, tolerance: float) -> bool:
+    """Whether the spline through every second point goes by the others as well."""
+    if not 2 * DEGREE + 1 <= len(points) <= MOST_THROUGH:
+        return False
+    kept = np.union1d(np.arange(0, len(points), 2), [len(points) - 1])
+    spline = _interpolated(points[kept], along[kept])
+    feet = spline.foot_points(points, along, steps=FOOT_STEPS)
+    return bool(np.linalg.norm(spline.value(feet) - points, axis=1).max() <= tolerance)
+
+
+def closed_spline_through(points: Array, tolerance: float, fine: float | None = None) -> Spline:
     """Fit a closed cubic spline to points round a ring, the first one not repeated.
 
     As `spline_through`, with knots at equal steps; at least four points.
     """
     ring = np.vstack((points, points[:1]))
     along = _shares(ring)[:-1]
+    finer = tolerance if fine is None else fine
+    kept: Spline | None = None
     for count in (*COUNTS, len(points)):
-        if not 6 <= count <= len(points):
+        spare = count <= max(6, SPARE * len(points))
+        if not 6 <= count <= len(points) or (kept is not None and not spare):
             continue
         at = along
+        wanted = finer if spare else tolerance
         for _ in range(CORRECTIONS):
             basis = _closed_basis(at, count)
             found, *_ = np.linalg.lstsq(basis, points, rcond=None)
             spline = Spline.uniform(found, closed=True)
             at = spline.foot_points(points, at, steps=FOOT_STEPS)
             worst = float(np.linalg.norm(spline.value(at) - points, axis=1).max())
-            if worst <= tolerance:
+            if worst <= wanted:
                 return spline
-            if worst > HOPELESS * tolerance:
+            if worst <= tolerance and kept is None:
+                kept = spline
+            if worst > HOPELESS * wanted:
                 break
-    return _closed_interpolated(points, along)
+    return _closed_interpolated(points, along) if kept is None else kept
 
 
 def _shares(points: Array) -> Array:

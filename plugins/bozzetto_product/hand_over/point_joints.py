@@ -32,7 +32,13 @@ Place = tuple[int, float, Array]
 """Number of a curve, share of its range, and the place in space."""
 
 
-def joints_of(splines: Sequence[Spline], size: float, prefix: str = "n") -> tuple[Joint, ...]:
+def joints_of(
+    splines: Sequence[Spline],
+    size: float,
+    prefix: str = "n",
+    *,
+    crossing: bool = True,
+) -> tuple[Joint, ...]:
     """Return the joints at which curves meet.
 
     Parameters
@@ -43,8 +49,11 @@ def joints_of(splines: Sequence[Spline], size: float, prefix: str = "n") -> tupl
         Diagonal of the network, mm.
     prefix : str
         Of the ids of the curves.
+    crossing : bool
+        Whether they meet where their insides cross.
     """
-    places = [*_ends(splines), *_on_curves(splines, size), *_crossings(splines, size)]
+    crossed = _crossings(splines, size) if crossing else ()
+    places = [*_ends(splines), *_on_curves(splines, size), *crossed]
     if not places:
         return ()
     groups = _clusters(np.array([place for _, _, place in places]), ENDS * size, places, size)

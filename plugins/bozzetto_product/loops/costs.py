@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto_product.loops.candidates import Halves
+from bozzetto_product.loops.candidates import Halves, edges_of
 from bozzetto_product.loops.sampling import SAMPLES, SampledNet
 
 STRAIGHT: Final = 0.9
@@ -58,6 +58,9 @@ WEIGHTS: Final = {
 }
 """Prices of what speaks against a loop. Set by hand, then each halved or raised by 60 % as long as
 that helped, on drawn networks, the teapot, and random ones of seeds below 1000 with faults."""
+
+OF_SHAPE: Final = ("thin", "concave", "twisted", "many sides")
+"""What speaks against no outline in a plane, where there is no other surface that it could be."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +113,9 @@ class _Steps:
         return np.asarray(np.add.reduceat(values, self.starts, axis=0))
 
 
-def loop_costs(sampled: SampledNet, loops: Sequence[Halves]) -> LoopCosts:
+def loop_costs(
+    sampled: SampledNet, loops: Sequence[Halves], outlines: Collection[frozenset[int]] = ()
+) -> LoopCosts:
     """Rate loops.
 
     Parameters
@@ -119,6 +124,8 @@ def loop_costs(sampled: SampledNet, loops: Sequence[Halves]) -> LoopCosts:
         The net.
     loops : sequence of tuple of int
         Half-edges, head to tail.
+    outlines : collection of frozenset of int
+        The edges of plane outlines: these may have any shape (`plane_outlines`).
     """
     if not loops:
         return LoopCosts(np.zeros(0), np.zeros(0), np.zeros(0, int))
@@ -134,6 +141,10 @@ def loop_costs(sampled: SampledNet, loops: Sequence[Halves]) -> LoopCosts:
         **corners,
         "many sides": np.maximum(0.0, sides - 4.0),
     }
+    if outlines:
+        shaped = np.array([edges_of(loop) not in outlines for loop in loops])
+        for name in OF_SHAPE:
+            amounts[name] = amounts[name] * shaped
     costs = sum((WEIGHTS[name] * amount for name, amount in amounts.items()), np.zeros(len(loops)))
     return LoopCosts(np.asarray(costs), sides, count.astype(int))
 

@@ -12,6 +12,7 @@ from bozzetto_product.loops.candidates import Halves, candidate_loops, edges_of,
 from bozzetto_product.loops.choice import MOST_LOOPS, SIDE_GAIN, choose_loops
 from bozzetto_product.loops.closing import flat_lids, unfinished_rims
 from bozzetto_product.loops.costs import loop_costs
+from bozzetto_product.loops.plane_outlines import plane_outlines
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.network.half_edges import half_edges, loop_of_half_edges
 from bozzetto_product.network.net import Loop, Net
@@ -70,9 +71,12 @@ def find_loops(
     """
     sampled = SampledNet.of(net)
     checkpoint()
+    outlines = {edges_of(loop): loop for loop in plane_outlines(sampled)}
     loops = candidate_loops(sampled)
+    known = {edges_of(loop) for loop in loops}
+    loops += tuple(loop for edges, loop in outlines.items() if edges not in known)
     checkpoint()
-    rated = loop_costs(sampled, loops)
+    rated = loop_costs(sampled, loops, outlines.keys())
     costs = rated.costs - SIDE_GAIN * rated.sides
     checkpoint()
     fixed_halves = [half_edges(loop) for loop in fixed]

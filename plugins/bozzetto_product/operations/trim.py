@@ -7,7 +7,7 @@ outcome does not depend on the order of the curves. What is farther apart is pro
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -19,7 +19,7 @@ from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.model.planes import Point
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.clusters import Cluster, End, clusters_of, is_tail, target_of
-from bozzetto_product.operations.crossings import crossings_of
+from bozzetto_product.operations.crossings import Crossing, crossings_of
 from bozzetto_product.operations.meetings import (
     curve_of,
     is_end,
@@ -38,7 +38,11 @@ GAP: Final = 0.02
 """Largest gap that is closed, as a share of the diagonal of all curves."""
 
 SHORT: Final = 0.25
-"""Largest gap as a share of the length of the curve: details are smaller than the model."""
+"""Largest gap as a share of the length of the curve, or of its stretch up to the next joint: details
+are smaller than the model, and the tail of a curve drawn too far is to end where it does."""
+
+TAIL: Final = 0.5
+"""Share of a curve beyond its last joint below which that is the tail of one drawn too far."""
 
 ASKED: Final = 3.0
 """Largest gap, in gaps that are closed, that is proposed."""
@@ -106,15 +110,15 @@ def trim(
     width = default_gap(state) if gap is None else gap
     if not splines or not np.isfinite(width) or not width > 0.0:
         return Trimmed(state)
-    ended, joined = _with_ends_joined(state, width, only)
-    crossed, more = _with_crossings_joined(ended, width, only)
+    ended, joined = ends_joined(state, width, only)
+    crossed, more = crossings_joined(ended, width, only)
     return Trimmed(crossed, (*joined, *more), proposals_of(crossed, width, only))
 
 
-def _with_ends_joined(
-    state: ProductState, width: float, only: Collection[str] | None
+def ends_joined(
+    state: ProductState, width: float, only: Collection[str] | None = None
 ) -> tuple[ProductState, tuple[str, ...]]:
-    """Return the network with free ends joined, and the ids of the joints."""
+    """Return the network with free ends joined, and the ids of the joints; see `trim`."""
     ends = network_ends(state, width)
     made: list[tuple[Joint, Array | None]] = []
     old = {joint.id: joint for joint in state.joints}
@@ -141,11 +145,23 @@ def _with_ends_joined(
     return smooth_over_plane(joined, flat), tuple(joint.id for joint, _ in named)
 
 
-def _with_crossings_joined(
-    state: ProductState, width: float, only: Collection[str] | None
+def crossings_joined(
+    state: ProductState,
+    width: float,
+    only: Collection[str] | None = None,
+    *,
+    passing: Callable[[Crossing], bool] = lambda _: False,
 ) -> tuple[ProductState, tuple[str, ...]]:
-    """Return the network with curves joined where their insides cross."""
-    found = crossings_of(state, width, only)
+    """Return the network with curves joined where their insides cross, and the ids of the joints.
+
+    Parameters
+    ----------
+    state, width, only
+        See `trim`; the gap is `width`, mm.
+    passing : callable
+        Of a crossing: whether the curves only pass one another there.
+    """
+    found = [one for one in crossings_of(state, width, only) if not passing(one)]
     if not found:
         return state, ()
     names = tuple(unused_joint_ids(state.joints, len(found)))
@@ -206,13 +222,15 @@ def network_ends(state: ProductState, gap: float) -> list[End]:
         if spline.closed:
             continue
         length = chord_length(spline)
+        inner = [share for curve, share in joined if curve == name]
         for at in (0.0, 1.0):
             if (name, at) in joined:
                 continue
+            free = min((abs(share - at) for share in inner), default=1.0) * length
             place = np.array(spline.control_points[0 if at == 0.0 else -1])
             flat = symmetric and lies_in(curves[name], state.symmetry)
             image = curves[name].mirrored
-            found.append(End(place, min(gap, SHORT * length), length, image, flat, name, at))
+            found.append(End(place, min(gap, SHORT * free), length, image, flat, name, at))
     for joint in state.joints:
         meetings = [meet for meet in joint.meetings if meet.curve in splines]
         if meetings:
@@ -244,6 +262,8 @@ def _joints_of(
     joint = old.get(known)
     if joint is not None:
         busy |= {meet.curve for meet in joint.meetings}
+    for number, _ in free:
+        busy |= _beside_tail(state, ends[number])
     carried = joint is not None and any(not is_end(splines_of(state), m) for m in joint.meetings)
     carrier = None if carried else nearest_inside(state, target, width, busy, cluster.flat)
     at_plane = cluster.flat and any(ends[number].image for number, _ in free)
@@ -259,6 +279,23 @@ def _joints_of(
         place = in_plane(target, state.symmetry) if carrier is None and joint is None else None
         return [(replace(base, meetings=(*base.meetings, *meetings, *more), in_plane=True), place)]
     return _sided(free, ends, state, target, joint, side, carrier)
+
+
+def _beside_tail(state: ProductState, end: End) -> set[str]:
+    """Return the curves that meet in the joint behind which a free end is the tail of a curve.
+
+    A tail may run along one of them for a while; joined to it, it would bound a sliver.
+    """
+    behind = [
+        (abs(meet.at - end.at), joint)
+        for joint in state.joints
+        for meet in joint.meetings
+        if meet.curve == end.curve and 0.0 < meet.at < 1.0 and abs(meet.at - end.at) < TAIL
+    ]
+    if not behind:
+        return set()
+    _, nearest = min(behind, key=lambda one: (one[0], one[1].id))
+    return {meet.curve for meet in nearest.meetings}
 
 
 def _sided(
