@@ -23,7 +23,7 @@ from bozzetto_polyhedron.reconstruction.parallel_classes import (
     parallel_classes,
 )
 from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
-from bozzetto_polyhedron.reconstruction.ranking import scores
+from bozzetto_polyhedron.reconstruction.ranking import FEATURES, scores
 from bozzetto_polyhedron.reconstruction.regularity import (
     cheap_measures,
     costly_measures,
@@ -33,6 +33,9 @@ from bozzetto_polyhedron.reconstruction.visibility import agreement, is_marked
 
 MOST: Final = 8
 """Readings of one lifting."""
+
+OPEN: Final = FEATURES.index("open lines")
+"""Column of the share of lines that are not between two faces."""
 
 UPRIGHT: Final = 8.0
 """Standard deviation from upright, degrees, of lines that are upright in space."""
@@ -96,6 +99,9 @@ def readings(
 def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
     """Return readings without those that repeat a better one.
 
+    Of two that have one shape, the one whose faces leave fewer lines open stays, in the place of
+    the better one.
+
     Parameters
     ----------
     drawing : Drawing
@@ -109,8 +115,15 @@ def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
     for each in ordered:
         depths = each.depths - each.depths.mean()
         others = [other.depths - other.depths.mean() for other in kept]
-        if all(_spread(depths - side * other) > same for other in others for side in sides):
+        alike = [
+            number
+            for number, other in enumerate(others)
+            if any(_spread(depths - side * other) <= same for side in sides)
+        ]
+        if not alike:
             kept.append(each)
+        elif each.features[OPEN] < kept[alike[0]].features[OPEN]:
+            kept[alike[0]] = replace(each, score=kept[alike[0]].score)
     return kept
 
 
@@ -161,7 +174,7 @@ def _of_body(
     present, labels = np.unique(classes.labels[members], return_inverse=True)
     relief = relief_of(
         drawing.points,
-        body.depth.depths,
+        body.depth.basis,
         lines,
         labels,
         classes.directions[present],
