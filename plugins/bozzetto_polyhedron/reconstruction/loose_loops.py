@@ -105,6 +105,7 @@ def attached(
     faces: Sequence[Rings],
     body: Sequence[int],
     parts: Sequence[Lifting],
+    around: dict[tuple[Ring, Ring], bool],
 ) -> list[Attached]:
     """Return the ways in which loose parts belong to a body, the likeliest first.
 
@@ -122,18 +123,25 @@ def attached(
         Its corners.
     parts : sequence of Lifting
         What is loose, the largest first.
+    around : dict
+        Whether a ring appears around another one, as far as it was asked: added to.
     """
     found = [Attached.alone(depths, faces)]
     known = list(body)
     for part in parts:
-        ways = [way for each in found for way in _ways(drawing, classes, each, known, part)]
+        ways = [way for each in found for way in _ways(drawing, classes, each, known, part, around)]
         found = sorted(ways, key=lambda way: way.rough)[:MOST]
         known += part.corners
     return found
 
 
 def _ways(
-    drawing: Drawing, classes: ParallelClasses, body: Attached, known: list[int], part: Lifting
+    drawing: Drawing,
+    classes: ParallelClasses,
+    body: Attached,
+    known: list[int],
+    part: Lifting,
+    around: dict[tuple[Ring, Ring], bool],
 ) -> list[Attached]:
     """Return the ways in which one part lies in the faces of a body."""
     system = _Part.of(drawing, classes, body.depths, known, part)
@@ -141,8 +149,9 @@ def _ways(
     options = [
         (face, ring)
         for face in range(len(body.faces))
+        if abs(_plane(drawing, body, face)[1][2]) >= EDGE_ON
         for ring in range(len(part.faces))
-        if _surrounds(drawing, body, face, part.faces[ring][0])
+        if _surrounds(drawing, body.faces[face][0], part.faces[ring][0], around)
     ]
     found: list[Attached] = []
     seen: set[frozenset[tuple[int, int]]] = set()
@@ -288,14 +297,15 @@ def _seat(
     return middle[2] - across / normal[2], ring
 
 
-def _surrounds(drawing: Drawing, body: Attached, face: int, ring: Ring) -> bool:
-    """Whether a ring appears inside a face, up to the noise."""
-    if abs(_plane(drawing, body, face)[1][2]) < EDGE_ON:
-        return False
-    outer = drawing.points[list(body.faces[face][0])]
-    places = drawing.points[list(ring)]
-    near = _distances(places, outer) < 2.0 * drawing.noise
-    return bool((inside(places, outer) | near).all())
+def _surrounds(
+    drawing: Drawing, outer: Ring, inner: Ring, around: dict[tuple[Ring, Ring], bool]
+) -> bool:
+    """Whether a ring appears inside another one, up to the noise."""
+    if (outer, inner) not in around:
+        ring, places = drawing.points[list(outer)], drawing.points[list(inner)]
+        near = _distances(places, ring) < 2.0 * drawing.noise
+        around[outer, inner] = bool((inside(places, ring) | near).all())
+    return around[outer, inner]
 
 
 def _distances(places: Array, ring: Array) -> Array:

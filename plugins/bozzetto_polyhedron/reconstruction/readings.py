@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto_polyhedron.reconstruction.affine_depth import affine_depth
-from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
@@ -182,10 +182,11 @@ def _of_body(
         return _shapes(drawing, classes, Attached.alone(body.depth.depths, body.faces), body, strict)
     found: list[Reading] = []
     joined: dict[frozenset[frozenset[frozenset[int]]], Attached] = {}
+    around: dict[tuple[Ring, Ring], bool] = {}
     relief, maps = _maps(drawing, classes, body)
-    for chosen in maps:
+    for chosen in maps[:MOST]:
         depths = relief.heights(squared(relief, chosen))
-        for way in attached(drawing, classes, depths, body.faces, body.corners, parts):
+        for way in attached(drawing, classes, depths, body.faces, body.corners, parts, around):
             if way.hangs:
                 key = frozenset(frozenset(frozenset(ring) for ring in face) for face in way.faces)
                 if key not in joined or way.rough < joined[key].rough:

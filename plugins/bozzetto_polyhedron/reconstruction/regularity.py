@@ -375,17 +375,16 @@ def _opposite_faces(relief: Relief, maps: Array, normals: Array) -> Array:
 def _frame_coverage(directions: Array, counts: Array, right: float) -> float:
     """Largest share of the lines that lies along one orthogonal frame."""
     best = float(counts.max() / counts.sum())
-    cosines = np.abs(directions @ directions.T)
-    for first, second in combinations(range(len(directions)), 2):
-        if cosines[first, second] >= 0.2:
-            continue
-        third = np.cross(directions[first], directions[second])
-        third /= np.linalg.norm(third)
-        frame = np.column_stack((directions[first], np.cross(third, directions[first]), third))
-        nearest = np.abs(directions @ frame).max(1)
-        off = np.sqrt(np.maximum(0.0, 1.0 - nearest**2))
-        best = max(best, float(counts @ _near(off, right) / counts.sum()))
-    return best
+    first, second = np.nonzero(np.triu(np.abs(directions @ directions.T) < 0.2, 1))
+    if not len(first):
+        return best
+    axes, others = directions[first], directions[second]
+    thirds = np.cross(axes, others)
+    thirds /= np.linalg.norm(thirds, axis=1, keepdims=True)
+    frames = np.stack((axes, np.cross(thirds, axes), thirds), axis=2)
+    nearest = np.abs(directions @ frames).max(2)
+    off = np.sqrt(np.maximum(0.0, 1.0 - nearest**2))
+    return max(best, float((_near(off, right) @ counts).max() / counts.sum()))
 
 
 def _equal_angles(relief: Relief, space: Array) -> float:
