@@ -50,7 +50,7 @@ class Seated:
     through: bool
 
     def measures(self, drawing: Drawing, depths: Array) -> Array:
-        """Return the measures of `Attached` for one part, misfit left out, where depths are these."""
+        """Return the measures of `Attached` for one part, misfit left out, at given depths."""
         within = _share_inside(drawing, self, depths)
         return np.array((self.through * within, 1.0 - within, 0.0, 0.0))
 
@@ -195,7 +195,7 @@ def _joined(
     faces += [face for number, face in enumerate(part.faces) if number not in taken]
     corners = frozenset(corner for ring in holes.values() for corner in ring)
     seated = Seated(part, corners, body.faces, len(seats) > 1)
-    measures = seated.measures(drawing, new) + (0.0, 0.0, misfit, 0.0)
+    measures = seated.measures(drawing, new) + np.array((0.0, 0.0, misfit, 0.0))
     return Attached(new, tuple(faces), body.measures + measures, (*body.seated, seated))
 
 
@@ -203,7 +203,7 @@ def _loose(body: Attached, known: list[int], part: Lifting, depths: Array) -> At
     """Return the body with a part beside it, as deep as its middle."""
     new = body.depths.copy()
     new[list(part.corners)] = depths - depths.mean() + body.depths[known].mean()
-    measures = body.measures + (0.0, 0.0, 0.0, 1.0)
+    measures = body.measures + np.array((0.0, 0.0, 0.0, 1.0))
     return Attached(new, body.faces + part.faces, measures, body.seated)
 
 

@@ -14,13 +14,13 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
 from bozzetto_polyhedron.reconstruction.regularity import (
     MEASURES,
     Relief,
     cheap_measures,
     costly_measures,
 )
-from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
 
 HEAVIEST: Final = 9
 """Classes of which orthogonal triples are tried."""
@@ -69,6 +69,7 @@ INDEPENDENT: Final = 1e-3
 
 SAME: Final = 4.0
 """Mean angle between the lines of two readings, degrees, below which they are one."""
+
 
 def orthogonal_rises(directions: Array) -> Array | None:
     """Return how much three orthogonal axes rise for each unit on the sheet.

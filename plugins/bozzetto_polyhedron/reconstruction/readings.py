@@ -179,7 +179,9 @@ def _of_body(
     together, and right angles of a pocket those of the body.
     """
     if not parts:
-        return _shapes(drawing, classes, Attached.alone(body.depth.depths, body.faces), body, strict)
+        return _shapes(
+            drawing, classes, Attached.alone(body.depth.depths, body.faces), body, strict
+        )
     found: list[Reading] = []
     joined: dict[frozenset[frozenset[frozenset[int]]], Attached] = {}
     around: dict[tuple[Ring, Ring], bool] = {}

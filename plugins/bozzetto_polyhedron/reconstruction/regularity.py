@@ -1,9 +1,9 @@
 """How regular a reading of a drawing in space is.
 
-The three numbers that affine facts leave open, Z = a z + b x + c y, are chosen so that the solid is
-as regular as people draw (and t, where any multiple of a change may be added to z): right angles, equal lengths, symmetry. The measures follow the
-regularities of Masry et al. 2004 (section on reconstruction by optimisation) as far as a drawing
-gives evidence for them.
+The numbers that affine facts leave open, Z = a z + b x + c y + t e, with an e for each change of
+the depths that lines and faces allow, are chosen so that the solid is as regular as people draw:
+right angles, equal lengths, symmetry. The measures follow the regularities of Masry et al. 2004
+(section on reconstruction by optimisation) as far as a drawing gives evidence for them.
 """
 
 from __future__ import annotations
@@ -306,8 +306,8 @@ def _class_slopes(
     rises = every[lines[:, 1]] - every[lines[:, 0]]
     count = len(plane_directions)
     below = np.maximum(np.bincount(labels, along**2, count), 1e-18)
-    slopes = np.column_stack([np.bincount(labels, along * rise, count) for rise in rises.T])
-    slopes /= below[:, None]
+    above = [np.bincount(labels, along * rise, count) for rise in rises.T]
+    slopes: Array = np.column_stack(above) / below[:, None]
     slopes[:, 1:3] = plane_directions
     return slopes
 

@@ -197,7 +197,9 @@ def cut_pyramid_with_pocket(rng: Random) -> Manifold:
 
 def wedge_with_hole(rng: Random) -> Manifold:
     w, d, h = rng.uniform((2.4, 1.8, 1.6), (3.2, 2.6, 2.2))
-    return upright([(0, 0), (w, 0), (0, h)], d) - box((0.25 * w, d + 2, 0.3 * h), (0.12 * w, -1, 0.18 * h))
+    return upright([(0, 0), (w, 0), (0, h)], d) - box(
+        (0.25 * w, d + 2, 0.3 * h), (0.12 * w, -1, 0.18 * h)
+    )
 
 
 def wedge_on_box(rng: Random) -> Manifold:
@@ -284,12 +286,6 @@ def t_slot(rng: Random) -> Manifold:
     return upright(outline, d)
 
 
-def rhomboid_with_notch(rng: Random) -> Manifold:
-    w, d, h = rng.uniform((2.2, 1.8, 1.4), (3.0, 2.6, 2.0))
-    notch = extruded([(0.5 * w, 0), (9, 0), (9, d), (0.5 * w + 0.7, d)], h)
-    return extruded([(0, 0), (w, 0), (w + 0.7, d), (0.7, d)], h) - notch.translate((0, 0, 0.5 * h))
-
-
 def pentagon_with_notch(rng: Random) -> Manifold:
     h = float(rng.uniform(1.0, 1.8))
     return extruded(regular(5, 1.3), h) - box((9, 0.7, 0.5 * h), (0.2, -0.35, 0.5 * h))
@@ -333,7 +329,7 @@ PARTS: dict[str, Callable[[Random], Manifold]] = {
         nut_with_square_hole, pyramid_on_box, cut_pyramid_on_plate, cut_pyramid_with_pocket,
         wedge_with_hole, wedge_on_box, ramp_between_walls, heap_in_the_middle, heap_in_a_corner,
         frame, frame_on_feet, house_with_chimney, house_with_door, corner_plates,
-        octagon_with_boss, cross_with_pocket, triangle_frame, t_slot, rhomboid_with_notch,
+        octagon_with_boss, cross_with_pocket, triangle_frame, t_slot,
         pentagon_with_notch, anvil, block_with_cross_tunnels, rail, lectern,
     )
 }  # fmt: skip

@@ -26,7 +26,15 @@ from bozzetto_polyhedron.solid.hand_over import mesh_of
 from tests.plugins.polyhedron.graph_truth import graph_of
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
 from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
-from tests.plugins.polyhedron.objects import CAMERA, Polyhedron, View, in_eye_frame, is_right, made, view
+from tests.plugins.polyhedron.objects import (
+    CAMERA,
+    Polyhedron,
+    View,
+    in_eye_frame,
+    is_right,
+    made,
+    view,
+)
 
 UPRIGHT = np.array((1.0, -1.0))
 """From a picture with y up, as objects are seen, to a canvas."""

@@ -73,9 +73,7 @@ def newell(ring: np.ndarray) -> np.ndarray:
 # -- from a solid to faces with rings --
 
 
-def polyhedron_of(
-    solid: Manifold, name: str = "", thinnest: float = THINNEST
-) -> Polyhedron | None:
+def polyhedron_of(solid: Manifold, name: str = "", thinnest: float = THINNEST) -> Polyhedron | None:
     """Join coplanar triangles to faces; None where a feature is too thin or a vertex is pinched."""
     mesh = solid.to_mesh()
     points = np.asarray(mesh.vert_properties, float)[:, :3]
