@@ -17,6 +17,13 @@ from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses
 
+FREE: Final = 0.25
+"""Singular value below which a change of the depths is left open: what lines and faces hold has 0.5
+and more, what only the hand holds 0.13 at most."""
+
+MOST_FREE: Final = 2
+"""Changes of the depths that are told, at most."""
+
 ROUNDS: Final = 3
 """Solutions, each with the lines of a wrong class weighted down by the one before."""
 
@@ -33,11 +40,15 @@ class AffineDepth:
         The smallest singular value: how far lines and faces are from agreeing.
     gap : float
         The singular value after it; if it is as small, the depths are not determined.
+    basis : (n, 1 + j) float64
+        Depths that agree with lines and faces, and j of which any multiple may be added: the height
+        of a pyramid on a box. These are 0 on as many corners as can be.
     """
 
     depths: Array
     residual: float
     gap: float
+    basis: Array
 
 
 def affine_depth(
@@ -68,12 +79,16 @@ def affine_depth(
     planar = face_rows(drawing.points, corners, faces)
     free = _free_basis(drawing.points[list(corners)])
     weights = np.ones(len(rows.along))
+    members = list(corners)
     depths = np.zeros(len(drawing.points))
-    residual = gap = 0.0
+    values, least = np.zeros(2), np.zeros((len(corners), 1))
     for _ in range(ROUNDS):
-        depths[list(corners)], residual, gap = _solution(rows.eliminated(weights), planar, free)
-        weights = rows.weights(depths[list(corners)], drawing.noise)
-    return AffineDepth(depths, residual, gap)
+        values, least = _solution(rows.eliminated(weights), planar, free)
+        depths[members] = least[:, 0]
+        weights = rows.weights(least[:, 0], drawing.noise)
+    basis = np.zeros((len(depths), least.shape[1]))
+    basis[members] = _sparse(drawing.points[members], rows.ends, least)
+    return AffineDepth(depths, float(values[0]), float(values[1]), basis)
 
 
 def face_rows(points: Array, corners: Sequence[int], faces: Sequence[Rings]) -> Array:
@@ -141,13 +156,45 @@ def _free_basis(points: Array) -> Array:
     return np.linalg.svd(trivial)[0][:, 3:]
 
 
-def _solution(lines: Array, planar: Array, free: Array) -> tuple[Array, float, float]:
-    """Depths of unit length that agree best, with both smallest singular values."""
+def _solution(lines: Array, planar: Array, free: Array) -> tuple[Array, Array]:
+    """Both smallest singular values, and depths of unit length that agree best, (n, 1 + j)."""
     if free.shape[1] == 0:
-        return np.zeros(len(free)), 0.0, 0.0
+        return np.zeros(2), np.zeros((len(free), 1))
     rows = np.vstack((lines, planar)) @ free
     _, values, vectors = np.linalg.svd(rows, full_matrices=True)
     padded = np.zeros(free.shape[1])
     padded[: len(values)] = values
-    gap = float(padded[-2]) if len(padded) > 1 else 1.0
-    return free @ vectors[-1], float(padded[-1]), gap
+    smallest = np.append(padded[::-1], 1.0)
+    open_ones = int((smallest[1:-1] < FREE).sum())
+    count = 1 + open_ones if open_ones <= MOST_FREE else 1
+    return smallest[:2], np.asarray(free @ vectors[::-1][:count].T)
+
+
+def _sparse(points: Array, ends: Index, least: Array) -> Array:
+    """Return a basis of the same depths of which all but the first are 0 at most corners.
+
+    What vanishes at a corner of three lines and at their other ends, vanishes on all that hangs
+    together with it; of all corners, the one is taken by which the most do.
+    """
+    count = least.shape[1]
+    if count == 1:
+        return least
+    every = np.column_stack((least, np.ones(len(points)), points))
+    best: tuple[float, Array] | None = None
+    for corner in range(len(points)):
+        beside = ends[(ends == corner).any(1)]
+        three = beside[beside != corner][:3]
+        if len(three) < 3:
+            continue
+        mixed = np.linalg.svd(every[[corner, *three]], full_matrices=True)[2][4:]
+        size = np.linalg.norm(every @ mixed.T, axis=1)
+        still = float((1.0 / (1.0 + (size / (0.1 * size.max())) ** 2)).sum())
+        if best is None or still > best[0]:
+            best = still, mixed
+    if best is None:
+        return least[:, :1]
+    changes = every @ best[1].T
+    changes /= np.abs(changes).max(0)
+    rest = least @ np.linalg.svd(best[1][:, :count])[2][-1]
+    rest -= changes @ np.linalg.lstsq(changes, rest, rcond=None)[0]
+    return np.column_stack((rest, changes))

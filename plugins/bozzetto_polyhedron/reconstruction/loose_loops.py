@@ -30,6 +30,32 @@ MOST: Final = 6
 
 
 @dataclass(frozen=True, eq=False)
+class Seated:
+    """A part in faces of a body.
+
+    Parameters
+    ----------
+    part : Lifting
+    corners : frozenset of int
+        Those of its rings that lie in faces of the body.
+    faces : tuple of Rings
+        The body without the part.
+    through : bool
+        Whether it lies in two faces.
+    """
+
+    part: Lifting
+    corners: frozenset[int]
+    faces: tuple[Rings, ...]
+    through: bool
+
+    def measures(self, drawing: Drawing, depths: Array) -> Array:
+        """Return the measures of `Attached` for one part, misfit left out, at given depths."""
+        within = _share_inside(drawing, self, depths)
+        return np.array((self.through * within, 1.0 - within, 0.0, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
 class Attached:
     """A body with parts in it.
 
@@ -40,16 +66,36 @@ class Attached:
     faces : tuple of Rings
     measures : (4,) float64
         Sums over the parts: through-holes, parts that stand out, misfit, parts that hang nowhere.
+    seated : tuple of Seated
+        The parts that lie in faces.
     """
 
     depths: Array
     faces: tuple[Rings, ...]
     measures: Array
+    seated: tuple[Seated, ...] = ()
+
+    @classmethod
+    def alone(cls, depths: Array, faces: Sequence[Rings]) -> Attached:
+        """Return a body without parts."""
+        return cls(depths, tuple(faces), np.zeros(4))
 
     @property
     def rough(self) -> float:
         """What is better is less: a rough order in which ways are dropped."""
         return float(self.measures @ (-0.5, 0.1, 1.0, 3.0))
+
+    @property
+    def hangs(self) -> bool:
+        """Whether all parts lie in faces, so that the depths of all follow from one another."""
+        return bool(self.seated) and float(self.measures[3]) == 0.0
+
+    def measured(self, drawing: Drawing, depths: Array) -> Array:
+        """Return the measures where the corners are as deep as this, (4,)."""
+        found = self.measures * (0.0, 0.0, 1.0, 1.0)
+        for each in self.seated:
+            found = found + each.measures(drawing, depths)
+        return np.asarray(found)
 
 
 def attached(
@@ -59,6 +105,7 @@ def attached(
     faces: Sequence[Rings],
     body: Sequence[int],
     parts: Sequence[Lifting],
+    around: dict[tuple[Ring, Ring], bool],
 ) -> list[Attached]:
     """Return the ways in which loose parts belong to a body, the likeliest first.
 
@@ -76,18 +123,25 @@ def attached(
         Its corners.
     parts : sequence of Lifting
         What is loose, the largest first.
+    around : dict
+        Whether a ring appears around another one, as far as it was asked: added to.
     """
-    found = [Attached(depths, tuple(faces), np.zeros(4))]
+    found = [Attached.alone(depths, faces)]
     known = list(body)
     for part in parts:
-        ways = [way for each in found for way in _ways(drawing, classes, each, known, part)]
+        ways = [way for each in found for way in _ways(drawing, classes, each, known, part, around)]
         found = sorted(ways, key=lambda way: way.rough)[:MOST]
         known += part.corners
     return found
 
 
 def _ways(
-    drawing: Drawing, classes: ParallelClasses, body: Attached, known: list[int], part: Lifting
+    drawing: Drawing,
+    classes: ParallelClasses,
+    body: Attached,
+    known: list[int],
+    part: Lifting,
+    around: dict[tuple[Ring, Ring], bool],
 ) -> list[Attached]:
     """Return the ways in which one part lies in the faces of a body."""
     system = _Part.of(drawing, classes, body.depths, known, part)
@@ -95,8 +149,9 @@ def _ways(
     options = [
         (face, ring)
         for face in range(len(body.faces))
+        if abs(_plane(drawing, body, face)[1][2]) >= EDGE_ON
         for ring in range(len(part.faces))
-        if _surrounds(drawing, body, face, part.faces[ring][0])
+        if _surrounds(drawing, body.faces[face][0], part.faces[ring][0], around)
     ]
     found: list[Attached] = []
     seen: set[frozenset[tuple[int, int]]] = set()
@@ -138,17 +193,18 @@ def _joined(
         for number, face in enumerate(body.faces)
     ]
     faces += [face for number, face in enumerate(part.faces) if number not in taken]
-    within = _share_inside(drawing, body, part, new, {c for ring in holes.values() for c in ring})
-    through = float(len(seats) > 1)
-    measures = np.array((through * within, 1.0 - within, misfit, 0.0))
-    return Attached(new, tuple(faces), body.measures + measures)
+    corners = frozenset(corner for ring in holes.values() for corner in ring)
+    seated = Seated(part, corners, body.faces, len(seats) > 1)
+    measures = seated.measures(drawing, new) + np.array((0.0, 0.0, misfit, 0.0))
+    return Attached(new, tuple(faces), body.measures + measures, (*body.seated, seated))
 
 
 def _loose(body: Attached, known: list[int], part: Lifting, depths: Array) -> Attached:
     """Return the body with a part beside it, as deep as its middle."""
     new = body.depths.copy()
     new[list(part.corners)] = depths - depths.mean() + body.depths[known].mean()
-    return Attached(new, body.faces + part.faces, body.measures + np.array((0.0, 0.0, 0.0, 1.0)))
+    measures = body.measures + np.array((0.0, 0.0, 0.0, 1.0))
+    return Attached(new, body.faces + part.faces, measures, body.seated)
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,14 +297,15 @@ def _seat(
     return middle[2] - across / normal[2], ring
 
 
-def _surrounds(drawing: Drawing, body: Attached, face: int, ring: Ring) -> bool:
-    """Whether a ring appears inside a face, up to the noise."""
-    if abs(_plane(drawing, body, face)[1][2]) < EDGE_ON:
-        return False
-    outer = drawing.points[list(body.faces[face][0])]
-    places = drawing.points[list(ring)]
-    near = _distances(places, outer) < 2.0 * drawing.noise
-    return bool((inside(places, outer) | near).all())
+def _surrounds(
+    drawing: Drawing, outer: Ring, inner: Ring, around: dict[tuple[Ring, Ring], bool]
+) -> bool:
+    """Whether a ring appears inside another one, up to the noise."""
+    if (outer, inner) not in around:
+        ring, places = drawing.points[list(outer)], drawing.points[list(inner)]
+        near = _distances(places, ring) < 2.0 * drawing.noise
+        around[outer, inner] = bool((inside(places, ring) | near).all())
+    return around[outer, inner]
 
 
 def _distances(places: Array, ring: Array) -> Array:
@@ -259,17 +316,15 @@ def _distances(places: Array, ring: Array) -> Array:
     return np.asarray(np.linalg.norm(places[:, None] - feet, axis=2).min(1))
 
 
-def _share_inside(
-    drawing: Drawing, body: Attached, part: Lifting, depths: Array, seated: set[int]
-) -> float:
+def _share_inside(drawing: Drawing, seated: Seated, depths: Array) -> float:
     """Return the share of the lines of a part, those in faces left out, that is inside the body."""
-    own = np.isin(drawing.lines[:, 0], part.corners)
-    free = own & ~np.isin(drawing.lines, list(seated)).all(1)
+    own = np.isin(drawing.lines[:, 0], seated.part.corners)
+    free = own & ~np.isin(drawing.lines, list(seated.corners)).all(1)
     if not free.any():
         return 1.0
     space = np.column_stack((drawing.points, depths))
     ends = space[drawing.lines[free]]
-    return float(_inside_body(space, body.faces, ends.mean(1)).mean())
+    return float(_inside_body(space, seated.faces, ends.mean(1)).mean())
 
 
 def _inside_body(space: Array, faces: Sequence[Rings], places: Array) -> Flags:

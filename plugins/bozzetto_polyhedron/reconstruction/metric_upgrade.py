@@ -1,8 +1,9 @@
-"""The three numbers that affine facts leave open, found by regularity.
+"""The numbers that affine facts leave open, found by regularity: three, and one for each change.
 
 A class of affine slope s and direction u on the sheet rises as w = a s + b u_x + c u_y. Three
 directions that are orthogonal in space determine (a, b, c) in closed form; further candidates come
-from a grid. All are refined together.
+from a grid. All are refined together. Where lines and faces leave a change of the depths open, such
+as the height of a pyramid on a box, several multiples t of it are tried with each.
 """
 
 from __future__ import annotations
@@ -13,7 +14,13 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto_polyhedron.reconstruction.regularity import Relief, cheap_measures
+from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
+from bozzetto_polyhedron.reconstruction.regularity import (
+    MEASURES,
+    Relief,
+    cheap_measures,
+    costly_measures,
+)
 
 HEAVIEST: Final = 9
 """Classes of which orthogonal triples are tried."""
@@ -23,6 +30,12 @@ STEEPEST: Final = 0.12
 
 BEST_OF_GRID: Final = 10
 """Candidates that are taken from the grid."""
+
+OF_EACH: Final = 3
+"""Multiples of a change that are kept with each candidate."""
+
+CHANGES: Final = np.linspace(-1.05, 1.05, 15)
+"""Multiples of a change that are tried, diagonals at the corner that moves most."""
 
 WIDE: Final = 0.1
 """Cosine at which an angle counts half as a right one while candidates are far from regular."""
@@ -36,6 +49,15 @@ ROUNDS: Final = 10
 SEARCH_WEIGHTS: Final = np.array((2.1, 2.2, 2.4, 1.75, -2.0, -3.0, 1.5, 1.5))
 """Weights of the cheap measures while searching: right angles above all, so that it ends there."""
 
+REGULARITY: Final = np.array([WEIGHTS[name] for name in MEASURES])
+"""Weights of all measures, as readings are ranked."""
+
+HALVINGS: Final = 6
+"""Steps by which the multiple of a change is refined."""
+
+WORSE: Final = 0.3
+"""Score that right angles may cost where a change of the depths makes them."""
+
 SQUARING: Final = 8
 """Steps that make angles right together."""
 
@@ -47,10 +69,6 @@ INDEPENDENT: Final = 1e-3
 
 SAME: Final = 4.0
 """Mean angle between the lines of two readings, degrees, below which they are one."""
-
-_STEPS: Final = np.array(
-    [s for s in product((-1, 0, 1), repeat=3) if 0 < np.abs(s).sum() < 3], float
-)
 
 
 def orthogonal_rises(directions: Array) -> Array | None:
@@ -79,9 +97,10 @@ def orthogonal_rises(directions: Array) -> Array | None:
 
 
 def metric_maps(relief: Relief, most: int) -> Array:
-    """Find the most regular maps Z = a z + b x + c y, (k, 3) with a > 0, no two nearly alike.
+    """Find the most regular maps, (k, 3 + j), no two nearly alike.
 
-    Those that make three classes exactly orthogonal are kept beside those that were refined.
+    A map is Z = a z + b x + c y + t e, with a > 0 and a number t for each change e. Those that make
+    three classes exactly orthogonal are kept beside those that were refined.
 
     Parameters
     ----------
@@ -90,14 +109,77 @@ def metric_maps(relief: Relief, most: int) -> Array:
     most : int
         Number of refined maps, and of exact ones.
     """
-    exact = np.array(_from_triples(relief)).reshape(-1, 3)
+    exact = _changed(relief, np.array(_from_triples(relief)).reshape(-1, 3))
     exact = _ordered(relief, exact, relief.right)
-    maps = _ordered(relief, np.vstack((exact, _from_grid(relief))), WIDE)
+    maps = _changed(relief, _from_grid(relief))
+    maps = _ordered(relief, np.vstack((exact, maps)), WIDE)
     maps = _distinct(relief, maps)[: most + 2]
     for right, rounds in ((WIDE, WIDE_ROUNDS), (relief.right, ROUNDS)):
         maps = _refined(relief, maps, right, rounds)
     maps = _distinct(relief, _ordered(relief, maps, relief.right))[:most]
-    return np.vstack((maps, _distinct(relief, exact)[:most]))
+    every = np.vstack((maps, _distinct(relief, exact)[:most]))
+    return every if every.shape[1] == 3 else _settled(relief, every)
+
+
+def _changed(relief: Relief, maps: Array) -> Array:
+    """Return maps (k, 3) with the multiples of each change that are most regular, (k', 3 + j)."""
+    for number in range(relief.depths.shape[1] - 1):
+        if not len(maps):
+            break
+        rest = relief.depths.shape[1] - 2 - number
+        tried = np.column_stack(
+            (np.repeat(maps, len(CHANGES), axis=0), np.tile(CHANGES, len(maps)))
+        )
+        values = cheap_measures(relief, np.pad(tried, ((0, 0), (0, rest))), WIDE) @ SEARCH_WEIGHTS
+        best = np.argsort(-values.reshape(len(maps), -1), axis=1, kind="stable")[:, :OF_EACH]
+        rows = (np.arange(len(maps))[:, None] * len(CHANGES) + best).ravel()
+        maps = tried[rows]
+    return np.pad(maps, ((0, 0), (0, 2 + relief.depths.shape[1] - maps.shape[1])))
+
+
+def _settled(relief: Relief, maps: Array) -> Array:
+    """Return maps with the multiples of changes that all measures together find most regular."""
+    kept: dict[bytes, Array] = {}
+    for chosen in maps:
+        kept.setdefault(chosen[:3].round(2).tobytes(), chosen)
+    found = []
+    for chosen in kept.values():
+        ways = [chosen]
+        for number in range(3, maps.shape[1]):
+            ways = [each for way in ways for each in _along(relief, way, number)]
+        found += sorted(ways, key=lambda way: -_regularity(relief, way))[:OF_EACH]
+    return np.array(found)
+
+
+def _along(relief: Relief, chosen: Array, number: int) -> list[Array]:
+    """Return maps that differ in one number only, each more regular than those beside it."""
+
+    def changed(value: float) -> Array:
+        made = chosen.copy()
+        made[number] = value
+        return made
+
+    values = np.array([_regularity(relief, changed(each)) for each in CHANGES])
+    around = np.pad(values, 1, constant_values=-np.inf)
+    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]))
+    found = []
+    for peak in peaks[np.argsort(-values[peaks], kind="stable")][:OF_EACH].tolist():
+        best, value, step = float(CHANGES[peak]), float(values[peak]), CHANGES[1] - CHANGES[0]
+        for _ in range(HALVINGS):
+            step *= 0.5
+            for each in (best - step, best + step):
+                other = _regularity(relief, changed(each))
+                if other > value:
+                    best, value = each, other
+                    break
+        found.append(changed(best))
+    return found
+
+
+def _regularity(relief: Relief, chosen: Array) -> float:
+    """Return the score of a map by all measures of regularity."""
+    measures = (*cheap_measures(relief, chosen[None])[0], *costly_measures(relief, chosen))
+    return float(np.dot(measures, REGULARITY))
 
 
 def _ordered(relief: Relief, maps: Array, right: float) -> Array:
@@ -109,15 +191,14 @@ def _ordered(relief: Relief, maps: Array, right: float) -> Array:
 def _from_triples(relief: Relief) -> list[Array]:
     """Return maps that make three classes orthogonal."""
     drawn = relief.points[relief.lines[:, 1]] - relief.points[relief.lines[:, 0]]
-    along = np.abs(drawn @ relief.directions[:, :2].T).max(1).mean()
+    along = np.abs(drawn @ relief.directions.T).max(1).mean()
     heaviest = np.argsort(-relief.counts * max(1e-9, float(along)), kind="stable")[:HEAVIEST]
     found = []
     for triple in combinations(heaviest.tolist(), 3):
-        directions = relief.directions[list(triple)]
-        rises = orthogonal_rises(directions[:, :2])
+        rises = orthogonal_rises(relief.directions[list(triple)])
         if rises is None or (1.0 / np.hypot(1.0, rises)).min() < STEEPEST:
             continue
-        system = directions[:, [2, 0, 1]]
+        system = relief.slopes[list(triple), :3]
         if np.linalg.cond(system) > 1e4:
             continue
         chosen = np.linalg.solve(system, rises)
@@ -129,22 +210,26 @@ def _from_triples(relief: Relief) -> list[Array]:
 def _from_grid(relief: Relief) -> Array:
     """Return the best maps of a grid, with a wide tolerance for right angles."""
     used = np.unique(relief.lines)
-    scale = relief.points[used].std(0).mean() / max(1e-9, float(relief.depths[used].std()))
+    scale = relief.points[used].std(0).mean() / max(1e-9, float(relief.depths[used, 0].std()))
     tilts = np.linspace(-1.8, 1.8, 10)
     grid = np.array(list(product(scale * np.array((0.35, 0.55, 0.8, 1.1, 1.6)), tilts, tilts)))
-    values = cheap_measures(relief, grid, 0.3) @ SEARCH_WEIGHTS
+    still = np.pad(grid, ((0, 0), (0, relief.depths.shape[1] - 1)))
+    values = cheap_measures(relief, still, 0.3) @ SEARCH_WEIGHTS
     return np.asarray(grid[np.argsort(-values, kind="stable")[:BEST_OF_GRID]])
 
 
 def _refined(relief: Relief, maps: Array, right: float, rounds: int) -> Array:
     """Return maps after a pattern search from all of them at once."""
+    count = maps.shape[1]
+    ways = [s for s in product((-1, 0, 1), repeat=count) if 0 < np.abs(s).sum() < 3]
+    around_one = np.array(ways, float)
     values = cheap_measures(relief, maps, right) @ SEARCH_WEIGHTS
     steps = (0.15 if right >= WIDE else 0.03) * np.maximum(0.3, np.abs(maps))
     number = np.arange(len(maps))
     for _ in range(rounds):
-        around = maps[:, None] + steps[:, None] * _STEPS
+        around = maps[:, None] + steps[:, None] * around_one
         around[..., 0] = np.maximum(around[..., 0], 1e-3)
-        found = cheap_measures(relief, around.reshape(-1, 3), right) @ SEARCH_WEIGHTS
+        found = cheap_measures(relief, around.reshape(-1, count), right) @ SEARCH_WEIGHTS
         found = found.reshape(len(maps), -1)
         best = found.argmax(1)
         better = found[number, best] > values + 1e-6
@@ -160,26 +245,38 @@ def squared(relief: Relief, chosen: Array) -> Array:
     A search ends near the most regular map, never on it. Gauss-Newton on the cosines between
     classes ends on it where the drawing agrees with itself: without noise the solid is exact. Where
     right angles leave something open, the shortest step leaves it as it is; where they contradict
-    one another by more than the noise, the map stays.
+    one another by more than the noise, the map stays. A change of the depths takes part only where
+    that costs nothing else: of lines that no other is parallel to, some are square to others by
+    chance.
 
     Parameters
     ----------
     relief : Relief
         What is compared.
-    chosen : (3,) float64
-        The map (a, b, c).
+    chosen : (3 + j,) float64
+        The map.
     """
+    if len(chosen) > 3:
+        found = _squared(relief, chosen, len(chosen))
+        if _regularity(relief, found) > _regularity(relief, chosen) - WORSE:
+            return found
+    return _squared(relief, chosen, 3)
+
+
+def _squared(relief: Relief, chosen: Array, count: int) -> Array:
+    """Return a map of which the first numbers make angles right."""
     pairs = np.array(list(combinations(range(len(relief.counts)), 2)), np.intp).reshape(-1, 2)
     pairs = pairs[np.abs(_cosines(relief, chosen, pairs)[0]) < relief.right]
     if not len(pairs):
         return chosen
     counts = np.sqrt(relief.counts[pairs].min(1))
-    found = chosen
+    found = chosen.copy()
     for _ in range(SQUARING):
         values, slopes = _cosines(relief, found, pairs)
-        step = np.linalg.lstsq(counts[:, None] * slopes, -counts * values, rcond=INDEPENDENT)[0]
+        rows = counts[:, None] * slopes[:, :count]
+        step = np.linalg.lstsq(rows, -counts * values, rcond=INDEPENDENT)[0]
         longest = float(np.abs(step).max(initial=0.0)) / LONGEST
-        found = found + step / max(1.0, longest)
+        found[:count] += step / max(1.0, longest)
         if found[0] < 1e-3:
             return chosen
     agree = np.abs(_cosines(relief, found, pairs)[0]).max() < relief.noise
@@ -187,11 +284,11 @@ def squared(relief: Relief, chosen: Array) -> Array:
 
 
 def _cosines(relief: Relief, chosen: Array, pairs: Index) -> tuple[Array, Array]:
-    """Return cosines between classes (p,), and how they change with the map, (p, 3)."""
-    rising = relief.directions[:, [2, 0, 1]]
+    """Return cosines between classes (p,), and how they change with the map, (p, 3 + j)."""
+    rising = relief.slopes
     rises = rising @ chosen
     lengths = np.hypot(1.0, rises)
-    flat = relief.directions[:, :2]
+    flat = relief.directions
     first, second = pairs.T
     dots = (flat[first] * flat[second]).sum(1) + rises[first] * rises[second]
     values = dots / (lengths[first] * lengths[second])

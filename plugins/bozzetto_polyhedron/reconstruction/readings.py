@@ -9,11 +9,12 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.affine_depth import affine_depth
+from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
-from bozzetto_polyhedron.reconstruction.loose_loops import attached
+from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached
 from bozzetto_polyhedron.reconstruction.metric_upgrade import metric_maps, squared
 from bozzetto_polyhedron.reconstruction.orientation import open_lines
 from bozzetto_polyhedron.reconstruction.parallel_classes import (
@@ -23,8 +24,9 @@ from bozzetto_polyhedron.reconstruction.parallel_classes import (
     parallel_classes,
 )
 from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
-from bozzetto_polyhedron.reconstruction.ranking import scores
+from bozzetto_polyhedron.reconstruction.ranking import FEATURES, scores
 from bozzetto_polyhedron.reconstruction.regularity import (
+    Relief,
     cheap_measures,
     costly_measures,
     relief_of,
@@ -33,6 +35,12 @@ from bozzetto_polyhedron.reconstruction.visibility import agreement, is_marked
 
 MOST: Final = 8
 """Readings of one lifting."""
+
+OPEN: Final = FEATURES.index("open lines")
+"""Column of the share of lines that are not between two faces."""
+
+MOST_WAYS: Final = 4
+"""Ways in which loose parts lie in a body that are solved together with it."""
 
 UPRIGHT: Final = 8.0
 """Standard deviation from upright, degrees, of lines that are upright in space."""
@@ -96,6 +104,9 @@ def readings(
 def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
     """Return readings without those that repeat a better one.
 
+    Of two that have one shape, the one whose faces leave fewer lines open stays, in the place of
+    the better one.
+
     Parameters
     ----------
     drawing : Drawing
@@ -109,8 +120,15 @@ def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
     for each in ordered:
         depths = each.depths - each.depths.mean()
         others = [other.depths - other.depths.mean() for other in kept]
-        if all(_spread(depths - side * other) > same for other in others for side in sides):
+        alike = [
+            number
+            for number, other in enumerate(others)
+            if any(_spread(depths - side * other) <= same for side in sides)
+        ]
+        if not alike:
             kept.append(each)
+        elif each.features[OPEN] < kept[alike[0]].features[OPEN]:
+            kept[alike[0]] = replace(each, score=kept[alike[0]].score)
     return kept
 
 
@@ -155,36 +173,87 @@ def _of_body(
     parts: Sequence[Lifting],
     strict: int,
 ) -> list[Reading]:
-    """Return readings of the largest part with all others in it."""
+    """Return readings of the largest part with all others in it.
+
+    Faces that hold rings of a part tie it to the body: then lines and faces of all tell the depths
+    together, and right angles of a pocket those of the body.
+    """
+    if not parts:
+        return _shapes(
+            drawing, classes, Attached.alone(body.depth.depths, body.faces), body, strict
+        )
+    found: list[Reading] = []
+    joined: dict[frozenset[frozenset[frozenset[int]]], Attached] = {}
+    around: dict[tuple[Ring, Ring], bool] = {}
+    relief, maps = _maps(drawing, classes, body)
+    for chosen in maps[:MOST]:
+        depths = relief.heights(squared(relief, chosen))
+        for way in attached(drawing, classes, depths, body.faces, body.corners, parts, around):
+            if way.hangs:
+                key = frozenset(frozenset(frozenset(ring) for ring in face) for face in way.faces)
+                if key not in joined or way.rough < joined[key].rough:
+                    joined[key] = way
+            else:
+                measures = _measures(drawing, body, relief, chosen, depths, strict)
+                every = np.concatenate((measures, way.measures))
+                found += _sides(drawing, way.depths, way.faces, every)
+    corners = tuple(sorted({*body.corners, *(c for part in parts for c in part.corners)}))
+    for way in sorted(joined.values(), key=lambda way: way.rough)[:MOST_WAYS]:
+        depth = affine_depth(drawing, classes, corners, way.faces)
+        whole = Lifting(corners, way.faces, depth, unique=False)
+        found += _shapes(drawing, classes, way, whole, strict)
+    return found
+
+
+def _shapes(
+    drawing: Drawing,
+    classes: ParallelClasses,
+    way: Attached,
+    whole: Lifting,
+    strict: int,
+) -> list[Reading]:
+    """Return readings of a lifting that holds all parts."""
+    relief, maps = _maps(drawing, classes, whole)
+    found = []
+    for chosen in maps:
+        depths = relief.heights(squared(relief, chosen))
+        measures = _measures(drawing, whole, relief, chosen, depths, strict)
+        every = np.concatenate((measures, way.measured(drawing, depths)))
+        found += _sides(drawing, depths, whole.faces, every)
+    return found
+
+
+def _maps(drawing: Drawing, classes: ParallelClasses, body: Lifting) -> tuple[Relief, Array]:
+    """Return a lifting as it is compared, and its most regular maps."""
     members = np.isin(drawing.lines[:, 0], body.corners)
-    lines = drawing.lines[members]
     present, labels = np.unique(classes.labels[members], return_inverse=True)
     relief = relief_of(
         drawing.points,
-        body.depth.depths,
-        lines,
+        body.depth.basis,
+        drawing.lines[members],
         labels,
         classes.directions[present],
         body.faces,
         drawing.noise,
     )
-    maps = metric_maps(relief, MOST)
-    found = []
-    for chosen, cheap in zip(maps, cheap_measures(relief, maps), strict=True):
-        depths = relief.heights(squared(relief, chosen))
-        beyond = max(0.0, _planarity(drawing.points, depths, body.faces) - drawing.noise)
-        measures = (
-            *cheap,
+    return relief, metric_maps(relief, MOST)
+
+
+def _measures(
+    drawing: Drawing, body: Lifting, relief: Relief, chosen: Array, depths: Array, strict: int
+) -> Array:
+    """Return the measures of a map but those of parts and marks."""
+    beyond = max(0.0, _planarity(drawing.points, depths, body.faces) - drawing.noise)
+    return np.array(
+        (
+            *cheap_measures(relief, chosen[None])[0],
             *costly_measures(relief, chosen),
             beyond / (drawing.noise + 0.01),
             min(5.0, body.depth.residual / (0.05 + 10.0 * drawing.noise)),
             float(strict),
-            open_lines(body.faces, lines) / max(1, len(lines)),
+            open_lines(body.faces, relief.lines) / max(1, len(relief.lines)),
         )
-        for way in attached(drawing, classes, depths, body.faces, body.corners, parts):
-            every = np.concatenate((measures, way.measures))
-            found += _sides(drawing, way.depths, way.faces, every)
-    return found
+    )
 
 
 def _sides(

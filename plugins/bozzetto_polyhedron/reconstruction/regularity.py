@@ -1,9 +1,9 @@
 """How regular a reading of a drawing in space is.
 
-The three numbers that affine facts leave open, Z = a z + b x + c y, are chosen so that the solid is
-as regular as people draw: right angles, equal lengths, symmetry. The measures follow the
-regularities of Masry et al. 2004 (section on reconstruction by optimisation) as far as a drawing
-gives evidence for them.
+The numbers that affine facts leave open, Z = a z + b x + c y + t e, with an e for each change of
+the depths that lines and faces allow, are chosen so that the solid is as regular as people draw:
+right angles, equal lengths, symmetry. The measures follow the regularities of Masry et al. 2004
+(section on reconstruction by optimisation) as far as a drawing gives evidence for them.
 """
 
 from __future__ import annotations
@@ -69,28 +69,34 @@ class Relief:
     ----------
     points : (n, 2) float64
         Corners, diagonals.
-    depths : (n,) float64
-        Affine depths.
+    depths : (n, 1 + j) float64
+        Affine depths, and changes of which any multiple may be added.
     lines : (m, 2) intp
     faces : tuple of Rings
     noise : float
         Diagonals.
-    directions : (c, 3) float64
-        Of each class: unit vector on the sheet, and affine slope.
+    directions : (c, 2) float64
+        Of each class the unit vector on the sheet.
+    slopes : (c, 3 + j) float64
+        How its directions rise by each number of a map: (a, b, c) and the multiples of changes.
     counts : (c,) float64
         Lines of each class.
     corners : (p, 2) intp
         Classes that meet in a corner of a face.
     corner_counts : (p,) float64
         How often they do.
-    normals : (f, 3) float64
-        Area vectors of the faces in affine space.
+    normals : (f, 2, 3 + j) float64
+        How the two parts on the sheet of the area vectors of faces depend on a map.
+    areas : (f,) float64
+        Areas of the faces on the sheet.
     dihedrals : (d, 2) intp
         Faces that share a line.
     opposite : (o, 2) intp
         Parallel faces with as many corners, none in common.
-    middles : (f, 3) float64
-        Middles of the faces in affine space.
+    middles : (f, 2) float64
+        Middles of the faces on the sheet.
+    levels : (f, 3 + j) float64
+        How their depths depend on a map.
     lengths : (e, 2) intp
         Lines of one face that are not parallel.
     length_weights : (e,) float64
@@ -105,13 +111,16 @@ class Relief:
     faces: tuple[Rings, ...]
     noise: float
     directions: Array
+    slopes: Array
     counts: Array
     corners: Index
     corner_counts: Array
     normals: Array
+    areas: Array
     dihedrals: Index
     opposite: Index
     middles: Array
+    levels: Array
     lengths: Index
     length_weights: Array
     angles: Index
@@ -122,15 +131,28 @@ class Relief:
         return min(RIGHT[0] + RIGHT[1] * self.noise, RIGHT[2])
 
     def unit_directions(self, maps: Array) -> Array:
-        """Return the direction of each class in space, (k, c, 3), for maps of shape (k, 3)."""
-        along = maps @ self.directions[:, [2, 0, 1]].T
-        flat = np.broadcast_to(self.directions[:, :2], (*along.shape, 2))
+        """Return the direction of each class in space, (k, c, 3), for maps of shape (k, 3 + j)."""
+        along = maps @ self.slopes.T
+        flat = np.broadcast_to(self.directions, (*along.shape, 2))
         found = np.concatenate((flat, along[..., None]), axis=2)
         return np.asarray(found / np.linalg.norm(found, axis=2, keepdims=True))
 
     def heights(self, chosen: Array) -> Array:
         """Return the depths of one map, (n,), diagonals."""
-        return np.asarray(chosen[0] * self.depths + self.points @ chosen[1:])
+        return np.asarray(mapped(self.depths, self.points) @ chosen)
+
+
+def mapped(depths: Array, points: Array) -> Array:
+    """Return how depths depend on the numbers of a map, (n, 3 + j).
+
+    Parameters
+    ----------
+    depths : (n, 1 + j) array
+        Affine depths and changes.
+    points : (n, 2) array
+        On the sheet.
+    """
+    return np.column_stack((depths[:, :1], points, depths[:, 1:]))
 
 
 def relief_of(
@@ -148,8 +170,8 @@ def relief_of(
     ----------
     points : (n, 2) array
         Corners, diagonals.
-    depths : (n,) array
-        Affine depths.
+    depths : (n, 1 + j) array
+        Affine depths, and changes of which any multiple may be added.
     lines : (m, 2) array of int
         Lines that take part.
     labels : (m,) array of int
@@ -161,7 +183,7 @@ def relief_of(
     noise : float
         Standard deviation of a corner, diagonals.
     """
-    directions = _class_directions(points, depths, lines, labels, plane_directions)
+    every = mapped(depths, points)
     number = {(int(a), int(b)): k for k, (a, b) in enumerate(lines)}
     pairs: dict[tuple[int, int], int] = {}
     owners: dict[int, list[int]] = {}
@@ -180,23 +202,27 @@ def relief_of(
             lengths += _compared_lengths(sides, labels)
             twice = ring + ring
             angles += [twice[start : start + 4] for start in range(len(ring))]
-    space = np.column_stack((points, depths))
-    normals = np.array([area_vector(space[list(face[0])]) for face in faces]).reshape(-1, 3)
-    middles = np.array([space[list(face[0])].mean(0) for face in faces]).reshape(-1, 3)
+    spaces = [np.column_stack((points, column)) for column in every.T]
+    vectors = np.array(
+        [[area_vector(space[list(face[0])]) for space in spaces] for face in faces]
+    ).reshape(-1, len(spaces), 3)
     return Relief(
         points,
         depths,
         lines,
         tuple(faces),
         noise,
-        directions,
-        np.bincount(labels, minlength=len(directions)).astype(float),
+        plane_directions,
+        _class_slopes(points, every, lines, labels, plane_directions),
+        np.bincount(labels, minlength=len(plane_directions)).astype(float),
         np.array(list(pairs), np.intp).reshape(-1, 2),
         np.array(list(pairs.values()), float),
-        normals,
+        vectors[:, :, :2].transpose(0, 2, 1),
+        vectors[:, 0, 2],
         np.array([each for each in owners.values() if len(each) == 2], np.intp).reshape(-1, 2),
-        _opposite(faces, normals),
-        middles,
+        _opposite(faces, vectors[:, 0]),
+        np.array([points[list(face[0])].mean(0) for face in faces]).reshape(-1, 2),
+        np.array([every[list(face[0])].mean(0) for face in faces]).reshape(-1, every.shape[1]),
         np.array([each[:2] for each in lengths], np.intp).reshape(-1, 2),
         np.array([each[2] for each in lengths]),
         np.array(angles, np.intp).reshape(-1, 4),
@@ -210,8 +236,8 @@ def cheap_measures(relief: Relief, maps: Array, right: float | None = None) -> A
     ----------
     relief : Relief
         What is compared.
-    maps : (k, 3) array
-        Numbers a, b, c of each map.
+    maps : (k, 3 + j) array
+        Numbers a, b, c of each map, and the multiples of changes.
     right : float, optional
         Cosine at which an angle counts half as a right one, as the noise asks unless given.
     """
@@ -220,7 +246,7 @@ def cheap_measures(relief: Relief, maps: Array, right: float | None = None) -> A
     square = _near(directions @ directions.transpose(0, 2, 1), right)
     weights = np.outer(relief.counts, relief.counts) * (1.0 - np.eye(len(relief.counts)))
     drawn = np.hypot(*(relief.points[relief.lines[:, 1]] - relief.points[relief.lines[:, 0]]).T)
-    heights = maps @ np.vstack((relief.depths, relief.points.T))
+    heights = maps @ mapped(relief.depths, relief.points).T
     rises = heights[:, relief.lines[:, 1]] - heights[:, relief.lines[:, 0]]
     lengths = np.log(np.hypot(drawn, rises))
     ratios = lengths[:, relief.lengths[:, 0]] - lengths[:, relief.lengths[:, 1]]
@@ -272,17 +298,18 @@ def _mean(values: Array, weights: Array) -> Array:
     return np.asarray(values @ weights / total if total > 0 else np.zeros(len(values)))
 
 
-def _class_directions(
-    points: Array, depths: Array, lines: Index, labels: Index, plane_directions: Array
+def _class_slopes(
+    points: Array, every: Array, lines: Index, labels: Index, plane_directions: Array
 ) -> Array:
-    """Return the unit vector and affine slope of each class, the mean over its lines."""
+    """Return the slope of each class for each number of a map, the mean over its lines."""
     along = ((points[lines[:, 1]] - points[lines[:, 0]]) * plane_directions[labels]).sum(1)
-    rise = depths[lines[:, 1]] - depths[lines[:, 0]]
+    rises = every[lines[:, 1]] - every[lines[:, 0]]
     count = len(plane_directions)
-    slopes = np.bincount(labels, along * rise, count) / np.maximum(
-        np.bincount(labels, along**2, count), 1e-18
-    )
-    return np.column_stack((plane_directions, slopes))
+    below = np.maximum(np.bincount(labels, along**2, count), 1e-18)
+    above = [np.bincount(labels, along * rise, count) for rise in rises.T]
+    slopes: Array = np.column_stack(above) / below[:, None]
+    slopes[:, 1:3] = plane_directions
+    return slopes
 
 
 def _compared_lengths(sides: list[int], labels: Index) -> list[tuple[int, int, float]]:
@@ -297,15 +324,9 @@ def _compared_lengths(sides: list[int], labels: Index) -> list[tuple[int, int, f
 
 def _normals(relief: Relief, maps: Array) -> Array:
     """Return unit normals of the faces for each map, (k, f, 3)."""
-    flat = relief.normals[None, :, 2] / maps[:, :1]
-    normals = np.stack(
-        (
-            relief.normals[None, :, 0] - maps[:, 1:2] * flat,
-            relief.normals[None, :, 1] - maps[:, 2:3] * flat,
-            flat,
-        ),
-        axis=-1,
-    )
+    flat = np.einsum("fdm,km->kfd", relief.normals, maps)
+    areas = np.broadcast_to(relief.areas, flat.shape[:2])
+    normals = np.concatenate((flat, areas[..., None]), axis=2)
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12))
 
 
@@ -342,11 +363,10 @@ def _opposite_faces(relief: Relief, maps: Array, normals: Array) -> Array:
     """Return how perpendicular two parallel faces are to the way between them, (k,), at best."""
     if not len(relief.opposite):
         return np.zeros(len(maps))
-    ways = relief.middles[relief.opposite[:, 1]] - relief.middles[relief.opposite[:, 0]]
-    depth = maps @ ways[:, [2, 0, 1]].T
-    spans = np.concatenate(
-        (np.broadcast_to(ways[:, :2], (*depth.shape, 2)), depth[..., None]), axis=2
-    )
+    first, second = relief.opposite.T
+    ways = relief.middles[second] - relief.middles[first]
+    depth = maps @ (relief.levels[second] - relief.levels[first]).T
+    spans = np.concatenate((np.broadcast_to(ways, (*depth.shape, 2)), depth[..., None]), axis=2)
     spans /= np.maximum(np.linalg.norm(spans, axis=2, keepdims=True), 1e-12)
     cosines = (spans * normals[:, relief.opposite[:, 0]]).sum(2)
     return np.asarray(_near(np.sqrt(np.maximum(0.0, 1.0 - cosines**2)), OPPOSITE).max(1))
@@ -355,17 +375,16 @@ def _opposite_faces(relief: Relief, maps: Array, normals: Array) -> Array:
 def _frame_coverage(directions: Array, counts: Array, right: float) -> float:
     """Largest share of the lines that lies along one orthogonal frame."""
     best = float(counts.max() / counts.sum())
-    cosines = np.abs(directions @ directions.T)
-    for first, second in combinations(range(len(directions)), 2):
-        if cosines[first, second] >= 0.2:
-            continue
-        third = np.cross(directions[first], directions[second])
-        third /= np.linalg.norm(third)
-        frame = np.column_stack((directions[first], np.cross(third, directions[first]), third))
-        nearest = np.abs(directions @ frame).max(1)
-        off = np.sqrt(np.maximum(0.0, 1.0 - nearest**2))
-        best = max(best, float(counts @ _near(off, right) / counts.sum()))
-    return best
+    first, second = np.nonzero(np.triu(np.abs(directions @ directions.T) < 0.2, 1))
+    if not len(first):
+        return best
+    axes, others = directions[first], directions[second]
+    thirds = np.cross(axes, others)
+    thirds /= np.linalg.norm(thirds, axis=1, keepdims=True)
+    frames = np.stack((axes, np.cross(thirds, axes), thirds), axis=2)
+    nearest = np.abs(directions @ frames).max(2)
+    off = np.sqrt(np.maximum(0.0, 1.0 - nearest**2))
+    return max(best, float((_near(off, right) @ counts).max() / counts.sum()))
 
 
 def _equal_angles(relief: Relief, space: Array) -> float:

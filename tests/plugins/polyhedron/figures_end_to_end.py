@@ -26,7 +26,15 @@ from bozzetto_polyhedron.solid.hand_over import mesh_of
 from tests.plugins.polyhedron.graph_truth import graph_of
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
 from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
-from tests.plugins.polyhedron.objects import CAMERA, View, in_eye_frame, is_right, made, view
+from tests.plugins.polyhedron.objects import (
+    CAMERA,
+    Polyhedron,
+    View,
+    in_eye_frame,
+    is_right,
+    made,
+    view,
+)
 
 UPRIGHT = np.array((1.0, -1.0))
 """From a picture with y up, as objects are seen, to a canvas."""
@@ -52,7 +60,11 @@ class Outcome:
 
 def outcome(seed: int, hand: Hand) -> Outcome | None:
     """Return how the drawing of one solid went; None where it has no view in general position."""
-    solid = made(seed)
+    return outcome_of(made(seed), seed, hand)
+
+
+def outcome_of(solid: Polyhedron, seed: int, hand: Hand) -> Outcome | None:
+    """Return how the drawing of a solid from a side by chance went; None without such a side."""
     seen = view(solid, seed)
     if seen is None:
         return None

@@ -73,7 +73,7 @@ def newell(ring: np.ndarray) -> np.ndarray:
 # -- from a solid to faces with rings --
 
 
-def polyhedron_of(solid: Manifold, name: str = "") -> Polyhedron | None:
+def polyhedron_of(solid: Manifold, name: str = "", thinnest: float = THINNEST) -> Polyhedron | None:
     """Join coplanar triangles to faces; None where a feature is too thin or a vertex is pinched."""
     mesh = solid.to_mesh()
     points = np.asarray(mesh.vert_properties, float)[:, :3]
@@ -88,7 +88,7 @@ def polyhedron_of(solid: Manifold, name: str = "") -> Polyhedron | None:
     if made is None:
         return None
     found = Polyhedron(*made, name)
-    return found if _sturdy(found, diagonal) else None
+    return found if _sturdy(found, thinnest * diagonal) else None
 
 
 def _rings(points: np.ndarray, triangles: np.ndarray) -> list[list[list[int]]] | None:
@@ -170,13 +170,13 @@ def edges_of(faces: Sequence[Face]) -> np.ndarray:
     return np.array(sorted(found))
 
 
-def _sturdy(solid: Polyhedron, diagonal: float) -> bool:
+def _sturdy(solid: Polyhedron, thinnest: float) -> bool:
     ends = solid.vertices[solid.edges]
     if not 6 <= len(solid.edges) <= 48:
         return False
-    if np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).min() < THINNEST * diagonal:
+    if np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).min() < thinnest:
         return False
-    return bool(_clearance(solid.vertices, solid.edges) > THINNEST * diagonal)
+    return bool(_clearance(solid.vertices, solid.edges) > thinnest)
 
 
 def _clearance(points: np.ndarray, edges: np.ndarray) -> float:
