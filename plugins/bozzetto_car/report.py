@@ -13,7 +13,7 @@ from bozzetto.plugin import Caution, Figure
 from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body.build import Body
 from bozzetto_car.body.edit_list import Edits
-from bozzetto_car.body.stroke_residuals import stroke_residuals
+from bozzetto_car.body.stroke_distances import stroke_distances
 from bozzetto_car.camera.rational_projection import camera_matrix
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.solver.initial_cameras import Placed, counted_marks
@@ -81,7 +81,7 @@ def report_of(body: Body, edits: Edits = ()) -> dict[str, Any]:
         "nodes": dict(zip(template.names, positions.tolist(), strict=True)),
         "views": [
             _view(placed, body.sketch_cameras[key], body)
-            | {"stroke_px": dict(stroke_residuals(body, edits, key))}
+            | {"stroke_px": dict(stroke_distances(body, edits, key))}
             for key, placed in solved.placed.items()
         ],
         "constraints": solved.soundness.least(variables),

@@ -11,7 +11,7 @@ import pytest
 
 from bozzetto.ink import distances_to_polyline
 from bozzetto_car.body.build import body_of
-from bozzetto_car.body.stroke_residuals import stroke_residuals
+from bozzetto_car.body.stroke_distances import stroke_distances
 from bozzetto_car.marks_file import car_from_facts
 from bozzetto_car.report import report_of
 from bozzetto_car.state import CarState, MovedNode, TracedEdges
@@ -50,7 +50,7 @@ def test_it_is_the_distance_on_the_sketch_and_grows_when_a_node_is_moved() -> No
         moved = MovedNode(node=edge.split("-")[0], by=(0.0, 0.0, by))
         edited = replace(state, edits=(first, moved) if by else (first,))
         body = body_of(edited)
-        (off,) = stroke_residuals(body, edited.edits, sketch).values()
+        (off,) = stroke_distances(body, edited.edits, sketch).values()
         through = body.sketch_cameras[sketch]
         line = seen_line(
             through.camera, body.network.control_points[edge_called(body.template, edge)], 400
@@ -72,7 +72,7 @@ def test_it_is_the_distance_on_the_sketch_and_grows_when_a_node_is_moved() -> No
 def test_no_strokes_and_strokes_of_another_sketch_are_told_nothing_of() -> None:
     _, state = of_gallery("minivan")
     body = body_of(state)
-    assert stroke_residuals(body, (), state.sketches[0].id) == {}
-    assert stroke_residuals(body, state.edits, "nobody") == {}
+    assert stroke_distances(body, (), state.sketches[0].id) == {}
+    assert stroke_distances(body, state.edits, "nobody") == {}
     views = report_of(replace(body), ())["views"]
     assert all(view["stroke_px"] == {} for view in views)

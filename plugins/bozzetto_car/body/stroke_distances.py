@@ -17,7 +17,7 @@ from bozzetto_car.state import TracedEdges
 from bozzetto_car.template.network import edge_called
 
 
-def stroke_residuals(body: Body, edits: Edits, sketch: str) -> Mapping[str, float]:
+def stroke_distances(body: Body, edits: Edits, sketch: str) -> Mapping[str, float]:
     """Return how far each edge that a sketch traces is from its stroke, px, by its name.
 
     Parameters
