@@ -18,7 +18,7 @@ from bozzetto.ink import (
     an_object,
     point_rows,
 )
-from bozzetto_product.hand_over.joining import joined_state
+from bozzetto_product.hand_over.network_joints import joined_state
 from bozzetto_product.hand_over.point_fit import (
     closed_spline_through,
     smoothed_spline,

@@ -34,7 +34,7 @@ def spline_through(points: Array, tolerance: float, fine: float | None = None) -
 
     The fewest control points of `COUNTS` that keep to the fine tolerance are taken, where the
     points are many enough to tell so much; else the fewest that keep to the other. Where none do,
-    and where points are few but every second one foretells the others, the spline goes through all of them.
+    and where points are few but every second one foretells the others, the spline goes through all.
 
     Parameters
     ----------

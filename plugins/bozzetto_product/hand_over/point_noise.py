@@ -25,6 +25,9 @@ typed, and is meant as it stands."""
 FEWEST: Final = 9
 """Points of a curve from which on they tell whether they tremble."""
 
+SAME: Final = 1e-9
+"""Distance of neighbours below which they are one point, as share of the diagonal."""
+
 TREMBLING: Final = 0.3
 """Share of what the neighbours of points do not foretell that no smooth curve explains, below which
 there is no noise: the curve is bent more than its points show."""
@@ -89,7 +92,9 @@ def noise_of(rows: Iterable[Array], size: float) -> float:
         they do not.
     """
     found = []
-    for points in rows:
+    for row in rows:
+        steps = np.linalg.norm(np.diff(row, axis=0), axis=1)
+        points = row[np.concatenate(([True], steps > SAME * size))]
         if len(points) < FEWEST:
             continue
         near, far = (float(np.median(_missed(points, step))) for step in (1, 2))

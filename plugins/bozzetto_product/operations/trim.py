@@ -39,7 +39,7 @@ GAP: Final = 0.02
 
 SHORT: Final = 0.25
 """Largest gap as a share of the length of the curve, or of its stretch up to the next joint:
-details are smaller than the model, and the tail of a curve drawn too far is to end where it does."""
+details are smaller than the model, and the tail of a curve drawn too far ends where it does."""
 
 TAIL: Final = 0.5
 """Share of a curve beyond its last joint below which that is the tail of one drawn too far."""

@@ -182,6 +182,12 @@ def test_noise_is_told_from_bends(scale):
         assert 0.9 <= noise_of(rows, 150.0 * scale) / (sigma * scale) <= 1.5
 
 
+def test_points_that_a_file_repeats_are_no_noise():
+    rows = [np.repeat(row, 2, axis=0) for row in octants().values()]
+    with np.errstate(all="raise"):
+        assert noise_of(rows, 150.0) == 0.0
+
+
 def test_a_trembling_arc_is_nearer_to_the_arc_than_its_points():
     turn = np.linspace(0.0, 0.5 * np.pi, 40)
     arc = 50.0 * np.column_stack((np.cos(turn), np.sin(turn), 0.0 * turn))
