@@ -75,7 +75,7 @@ def edge_normals(net: Net, loops: Sequence[Loop]) -> tuple[LoopNormals, ...]:
 def _smooth_edges(
     net: Net, loops: Sequence[Loop], corners: Sequence[Sequence[Corner]]
 ) -> dict[int, list[tuple[int, int, bool]]]:
-    """Return of each smooth edge the loops, the places in them, and whether they run in its sense."""
+    """Return of each smooth edge the loops, the places in them, and if they run in its sense."""
     uses: dict[int, list[tuple[int, int, bool]]] = {}
     for number, loop in enumerate(loops):
         for place, (edge, forward) in enumerate(loop):

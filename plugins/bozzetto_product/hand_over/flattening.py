@@ -1,7 +1,7 @@
 """Loops that lie in a plane but for the rounding of a file are put into it, exactly.
 
-A plane loop may have any shape, where patches would fold (`fill.plane_fill`); but numbers rounded to
-six digits leave a plane that leans by more than exact shapes allow.
+A plane loop may have any shape, where patches would fold (`fill.plane_fill`); but numbers rounded
+to six digits leave a plane that leans by more than exact shapes allow.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
-from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
@@ -31,7 +30,7 @@ COARSE: Final = 1e-3
 """The same at most, where the numbers of a file are rounded to a coarser step."""
 
 ROUNDED: Final = 3.0
-"""Distance from its plane, in steps of the rounding, of a curve that was fitted to rounded points."""
+"""Distance from its plane, in steps of the rounding, of a curve fitted to rounded points."""
 
 EXACT: Final = 1e-10
 """Distance, as share of the size of the network, at which all planes are kept."""
@@ -63,8 +62,8 @@ class _Plane:
 def flattened(state: ProductState, rounding: float) -> ProductState:
     """Put the loops of patches that nearly lie in planes into these.
 
-    Joints go to where the planes of their curves meet; curves go along. Loops that are not plane are
-    left alone.
+    Joints go to where the planes of their curves meet; curves go along. Loops that are not plane
+    are left alone.
 
     Parameters
     ----------
@@ -118,7 +117,7 @@ def _allowed(curves: frozenset[str], splines: Mapping[str, Spline], rounding: fl
 
 
 def _normal(curves: frozenset[str], splines: Mapping[str, Spline], allowed: float) -> Array | None:
-    """Return the normal of the plane in which curves lie; None where they leave it, or are a line."""
+    """Return the normal of the plane of curves; None where they leave it, or are a line."""
     points = _points(curves, splines)
     points = points - points.mean(axis=0)
     _, spread, axes = np.linalg.svd(points, full_matrices=False)
@@ -175,9 +174,9 @@ def _settled(places: Array, planes: Sequence[_Plane], exact: float) -> bool:
             middle = points.mean(axis=0)
             plane.normal = np.linalg.svd(points - middle, full_matrices=False)[2][2]
             plane.offset = float(plane.normal @ middle)
-        for numbers, members in groups.items():
-            normals = np.array([planes[number].normal for number in numbers])
-            offsets = np.array([planes[number].offset for number in numbers])
+        for key, members in groups.items():
+            normals = np.array([planes[number].normal for number in key])
+            offsets = np.array([planes[number].offset for number in key])
             off = places[members] @ normals.T - offsets
             places[members] -= off @ np.linalg.pinv(normals, rcond=BLUNT).T
         if all(plane.off(places) <= exact for plane in planes):

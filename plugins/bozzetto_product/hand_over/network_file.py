@@ -18,8 +18,12 @@ from bozzetto.ink import (
     an_object,
     point_rows,
 )
-from bozzetto_product.hand_over.joining import joined_state
-from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
+from bozzetto_product.hand_over.network_joints import joined_state
+from bozzetto_product.hand_over.point_fit import (
+    closed_spline_through,
+    smoothed_spline,
+    spline_through,
+)
 from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
 from bozzetto_product.model.curves import Curve, EdgeKind
 from bozzetto_product.model.state import ProductState
@@ -103,8 +107,12 @@ def network_of(facts: Mapping[str, Any]) -> Network:
         np.vstack(list(rows.values())) / UNITS[unit], size / UNITS[unit]
     )
     noise = NOISE * noise_of(rows.values(), size)
-    tolerance, fine = (max(share * size, rounding, noise) for share in (FIT, FINE))
-    splines = [_spline(points, name, size, tolerance, fine) for name, points in rows.items()]
+    exact, fine = (max(share * size, rounding) for share in (FIT, FINE))
+    tolerance = max(exact, noise)
+    splines = [
+        _spline(points, name, size, tolerance, 0.0 if noise > exact else fine)
+        for name, points in rows.items()
+    ]
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
         for number, (name, spline) in enumerate(zip(rows, splines, strict=True), 1)
@@ -151,7 +159,10 @@ def _points(value: object, where: str, scale: float) -> Array:
 
 
 def _spline(points: Array, name: str, size: float, tolerance: float, fine: float) -> Spline:
-    """Return the spline through the points of a curve; closed where it returns smoothly."""
+    """Return the spline through the points of a curve; closed where it returns smoothly.
+
+    A fine tolerance of 0 says that they tremble.
+    """
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     kept = points[np.concatenate(([True], steps > SAME * size))]
     if len(kept) < 2 or not size > 0.0:
@@ -160,8 +171,8 @@ def _spline(points: Array, name: str, size: float, tolerance: float, fine: float
     kept = np.vstack((kept[:-1], points[-1:]))
     is_ring = len(kept) > 5 and np.linalg.norm(kept[-1] - kept[0]) <= SAME * size
     if is_ring and not _has_corner(kept):
-        return closed_spline_through(kept[:-1], tolerance, fine)
-    return spline_through(kept, tolerance, fine)
+        return closed_spline_through(kept[:-1], tolerance, fine or tolerance)
+    return spline_through(kept, tolerance, fine) if fine else smoothed_spline(kept, FIT * size)
 
 
 def _has_corner(ring: Array) -> bool:

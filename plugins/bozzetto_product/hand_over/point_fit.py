@@ -32,9 +32,9 @@ HOPELESS: Final = 6.0
 def spline_through(points: Array, tolerance: float, fine: float | None = None) -> Spline:
     """Fit a clamped cubic spline to a row of points: its ends are the first and last, exactly.
 
-    The fewest control points of `COUNTS` that keep to the fine tolerance are taken, where the points
-    are many enough to tell so much; else the fewest that keep to the other. Where none do, and where
-    points are few but every second one foretells the others, the spline goes through all of them.
+    The fewest control points of `COUNTS` that keep to the fine tolerance are taken, where the
+    points are many enough to tell so much; else the fewest that keep to the other. Where none do,
+    and where points are few but every second one foretells the others, the spline goes through all.
 
     Parameters
     ----------
@@ -65,6 +65,37 @@ def spline_through(points: Array, tolerance: float, fine: float | None = None) -
     if kept is None or (finer < tolerance and _foretold(points, along, tolerance)):
         return through
     return kept
+
+
+def smoothed_spline(points: Array, tolerance: float) -> Spline:
+    """Fit a clamped cubic spline to points that tremble: its ends are the first and last, exactly.
+
+    Of all numbers of control points that one is taken by which the other points would foretell each
+    best: generalized cross-validation (Craven & Wahba 1979).
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        At least two, no two neighbours the same, mm.
+    tolerance : float
+        Below it no distance of a point from the curve counts, mm.
+    """
+    most = SPARE * len(points)
+    if most < DEGREE + 1:
+        return spline_through(points, tolerance)
+    along = _shares(points)
+    best: tuple[float, Spline] | None = None
+    for count in COUNTS:
+        if count > most:
+            break
+        spline, _ = _fitted(points, along, count, tolerance)
+        feet = spline.foot_points(points, along, steps=FOOT_STEPS)
+        off = ((spline.value(feet) - points) ** 2).sum()
+        score = max(float(off), tolerance**2) / (1.0 - count / len(points)) ** 2
+        if best is None or score < best[0]:
+            best = score, spline
+    assert best is not None
+    return best[1]
 
 
 def _fitted(points: Array, along: Array, count: int, wanted: float) -> tuple[Spline, float]:

@@ -25,6 +25,9 @@ typed, and is meant as it stands."""
 FEWEST: Final = 9
 """Points of a curve from which on they tell whether they tremble."""
 
+SAME: Final = 1e-9
+"""Distance of neighbours below which they are one point, as share of the diagonal."""
+
 TREMBLING: Final = 0.3
 """Share of what the neighbours of points do not foretell that no smooth curve explains, below which
 there is no noise: the curve is bent more than its points show."""
@@ -89,7 +92,9 @@ def noise_of(rows: Iterable[Array], size: float) -> float:
         they do not.
     """
     found = []
-    for points in rows:
+    for row in rows:
+        steps = np.linalg.norm(np.diff(row, axis=0), axis=1)
+        points = row[np.concatenate(([True], steps > SAME * size))]
         if len(points) < FEWEST:
             continue
         near, far = (float(np.median(_missed(points, step))) for step in (1, 2))
@@ -97,9 +102,9 @@ def noise_of(rows: Iterable[Array], size: float) -> float:
         found.append(trembling if trembling > TREMBLING * near else 0.0)
     if not found:
         return 0.0
-    # Of a normal deviation in three coordinates the median of the squared length is 2.37 of its
-    # square; each is missed by its own noise and by that of its neighbours.
-    variance = float(np.quantile(found, 0.75)) / 2.37
+    # What moves a point along its curve moves its share of the length along: two directions are
+    # left, and of a normal deviation in two the median of the squared length is 1.39 of its square.
+    variance = float(np.quantile(found, 0.75)) / 1.386
     return min(float(np.sqrt(variance)), STRONGEST * size)
 
 

@@ -111,11 +111,11 @@ def _turned(
     """Return a curve with its tangents in planes; the same where it would have to move too far."""
     begin, end = spline.range
     rows: dict[float, list[Array]] = {}
-    for at, normals in planes:
+    for told, row in planes:
         # Both sides of a joint inside a curve, and of the seam of a closed one, are one place.
-        at = begin + (at - begin) % (end - begin) if spline.closed else at
-        known = next((one for one in rows if abs(one - at) < 1e-9 * (end - begin)), at)
-        rows.setdefault(known, []).extend(normals)
+        own = begin + (told - begin) % (end - begin) if spline.closed else told
+        known = next((one for one in rows if abs(one - own) < 1e-9 * (end - begin)), own)
+        rows.setdefault(known, []).extend(row)
     at = np.array(sorted(rows))
     slopes = spline.derivative(at)
     changes = np.zeros_like(slopes)

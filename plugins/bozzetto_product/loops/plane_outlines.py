@@ -1,7 +1,7 @@
 """Outlines in a plane: faces of prisms, of any number of corners and any shape.
 
-Where an edge that comes to a node in a plane goes on in that plane in one way only, there is nothing to
-choose: stars and gears of a hundred corners are found as surely as squares.
+Where an edge that comes to a node in a plane goes on in that plane in one way only, there is
+nothing to choose: stars and gears of a hundred corners are found as surely as squares.
 """
 
 from __future__ import annotations

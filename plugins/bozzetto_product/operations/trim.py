@@ -38,8 +38,8 @@ GAP: Final = 0.02
 """Largest gap that is closed, as a share of the diagonal of all curves."""
 
 SHORT: Final = 0.25
-"""Largest gap as a share of the length of the curve, or of its stretch up to the next joint: details
-are smaller than the model, and the tail of a curve drawn too far is to end where it does."""
+"""Largest gap as a share of the length of the curve, or of its stretch up to the next joint:
+details are smaller than the model, and the tail of a curve drawn too far ends where it does."""
 
 TAIL: Final = 0.5
 """Share of a curve beyond its last joint below which that is the tail of one drawn too far."""

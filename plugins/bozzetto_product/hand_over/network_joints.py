@@ -42,9 +42,9 @@ MOST_DOUBTFUL: Final = 40
 def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> ProductState:
     """Return a network of curves, joined where they meet or nearly do.
 
-    What has surfaces on both sides already, as the body of a pot and its handle that goes into it, is
-    joined only if all surfaces together are better for it. Curves that nearly cross pass one another
-    if each meets others close by, as on both sides of a thin plate.
+    What has surfaces on both sides already, as the body of a pot and its handle that goes into it,
+    is joined only if all surfaces together are better for it. Curves that nearly cross pass one
+    another if each meets others close by, as on both sides of a thin plate.
 
     Parameters
     ----------
@@ -113,9 +113,7 @@ def _without(before: ProductState, after: ProductState, gone: Sequence[Joint]) -
     """Return a network after more joints, without some that are as they were before."""
     splines = splines_of(after)
     joints = [joint for joint in after.joints if joint not in gone]
-    pins = {
-        joint.id: meeting_place(splines, joint.meetings[0], after.symmetry) for joint in joints
-    }
+    pins = {joint.id: meeting_place(splines, joint.meetings[0], after.symmetry) for joint in joints}
     taken = {meet for joint in joints for meet in joint.meetings}
     lost = [joint for joint in before.joints if not taken & set(joint.meetings)]
     names = unused_joint_ids(joints, len(lost))
