@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 
 
 WAITING: Final = "One side waits for the other. Draw its mirror image, here or in another view."
-
 UNSURE: Final = "It is unclear how the strokes belong together. Draw the curve again."
 
 ON_INK: Final = 1.5
@@ -49,6 +48,13 @@ ON_INK: Final = 1.5
 MISSES: Final = (
     "The curve is {:.1f} px off its ink. Draw it again in another view, or press X or C to read it "
     "in another way."
+)
+
+UNDECIDED: Final = 1.2
+"""Margin below which the ink does not say how two sides belong together, and a person is told."""
+
+EITHER: Final = (
+    "The sides fit one another in two ways. Press C to take the other one if it is meant."
 )
 
 IMAGE_OFF: Final = 0.005
@@ -272,7 +278,7 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
         first.reading, fit.curve, fit.points, fit.sigma,
         margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
         ghost=_ghost(views[main], rest, margin, curve.detail),
-        choices=1 + len(rest), views=views, warnings=_warnings(first, views, fit),
+        choices=1 + len(rest), views=views, warnings=_warnings(first, views, fit, rest),
         rest=first.rest, planes=0 if fit.form is None else len(fit.form.planes),
     )  # fmt: skip
 
@@ -430,10 +436,12 @@ def _ghost(view: View, rest: Sequence[Read], margin: float, detail: Controls) ->
     return _fitted([view], {0: other}, 0, detail).curve
 
 
-def _warnings(first: Read, views: Sequence[View], fit: Fit) -> tuple[str, ...]:
+def _warnings(first: Read, views: Sequence[View], fit: Fit, rest: list[Read]) -> tuple[str, ...]:
+    pairs = [other.cost for other in rest if first.reading == other.reading == "pair"]
+    either = (EITHER,) if min(pairs, default=np.inf) < UNDECIDED * first.cost else ()
     off, sure = fit.off_ink, all(side.sure for view in views for side in view.sides)
     misses = () if off <= ON_INK else (MISSES.format(off),)
-    return *first.warnings, *misses, *(() if sure else (UNSURE,))
+    return *first.warnings, *either, *misses, *(() if sure else (UNSURE,))
 
 
 def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:

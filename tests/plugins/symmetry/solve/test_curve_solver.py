@@ -14,9 +14,11 @@ from bozzetto_symmetry.fitting import bundle_adjustment
 from bozzetto_symmetry.ink import sides
 from bozzetto_symmetry.interpretation import pair, self_symmetric
 from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.operations.assign_stroke import add_drawing
 from bozzetto_symmetry.solve import curve_solver
-from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
+from bozzetto_symmetry.solve.curve_solver import EITHER, UNDECIDED, Trace, trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
+from tests.plugins.symmetry import figures_loops, meant_drawings
 from tests.plugins.symmetry import scenes as s
 
 VIEW, ASIDE = s.camera(35, 20), s.camera(60, 30)
@@ -119,3 +121,25 @@ def test_no_control_points_are_lost() -> None:
     made = trace_of(curve, SymmetryState()).curve
     assert made is not None
     assert len(made.spline.control_points) == bundle_adjustment.FEWEST
+
+
+def test_loops_that_fit_either_way_are_told_and_the_other_one_is_offered() -> None:
+    told = []
+    for seed in range(800, 806):
+        random = np.random.default_rng(seed)
+        side = figures_loops.loop("ellipses", "anywhere", random)
+        view = meant_drawings.view_of(random)
+        begun = np.roll(
+            side, 100, axis=0
+        )  # elsewhere: only the shapes can say which sense is meant
+        strokes = tuple(
+            meant_drawings.stroke(np.vstack((curve, curve[:1])), view, 1.0, random)
+            for curve in (side, begun * MIRROR)
+        )
+        state = add_drawing(SymmetryState(), strokes)
+        trace = trace_of(state.curves[0], state)
+        pairs = [each.cost for each in trace.views[0].reader.read("pair", state.bounds)]
+        told.append(EITHER in trace.warnings)
+        if trace.reading == "pair":
+            assert told[-1] == (len(pairs) > 1 and pairs[1] < UNDECIDED * pairs[0])
+    assert any(told)
