@@ -1,12 +1,14 @@
 """The commands that a modeler offers for the selected model.
 
 A worker asks which commands there are, and which of them apply now. A command itself runs in
-the queue of the gestures, so that it finds the model as the last stroke left it.
+the queue of the gestures, so that it finds the model as the last stroke left it. Some write a
+file and change nothing.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
@@ -56,10 +58,13 @@ class ModelerCommands(QObject):
         There are other commands.
     enabled_changed
         Other commands apply.
+    place_wanted : Command
+        A command that writes a file was chosen: ask where it goes, and call `write`.
     """
 
     changed = Signal()
     enabled_changed = Signal()
+    place_wanted = Signal(object)
 
     def __init__(
         self,
@@ -118,9 +123,17 @@ class ModelerCommands(QObject):
         self.channel.submit(Request(work, done, failed))
 
     def run(self, command_id: str) -> None:
-        """Run a command on the selected model, as one step of the history."""
+        """Run a command on the selected model, as one step of the history.
+
+        One that writes a file waits for its place; see `place_wanted`.
+        """
         model = self._selection.model
         if model is None:
+            return
+        known = self.commands if model.modeler == self.modeler else ()
+        writer = next((one for one in known if one.id == command_id and one.writes), None)
+        if writer is not None:
+            self.place_wanted.emit(writer)
             return
         modeler, context = model.modeler, self._context.now()
         bench = self._workbench
@@ -151,6 +164,28 @@ class ModelerCommands(QObject):
                 self._drawing.apply_model(
                     answer.title, answer.made, is_new=False, only_chosen=answer.only_chosen
                 )
+
+        self._edits.submit(
+            Request(work, done, self._notices.complain, inputs=lambda: self._selection.model)
+        )
+
+    def write(self, command_id: str, path: Path) -> None:
+        """Write the file of a command for the selected model, as the last stroke left it."""
+        model = self._selection.model
+        if model is None:
+            return
+        modeler, context = model.modeler, self._context.now()
+        commands = self._workbench.commands
+
+        def work(job: Job, base: Model | None) -> bool:
+            if base is None or base.modeler != modeler:
+                return False
+            commands.write(base, commands.find(modeler, command_id), context, path)
+            return True
+
+        def done(is_written: bool) -> None:
+            if is_written:
+                self._notices.tell(tr("Files", "Saved “{name}”.", name=path.name))
 
         self._edits.submit(
             Request(work, done, self._notices.complain, inputs=lambda: self._selection.model)

@@ -49,10 +49,21 @@ def bundled(name: str) -> Template:
     FormatError
         If there is no template of that name.
     """
+    return read_template(bundled_file(name))
+
+
+def bundled_file(name: str) -> bytes:
+    """Return the file of one of the bundled templates.
+
+    Raises
+    ------
+    FormatError
+        If there is no template of that name.
+    """
     if name not in TEMPLATES:
         there = ", ".join(TEMPLATES)
         raise FormatError(f"There is no template “{name[:40]}”. Choose one of: {there}.")
-    return read_template(files("bozzetto_car").joinpath(f"templates/{name}.json").read_bytes())
+    return files("bozzetto_car").joinpath(f"templates/{name}.json").read_bytes()
 
 
 def read_template(data: bytes) -> Template:

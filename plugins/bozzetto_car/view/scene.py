@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from bozzetto.errors import UserError
 from bozzetto.geometry.patches import shaded
 from bozzetto.plugin import remembered
 from bozzetto.scene import Image, Item, Layer, Scene, Shaded
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.build import Body, is_shown
 from bozzetto_car.body.wheels import wheel_meshes
 from bozzetto_car.parts.looks import GLASS
 from bozzetto_car.parts.windows import pane_mesh
@@ -51,28 +50,6 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
     layers.append(Layer("styling", styling_items(state, body)))
     layers += mark_layers(state, body)
     return Scene(tuple(layer for layer in layers if layer.items))
-
-
-def is_shown(state: CarState, body: Body) -> bool:
-    """Whether the body is shown, and not only a sketch whose camera is not known."""
-    return state.sketch is None or body.solved.joint is not None
-
-
-def body_in_work(state: CarState) -> Body:
-    """Return the body that is shown, to be worked on.
-
-    Raises
-    ------
-    UserError
-        If no body is shown yet.
-    """
-    body = body_of(state)
-    if not is_shown(state, body):
-        raise UserError(
-            "There is no body to work on yet: the camera of the sketch is not known. Mark its "
-            "points first."
-        )
-    return body
 
 
 def body_layers(state: CarState, body: Body, camera: Camera | None = None) -> list[Layer]:
