@@ -299,6 +299,9 @@ class CarState(PartsState):
                   help="Hand over a closed body with panes, wheel arches and a floor, and wheels, "
                   "instead of its surfaces alone."),
     ] = False  # fmt: skip
+    mirrors: Annotated[
+        bool, Parameter("Mirrors", help="Give a complete car mirrors at its foremost side windows.")
+    ] = False
     creases: Annotated[
         bool, Parameter("Creases", help="Show by how many degrees surfaces meet at an angle.")
     ] = False
