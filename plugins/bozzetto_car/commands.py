@@ -1,4 +1,4 @@
-"""Commands for a car."""
+"""Commands for a car: changes of the whole body, and its file as a template."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from dataclasses import replace
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
+from bozzetto_car.body.build import body_in_work
 from bozzetto_car.marking.commands import marking_commands
 from bozzetto_car.marking.edit_marks import with_sides_exchanged
 from bozzetto_car.state import CarState, Treatment
+from bozzetto_car.template.writer import template_file
 
 
 def all_commands() -> tuple[Command, ...]:
@@ -37,6 +39,11 @@ def all_commands() -> tuple[Command, ...]:
             "undo-edits", "Take back all edits",
             "Remove all edits by hand; the shape that the marks give stays.", _no_edits,
             enabled=lambda state: bool(state.edits),
+        ),
+        Command(
+            "save-template", "Save this car as a template",
+            "Write a file with which further cars begin, and that marks files can name.",
+            _template, enabled=_is_shaped, writes=".json",
         ),
     )  # fmt: skip
 
@@ -70,3 +77,12 @@ def _treated(state: CarState, edit: Treatment) -> CarState:
 
 def _no_edits(state: CarState, context: Context) -> CarState:
     return replace(state, edits=())
+
+
+def _is_shaped(state: CarState) -> bool:
+    return state.is_begun or bool(state.dimensions.given())
+
+
+def _template(state: CarState, context: Context) -> bytes:
+    network = body_in_work(state).network
+    return template_file(state.template_source, network, context.file, state.without)

@@ -7,6 +7,7 @@ import numpy as np
 from bozzetto.geometry import Curve, Shapes
 from bozzetto_car.body.build import Body
 from bozzetto_car.parts.closed_body import closed_body
+from bozzetto_car.parts.trim import shut_lines, trim_of
 from bozzetto_car.parts.wheels import wheels_of
 from bozzetto_car.state import CarState
 from bozzetto_car.styling.curve_fit import as_curves
@@ -19,9 +20,9 @@ ONE_SPAN = np.repeat((0.0, 1.0), 4)
 def shapes_of(state: CarState, body: Body) -> Shapes:
     """Return the body, unless it is hidden, and the visible styling curves.
 
-    The body is one shell of surfaces; of a complete car it is a closed one, beside its wheels
-    where these are shown. A car that nobody has begun exports nothing: the template is nobody's
-    design.
+    The body is one shell of surfaces; of a complete car it is a closed one, beside its trim, its
+    shut lines, and its wheels where these are shown. A car that nobody has begun exports nothing:
+    the template is nobody's design.
 
     Raises
     ------
@@ -33,8 +34,11 @@ def shapes_of(state: CarState, body: Body) -> Shapes:
         return Shapes(curves=lines)
     if not state.complete:
         return Shapes(curves=lines, patchworks=(body.patchwork,))
-    wheels = wheels_of(body.network, body.nets) if state.wheels else []
-    return Shapes(curves=lines, breps=(closed_body(body.network, body.nets), *wheels))
+    network, nets = body.network, body.nets
+    wheels = wheels_of(network, nets) if state.wheels else []
+    trim = trim_of(network, nets, with_mirrors=state.mirrors)
+    shut = (Curve(3, ONE_SPAN, points, name=name) for name, points in shut_lines(network, nets))
+    return Shapes(curves=(*lines, *shut), breps=(closed_body(network, nets), *wheels, *trim))
 
 
 def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:

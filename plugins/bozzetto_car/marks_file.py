@@ -1,4 +1,4 @@
-"""Marks from a file: what `bozzetto build car` reads, plain JSON values (`docs/car.md`).
+"""Marks or a template from a file: what `bozzetto build car` reads (`docs/car.md`).
 
 A file is not trusted: every number and name is checked, and every refusal names the key.
 """
@@ -18,7 +18,7 @@ from bozzetto_car.camera.sketch_camera import upright_camera
 from bozzetto_car.report import SHORT
 from bozzetto_car.state import CarState, Mark, Sketch, StylingCurve, TracedEdges
 from bozzetto_car.styling.curve import project_stroke
-from bozzetto_car.template.loader import TEMPLATES
+from bozzetto_car.template.loader import TEMPLATES, read_template
 
 MOST_SKETCHES: Final = 8
 """Most views of one file."""
@@ -37,6 +37,24 @@ VIEW_KEYS: Final = {"kind", "marks", "strokes", "image", "name", "cropped"}
 def is_car_file(facts: Mapping[str, Any]) -> bool:
     """Whether the facts of a file are marks of a car."""
     return "views" in facts
+
+
+def is_template_file(facts: Mapping[str, Any]) -> bool:
+    """Whether the facts of a file are a template."""
+    return "soundness" in facts
+
+
+def car_of_template(facts: Mapping[str, Any]) -> CarState:
+    """Return a car without sketches that begins with the template of a file.
+
+    Raises
+    ------
+    FormatError
+        If the template cannot be used; the message says why.
+    """
+    source = json.dumps(facts)
+    read_template(source.encode())
+    return CarState(own=source, template="own")
 
 
 def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) -> CarState:
@@ -82,7 +100,7 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
 
 def _of_template(value: object) -> CarState:
     if isinstance(value, Mapping):
-        return CarState(own=json.dumps(value))
+        return CarState(own=json.dumps(value), template="own")
     known = next((name for name in TEMPLATES if name == value), None)
     if known is None:
         raise UserError(f"“template” is one of {', '.join(TEMPLATES)}, or a template itself.")

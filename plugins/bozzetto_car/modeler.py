@@ -27,7 +27,12 @@ from bozzetto_car.body.build import Body, body_of, preview_of
 from bozzetto_car.body.edge_ink import ink_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of
-from bozzetto_car.marks_file import car_from_facts, is_car_file
+from bozzetto_car.marks_file import (
+    car_from_facts,
+    car_of_template,
+    is_car_file,
+    is_template_file,
+)
 from bozzetto_car.report import FIGURES, cautions_of, report_of
 from bozzetto_car.state import CarState, Sketch, StylingCurve
 from bozzetto_car.styling.commands import styling_commands
@@ -47,15 +52,25 @@ class Car(PartsModeler[CarState, Body]):
 
     id = "bozzetto.car"
     state_type = CarState
+    state_version = 2
     part_types = (Sketch, StylingCurve, Group)
     first_parameters = ("template", "trace", "shading")
     figures = FIGURES
 
     @override
+    def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:
+        """Return today's form of a state; before 2 a template of one's own counted if there."""
+        if version < 2 and state.get("own"):
+            return {**state, "template": "own"}
+        return state
+
+    @override
     def create(self, context: Context) -> CarState:
-        """Return the template as it stands, or the car of a file's marks."""
+        """Return the template as it stands, or the car of a file's marks or template."""
         if is_car_file(context.facts):
             return car_from_facts(context.facts, context.pictures)
+        if is_template_file(context.facts):
+            return car_of_template(context.facts)
         return CarState()
 
     @override
@@ -75,14 +90,14 @@ class Car(PartsModeler[CarState, Body]):
 
     @override
     def read_drawing(self, drawing: Drawing, context: Context) -> CarState:
-        """Return the car of a file's marks.
+        """Return the car of a file's marks, or one that begins with the template of a file.
 
         Raises
         ------
         UserError
-            If there are no marks, or they make no sense; the message names the key.
+            If there are neither, or they make no sense; the message names the key.
         """
-        if not is_car_file(context.facts):
+        if not (is_car_file(context.facts) or is_template_file(context.facts)):
             raise UserError(NO_MARKS)
         return self.create(context)
 

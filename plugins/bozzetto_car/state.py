@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array
+from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto.scene import Picture
 from bozzetto_car.dimensions import LONGEST, Dimensions
-from bozzetto_car.template.loader import Bundled
+from bozzetto_car.template.loader import bundled_file
 
 Point = tuple[float, float, float]
 Color = tuple[int, int, int]
@@ -33,6 +34,11 @@ TRACE: Final = 0.6
 
 BESIDE: Final = 1e-6
 """How far rounding may put a place of a styling curve outside its patch, in u and v."""
+
+NO_OWN: Final = (
+    "This car has no template of its own. Choose another template, or import the file of one: "
+    "that begins a car with it."
+)
 
 FOUND: Final = "as drawn"
 """The text that a panel shows for a dimension that is not given."""
@@ -241,8 +247,8 @@ class CarState(PartsState):
     without : tuple of str
         Names of the soundness constraints that are switched off.
     own : str
-        A template of the person's own (``bozzetto-car-template/1``, JSON), which replaces
-        `template`; "" for none.
+        A template of the person's own (``bozzetto-car-template/1``, JSON), which counts where
+        `template` is "own"; "" for none.
     """
 
     nodes: tuple[Sketch | StylingCurve | Group, ...] = ()
@@ -253,11 +259,16 @@ class CarState(PartsState):
     without: tuple[str, ...] = ()
     own: str = ""
     template: Annotated[
-        Bundled,
+        Literal["sedan", "hatchback", "minivan", "own"],
         Parameter(
             "Template",
-            help="The car that takes the shape of the sketch.",
-            choices=(("sedan", "Sedan"), ("hatchback", "Hatchback"), ("minivan", "Minivan")),
+            help="The car that takes the shape of the sketch; one of your own comes from its file.",
+            choices=(
+                ("sedan", "Sedan"),
+                ("hatchback", "Hatchback"),
+                ("minivan", "Minivan"),
+                ("own", "My own"),
+            ),
         ),
     ] = "sedan"
     trace: Annotated[
@@ -288,6 +299,9 @@ class CarState(PartsState):
                   help="Hand over a closed body with panes, wheel arches and a floor, and wheels, "
                   "instead of its surfaces alone."),
     ] = False  # fmt: skip
+    mirrors: Annotated[
+        bool, Parameter("Mirrors", help="Give a complete car mirrors at its foremost side windows.")
+    ] = False
     creases: Annotated[
         bool, Parameter("Creases", help="Show by how many degrees surfaces meet at an angle.")
     ] = False
@@ -332,9 +346,24 @@ class CarState(PartsState):
     # -- parts --
 
     @property
+    def template_source(self) -> str:
+        """The file of the template (``bozzetto-car-template/1``, JSON).
+
+        Raises
+        ------
+        UserError
+            If there is no template of one's own where that is wanted.
+        """
+        if self.template != "own":
+            return bundled_file(self.template).decode()
+        if not self.own:
+            raise UserError(NO_OWN)
+        return self.own
+
+    @property
     def is_begun(self) -> bool:
-        """Whether the car has any sketch, curve or edit beyond the template."""
-        return bool(self.nodes or self.edits)
+        """Whether it is somebody's car: with a sketch, curve, edit or a template of its own."""
+        return bool(self.nodes or self.edits or self.template == "own")
 
     @property
     def sketches(self) -> tuple[Sketch, ...]:

@@ -20,6 +20,7 @@ from bozzetto_app.settings import settings
 if TYPE_CHECKING:
     from bozzetto.exchange.formats import Format
     from bozzetto.exchange.handover import Handover
+    from bozzetto.plugin.commands import Command
     from bozzetto_app.session.session import Session
 
 __all__ = ["FileQuestions"]
@@ -48,6 +49,7 @@ class FileQuestions:
         self._box: QMessageBox | None = None
         session.files.when_hindered = self.ask_hindered
         session.files.locked.connect(self.ask_take_over)
+        session.commands.place_wanted.connect(self.ask_written)
 
     def ask_new(self) -> None:
         """Start on an empty sheet, once unsaved work is safe."""
@@ -250,6 +252,17 @@ class FileQuestions:
             lambda: self._session.files.exchange.export(*paths, handover=handover, names=names),
         )
         return True
+
+    def ask_written(self, command: Command) -> None:
+        """Ask where the file of a modeler's command goes, and have it written."""
+        ending = command.writes
+        path, is_asked = self._place(command.title, f"{command.title} (*{ending})", ending)
+        if path is None:
+            return
+        if not path.name.lower().endswith(ending):
+            path, is_asked = path.with_name(path.name + ending), False
+        if is_asked or self._may_replace(path):
+            self._session.commands.write(command.id, path)
 
     def ask_film(self) -> None:
         """Ask for a file and for how long, and make a film of what moves."""

@@ -1,7 +1,8 @@
 """The commands that a modeler offers for the selected model, or for one that is still to be drawn.
 
 A worker asks which commands there are, and which of them apply now. A command itself runs in
-the queue of the gestures, so that it finds the model as the last stroke left it.
+the queue of the gestures, so that it finds the model as the last stroke left it. Some write a
+file and change nothing.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from bozzetto.document.model import Model
     from bozzetto.plugin.commands import Command
     from bozzetto.plugin.job import Job
@@ -65,11 +68,14 @@ class ModelerCommands(QObject):
         Other commands apply.
     begun
         A command began an object.
+    place_wanted : Command
+        A command that writes a file was chosen: ask where it goes, and call `write`.
     """
 
     changed = Signal()
     enabled_changed = Signal()
     begun = Signal()
+    place_wanted = Signal(object)
 
     def __init__(
         self,
@@ -143,8 +149,15 @@ class ModelerCommands(QObject):
         self.channel.submit(Request(work, done, failed))
 
     def run(self, command_id: str) -> None:
-        """Run a command on the selected model, or on one that it begins, as one step."""
-        self._submit(command_id, begins=self._selection.model is None)
+        """Run a command on the selected model, or on one that it begins, as one step.
+
+        One that writes a file waits for its place; see `place_wanted`.
+        """
+        writer = next((one for one in self.commands if one.id == command_id and one.writes), None)
+        if writer is not None:
+            self.place_wanted.emit(writer)
+        else:
+            self._submit(command_id, begins=self._selection.model is None)
 
     def _submit(self, command_id: str, *, begins: bool) -> None:
         """Queue a command; what was to be changed and is gone meanwhile is not begun anew."""
@@ -190,6 +203,28 @@ class ModelerCommands(QObject):
                 )
                 if answer.base is None:
                     self.begun.emit()
+
+        self._edits.submit(
+            Request(work, done, self._notices.complain, inputs=lambda: self._selection.model)
+        )
+
+    def write(self, command_id: str, path: Path) -> None:
+        """Write the file of a command for the selected model, as the last stroke left it."""
+        model = self._selection.model
+        if model is None:
+            return
+        modeler, context = model.modeler, self._context.now()
+        commands = self._workbench.commands
+
+        def work(job: Job, base: Model | None) -> bool:
+            if base is None or base.modeler != modeler:
+                return False
+            commands.write(base, commands.find(modeler, command_id), context, path)
+            return True
+
+        def done(is_written: bool) -> None:
+            if is_written:
+                self._notices.tell(tr("Files", "Saved “{name}”.", name=path.name))
 
         self._edits.submit(
             Request(work, done, self._notices.complain, inputs=lambda: self._selection.model)

@@ -20,6 +20,7 @@ from bozzetto.cli.output import (
     refuse_overwriting,
     warn,
     workbench,
+    write_by_command,
     write_output,
     write_report,
 )
@@ -43,7 +44,7 @@ def build(options: argparse.Namespace) -> int:
     inputs = [Path(name) for name in options.inputs]
     targets = _targets(inputs, options.output, options.format)
     for target in targets:
-        if target.suffix.lower() != ".bozz":
+        if target.suffix.lower() != ".bozz" and not options.command_id:
             find(target, writers("mesh", "surfaces", "curves"))
     refuse_overwriting(inputs, targets, options.report)
     handover_of(options)  # a wrong switch is told before the first input is read
@@ -107,6 +108,10 @@ def _build_one(
             model = bench.sources.from_drawing(modeler_id, drawing, values)
         report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
         camera = None if drawing is None else drawing.camera
+        if options.command_id:
+            write_by_command(bench, model, options.command_id, target)
+            warn(caution.message for caution in bench.cautions(model, Job()))
+            return report, {}
         written = write_output(
             bench,
             Document((model,), camera=camera, underlays=underlays),

@@ -10,9 +10,11 @@ from bozzetto.cli.output import (
     open_document,
     refuse_overwriting,
     workbench,
+    write_by_command,
     write_outputs,
     write_report,
 )
+from bozzetto.errors import UserError
 
 
 def export(options: argparse.Namespace) -> int:
@@ -25,6 +27,16 @@ def export(options: argparse.Namespace) -> int:
     handover = handover_of(options)
     bench = workbench()
     document = open_document(bench, options.document)
+    if options.command_id:
+        models, _ = chosen_models(document, options.object)
+        able = [one for one in models if _has_command(bench, one, options.command_id)]
+        if len(able) != 1 or len(outputs) != 1:
+            raise UserError(
+                f"{options.command_id} writes one file of one object; {len(able)} have it. Name "
+                "one with --object, and one output."
+            )
+        write_by_command(bench, able[0], options.command_id, outputs[0])
+        return 0
     made = write_outputs(
         bench, document, outputs, options.object, view=options.view, handover=handover
     )
@@ -52,3 +64,11 @@ def export(options: argparse.Namespace) -> int:
             ]
         write_report(options.report, said)
     return 0
+
+
+def _has_command(bench: Any, model: Any, command_id: str) -> bool:
+    from bozzetto.workbench.export_document import unusable
+
+    if unusable(bench, model) is not None:
+        return False
+    return any(command.id == command_id for command in bench.commands.of(model.modeler))

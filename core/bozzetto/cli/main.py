@@ -119,6 +119,7 @@ def _parser() -> argparse.ArgumentParser:
         action="store_true",
         help="write the bare template where nothing can be made from the input",
     )
+    _add_command(build)
     add_handover(build)
     build.set_defaults(run=run_build)
 
@@ -130,6 +131,7 @@ def _parser() -> argparse.ArgumentParser:
     export.add_argument("--object", action="append", metavar="NAME", help="only these objects")
     export.add_argument("--view", metavar="NAME", help=VIEW_HELP)
     export.add_argument("--report", type=Path, metavar="R.json", help="write what is in the file")
+    _add_command(export)
     add_handover(export)
     export.set_defaults(run=run_export)
 
@@ -183,6 +185,15 @@ def _parser() -> argparse.ArgumentParser:
     )
     plugins.set_defaults(run=run_plugins)
     return parser
+
+
+def _add_command(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--command",
+        dest="command_id",
+        metavar="ID",
+        help="write the file of a modeler's command instead, such as save-template of a car",
+    )
 
 
 def _add_trust(command: argparse.ArgumentParser) -> None:

@@ -186,6 +186,21 @@ def write_outputs(
     return [file.as_values() | {"warnings": list(objects.warnings())} for file in made]
 
 
+def write_by_command(bench: Any, model: Any, command_id: str, target: Path) -> None:
+    """Write the file of a modeler's command, as the window does.
+
+    Raises
+    ------
+    UserError
+        If the modeler has no such command, or as `ModelCommands.write` does.
+    """
+    from bozzetto.plugin.context import Context
+
+    command = bench.commands.find(model.modeler, command_id)
+    make_folder(target)
+    bench.commands.write(model, command, Context(), target)
+
+
 def _waiting_ink(document: Any) -> tuple[str, ...]:
     """Return a warning of ink that no modeler has taken."""
     if not document.waiting:

@@ -1,4 +1,4 @@
-"""Commands: changes of a model that need no gesture."""
+"""Commands: changes of a model, and files made from one, that need no gesture."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Command:
         One sentence: what it does, for whom it is there.
     run : callable
         ``run(state, context)`` gives the new state, as `Tool.apply` does; a `UserError` says
-        what to do instead.
+        what to do instead. See `writes`.
     key : str
         A key or a combination as Qt writes it, such as "X" or "Shift+J"; "" for none. The
         program's own keys come first: where it has this one, the command has none.
@@ -35,6 +35,10 @@ class Command:
         ``enabled(state)``: whether the command means something now. Quick. It is asked of an
         empty state too: commands are there before the first object, and one that means
         something then begins an object.
+    writes : str
+        Ending of the file that the command writes, such as ".json"; "" where it gives a state.
+        With an ending, `run` gives the content of the file, bytes: a person is asked where it
+        goes, the command line is told (``--command``), and nothing of the model changes.
     """
 
     id: str
@@ -43,3 +47,4 @@ class Command:
     run: Callable[[Any, Context], Any]
     key: str = ""
     enabled: Callable[[Any], bool] = _always
+    writes: str = ""

@@ -64,6 +64,8 @@ class Context:
     sources : mapping of str to Shapes
         What the models hand over that `Modeler.sources` names, by their ids, as they were when
         this model was solved last; mm, in the frame of the model, as `Job.sources`. Empty before.
+    file : str
+        Name, without its ending, of the file that a command writes (`Command.writes`); else "".
     """
 
     camera: Camera = field(default_factory=Camera)
@@ -78,6 +80,7 @@ class Context:
     drawings: Mapping[str, Drawing] = field(default_factory=dict)
     seen: tuple[Any, ...] = ()
     sources: Mapping[str, Shapes] = field(default_factory=dict)
+    file: str = ""
 
     @property
     def has_surface(self) -> bool:

@@ -126,6 +126,8 @@ def _can_run(model: Model, command: Command, bench: Workbench) -> bool:
 
 
 def _run(model: Model, command: Command, context: Context, bench: Workbench) -> Any:
+    if command.writes:
+        return bench.commands.content(model, command, context, "file")
     return bench.commands.run(model, command, context).state
 
 

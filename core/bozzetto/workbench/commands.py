@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from bozzetto.atomic_files import write_bytes
 from bozzetto.document.model import Model, OpaqueState
 from bozzetto.errors import UserError
 from bozzetto.workbench.links import with_state
@@ -52,7 +55,7 @@ class ModelCommands:
 
     def can_run(self, model: Model, command: Command) -> bool:
         """Whether a command means something to a model as it is."""
-        if model.locked or isinstance(model.state, OpaqueState):
+        if isinstance(model.state, OpaqueState) or (model.locked and not command.writes):
             return False
         return self._registry.guarded(model.modeler).can_run(command, model.state)
 
@@ -71,13 +74,57 @@ class ModelCommands:
         Raises
         ------
         UserError
-            If the model is locked, the command means nothing now, or as the command says.
+            If the model is locked, the command means nothing now or writes a file, or as the
+            command says.
         PluginFault
         """
         if model.locked:
             raise UserError(f"“{model.name}” is locked. Unlock it in the object list first.")
-        if not self.can_run(model, command):
-            raise UserError(f"“{command.title}” cannot be done here now. {command.help}".rstrip())
-        own = context.moved(model.placement.inverse())
+        if command.writes:
+            raise UserError(f"“{command.title}” writes a file, and changes nothing. Say where to.")
+        own = self._own_context(model, command, context)
         state = self._registry.guarded(model.modeler).run(command, model.state, own)
         return with_state(self._registry, model, state)
+
+    def content(self, model: Model, command: Command, context: Context, name: str) -> bytes:
+        """Return the content of the file that a command writes.
+
+        Parameters
+        ----------
+        model, command, context
+            As in `run`; a locked model may be written, for nothing of it changes.
+        name : str
+            Name of the file, without its ending.
+
+        Raises
+        ------
+        UserError
+            If the command means nothing now or writes no file, or as the command says.
+        PluginFault
+        """
+        if not command.writes:
+            raise UserError(f"“{command.title}” writes no file. It changes the object.")
+        own = replace(self._own_context(model, command, context), file=name)
+        return self._registry.guarded(model.modeler).written(command, model.state, own)
+
+    def write(self, model: Model, command: Command, context: Context, path: Path) -> None:
+        """Write the file of a command that writes one, as a whole or not at all.
+
+        A file of that name is replaced; whoever asks for the place has asked about that.
+
+        Raises
+        ------
+        UserError
+            As `content` does, or if the name has another ending or cannot be written.
+        PluginFault
+        """
+        if command.writes and not path.name.lower().endswith(command.writes):
+            raise UserError(f"“{command.title}” writes a {command.writes} file. Name it so.")
+        stem = path.name[: len(path.name) - len(command.writes)]
+        write_bytes(path, self.content(model, command, context, stem))
+
+    def _own_context(self, model: Model, command: Command, context: Context) -> Context:
+        """Return the context in the model's own frame, for a command that means something now."""
+        if not self.can_run(model, command):
+            raise UserError(f"“{command.title}” cannot be done here now. {command.help}".rstrip())
+        return context.moved(model.placement.inverse())

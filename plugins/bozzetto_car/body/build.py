@@ -148,6 +148,28 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
     return _finished(body, wanted)
 
 
+def is_shown(state: CarState, body: Body) -> bool:
+    """Whether the body is shown, and not only a sketch whose camera is not known."""
+    return state.sketch is None or body.solved.joint is not None
+
+
+def body_in_work(state: CarState) -> Body:
+    """Return the body that is shown, to be worked on.
+
+    Raises
+    ------
+    UserError
+        If no body is shown yet.
+    """
+    body = body_of(state)
+    if not is_shown(state, body):
+        raise UserError(
+            "There is no body to work on yet: the camera of the sketch is not known. Mark its "
+            "points first."
+        )
+    return body
+
+
 def sketch_cameras_of(state: CarState) -> Mapping[str, SketchCamera]:
     """Return the camera of each sketch of a car by its id, without edits if they do not matter.
 

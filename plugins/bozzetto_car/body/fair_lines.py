@@ -4,7 +4,8 @@ Tangents of the template, in mm, on nodes that have moved bend most edges twice.
 relative to its chord as it does in the template: its tangents are turned and stretched with the
 chord. Chains are then annealed (`chain_smoothing.anneal`). An edge that still bends to both sides
 lies where a row of nodes zigzags, which is the tremor of marks; it runs straight along its chord,
-and its neighbours leave it in that direction.
+and its neighbours leave it in that direction. Last, corners of patches in which two edges have come
+to run in one line are opened, for the surface would have no normal there.
 """
 
 from __future__ import annotations
@@ -22,6 +23,10 @@ from bozzetto_car.template.network import Network, junctions, with_tangents
 STRAIGHT: Final = 1e-9
 """Product of the turns (sines) at both ends below which an edge does not count as bent twice."""
 
+WIDEST: Final = 170.0
+"""Largest angle of two edges at a corner of a patch, degrees: with a margin to what a template may
+have (`network_validation.NARROWEST_CORNER`)."""
+
 ROUNDS: Final = 4
 """Most rounds of straightening: one edge that is straightened may bend its neighbour twice."""
 
@@ -36,7 +41,78 @@ def fair_network(template: Template, positions: ArrayLike) -> Network:
     positions : (n, 3) array_like
         Places of the nodes, mm.
     """
-    return straightened(anneal(turned_with_chords(template, positions)))
+    return opened(straightened(anneal(turned_with_chords(template, positions))))
+
+
+def opened(network: Network) -> Network:
+    """Return a network without corners of patches that are wider than `WIDEST`; nodes stay.
+
+    The tangents of both edges turn to the inside of the patch, by half of what is too much, or one
+    of them by all of it where the other is smooth over the corner and so belongs to a chain.
+
+    Parameters
+    ----------
+    network : Network
+        The network to change. A corner of which both edges run on smoothly stays.
+    """
+    template = network.template
+    held = {end for joint in junctions(template) for end in (joint.before, joint.after)}
+    changed: dict[tuple[int, int], Array] = {}
+    for patch in template.patches:
+        if patch.name.endswith(".L"):
+            continue
+        places = network.positions[list(patch.nodes)]
+        normal = np.cross(places[2] - places[0], places[3] - places[1])
+        for number in range(4):
+            # The edge after the corner leaves it, the one before leads to it.
+            ends = [_end_at(patch.edges[number]), _end_at(~patch.edges[number - 1])]
+            ways = [_leaving(network, end) for end in ends]
+            opening = inside_angle(ways[0], ways[1], normal)
+            free = [k for k in (0, 1) if ends[k] not in held and ends[k] not in changed]
+            if opening <= WIDEST or not free:
+                continue
+            inside = places[(number + 2) % 4] - places[number]
+            turn = np.radians(opening - WIDEST) / len(free)
+            for k in free:
+                turned = _turned(ways[k], inside, turn)
+                changed[ends[k]] = turned if ends[k][1] == 0 else -turned
+    return with_tangents(network, changed)
+
+
+def _end_at(edge: int) -> tuple[int, int]:
+    """Return the edge and which of its ends it leaves when it is run through in its sense."""
+    return (edge, 0) if edge >= 0 else (~edge, 1)
+
+
+def _leaving(network: Network, end: tuple[int, int]) -> Array:
+    """Return the tangent with which an edge leaves one of its ends."""
+    tangent = network.tangents[end]
+    return np.asarray(tangent if end[1] == 0 else -tangent)
+
+
+def inside_angle(ahead: Array, back: Array, normal: Array) -> float:
+    """Return the angle inside a corner of a patch, 0 to 360 degrees; above 180 it is bent in.
+
+    Parameters
+    ----------
+    ahead, back : (3,) float
+        Tangents of the next and of the previous edge as they leave the corner; the patch runs
+        anticlockwise seen from outside.
+    normal : (3,) float
+        Normal of the patch, outward.
+    """
+    across = np.cross(ahead, back)
+    angle = float(np.degrees(np.arctan2(np.linalg.norm(across), ahead @ back)))
+    return angle if across @ normal >= 0.0 else 360.0 - angle
+
+
+def _turned(way: Array, toward: Array, angle: float) -> Array:
+    """Return a vector turned toward another one by an angle, radians."""
+    length = float(np.linalg.norm(way))
+    ahead = way / length
+    aside = toward - (toward @ ahead) * ahead
+    size = float(np.linalg.norm(aside))
+    return way if size == 0.0 else length * (np.cos(angle) * ahead + np.sin(angle) * aside / size)
 
 
 def turned_with_chords(template: Template, positions: ArrayLike) -> Network:

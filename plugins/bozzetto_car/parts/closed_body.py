@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Brep, ParameterCurve, sewn
-from bozzetto_car.parts.looks import DARK, GLASS, PAINT, RUBBER, left, looking
+from bozzetto_car.parts.looks import DARK, PAINT, RUBBER, left, looking
 from bozzetto_car.parts.trimmed_face import bezier, face_within, local, polyline, side_of
 from bozzetto_car.parts.wheel_arches import DEPTH, cut_panels, well
 from bozzetto_car.parts.windows import Window, gap, pane, windows_of
@@ -40,21 +41,24 @@ def closed_body(network: Network, nets: Array) -> Brep:
         If the body folds where it is cut, so that it cannot be closed.
     """
     arches = cut_panels(network, nets)
-    windows = {window.patch: window for window in windows_of(network.template, nets)}
+    insets: dict[int, list[Window]] = {}
+    for window in windows_of(network.template, nets):
+        if window.patch not in arches:
+            insets.setdefault(window.patch, []).append(window)
     painted: list[Brep] = []
     others: list[Brep] = []
     for number, patch in enumerate(network.template.patches):
         if not patch.name.endswith(".R"):
             continue
-        net, arch, window = nets[number], arches.get(number), windows.get(number)
+        net, arch, windows = nets[number], arches.get(number), insets.get(number, [])
         if arch is None:
-            panels = [_panel(net, window)]
+            panels = [_panel(net, windows)]
         else:
             panels = [face_within(bezier(net), [loop]) for loop in arch.outside]
             others += [looking(face, "Wheel well", DARK) for face in well(arch, net)]
         painted += [looking(panel, patch.name, PAINT) for panel in panels]
-        if window is not None:
-            others.append(looking(pane(window, net), window.name(patch.name), GLASS))
+        for window in windows:
+            others.append(looking(pane(window, net), window.title, window.look))
             others += [looking(face, "Window gap", RUBBER) for face in gap(window, net)]
         for side in range(4):
             if network.template.edge_of(number, side) in network.template.rim:
@@ -71,17 +75,17 @@ def closed_body(network: Network, nets: Array) -> Brep:
     return closed
 
 
-def _panel(net: Array, window: Window | None) -> Brep:
-    """Return a patch without its window."""
-    holes = [] if window is None or window.open >= 0 else [window.paths]
+def _panel(net: Array, windows: Sequence[Window]) -> Brep:
+    """Return a patch without what is let into it."""
+    holes = [window.paths for window in windows if window.open < 0]
     outer: list[ParameterCurve] = []
     for side in range(4):
-        start, end = local(side, 0.0, 0.0), local(side, 1.0, 0.0)
-        if window is None or side != window.open:
-            outer += polyline([start, end])
-        else:
+        here = local(side, 0.0, 0.0)
+        for window in sorted((w for w in windows if w.open == side), key=lambda w: w.opening):
             first, last = (local(side, along, 0.0) for along in window.opening)
-            outer += [*polyline([start, first]), *window.paths, *polyline([last, end])]
+            outer += [*polyline([here, first]), *window.paths]
+            here = last
+        outer += polyline([here, local(side, 1.0, 0.0)])
     return face_within(bezier(net), [outer, *holes])
 
 

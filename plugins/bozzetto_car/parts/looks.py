@@ -22,6 +22,8 @@ PAINT: Final = Look((201, 188, 172), "gloss")
 GLASS: Final = Look((58, 66, 72), "glass")
 RUBBER: Final = Look((46, 45, 44), "rubber")
 METAL: Final = Look((198, 196, 192), "metal")
+LAMP: Final = Look((222, 226, 228), "gloss")
+TAIL: Final = Look((150, 32, 30), "gloss")
 DARK: Final = Look((62, 60, 58), "matt")
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, BSplineSurface, Curve, ParameterCurve
 from bozzetto.geometry.patches import Places, grid, points_at
+from bozzetto.plugin import remembered
 from bozzetto_car.parts.trimmed_face import KNOTS, bezier, edge_along, face_within, local, polyline
 from bozzetto_car.template.network import Network
 
@@ -44,6 +45,9 @@ OVER_EDGE: Final = 1e-9
 
 MET: Final = 1e-6
 """Distance, mm, at which the search has found the place."""
+
+REMEMBERED: Final = 8
+"""Number of cars whose cuts are remembered."""
 
 TURN: Final = 2.0 * np.pi
 
@@ -85,6 +89,7 @@ class _MisfitError(ValueError):
     """A circle that cannot be laid on a panel."""
 
 
+@remembered(limit=REMEMBERED, key=lambda network, nets: network)
 def cut_panels(network: Network, nets: Array) -> dict[int, CutPanel]:
     """Return the panels of the right side that arches divide, by the numbers of their patches.
 

@@ -1,4 +1,4 @@
-"""Windows: panes set into the body by a gap, within frames."""
+"""What is let into the body by a gap: panes within frames, lamps, grilles."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, Mesh, ParameterCurve
 from bozzetto.geometry.patches import Patchwork, Places, grid, normals_at, shaded, sides_of
+from bozzetto_car.parts.looks import DARK, GLASS, LAMP, TAIL, Look
 from bozzetto_car.parts.trimmed_face import bezier, cubic_piece, edge_along, polyline
-from bozzetto_car.template.model import MIRROR, Patch, Template
+from bozzetto_car.template.model import MIRROR, Inset, Patch, Template
 
 FRAME: Final = 42.0
 """Width of the frame around a pane, mm."""
@@ -26,14 +27,24 @@ differ from it."""
 SET_IN: Final = 6.0
 """Depth of a pane below the body around it, mm."""
 
+DEPTHS: Final = {"headlamp": 3.0, "tail lamp": 3.0, "grille": 24.0}
+"""The same of other insets."""
+
+LOOKS: Final = {"headlamp": LAMP, "tail lamp": TAIL, "grille": DARK}
+
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """A pane in a patch of the right half; in the middle of the car it is half of one.
+    """An inset in a patch of the right half; in the middle of the car it is half of one.
 
     Attributes
     ----------
     patch : int
+    title : str
+        Its name; that of the right one where there is a left one, too.
+    look : Look
+    depth : float
+        How far it lies below the body around it, mm.
     box : (2, 2) float
         Lowest and highest u, lowest and highest v.
     open : int
@@ -41,12 +52,11 @@ class Window:
     """
 
     patch: int
+    title: str
+    look: Look
+    depth: float
     box: Array
     open: int
-
-    def name(self, patch: str) -> str:
-        """Return the name of the pane; both halves of one have the same."""
-        return f"Glass {patch if self.open < 0 else patch[:-2]}"
 
     @property
     def ring(self) -> list[tuple[float, float]]:
@@ -71,12 +81,23 @@ class Window:
 
 
 def windows_of(template: Template, nets: Array) -> tuple[Window, ...]:
-    """Return the windows of the right half."""
-    return tuple(
+    """Return the windows of the right half, then its lamps and grilles."""
+    panes = (
         _window(template, nets[number], number, patch)
         for number, patch in enumerate(template.patches)
         if patch.glass and patch.name.endswith(".R")
     )
+    numbers = {patch.name: number for number, patch in enumerate(template.patches)}
+    return (*panes, *(_inset(inset, numbers[inset.patch]) for inset in template.insets))
+
+
+def _inset(inset: Inset, number: int) -> Window:
+    (u0, u1), (v0, v1) = inset.box
+    reached = (v0 == 0.0, u1 == 1.0, v1 == 1.0, u0 == 0.0)
+    side = reached.index(True) if True in reached else -1
+    title = inset.name.replace("_", " ").capitalize() + (".R" if side < 0 else "")
+    box = np.array(inset.box)
+    return Window(number, title, LOOKS[inset.kind], DEPTHS[inset.kind], box, side)
 
 
 def _window(template: Template, net: Array, number: int, patch: Patch) -> Window:
@@ -90,7 +111,9 @@ def _window(template: Template, net: Array, number: int, patch: Patch) -> Window
         frame = min(FRAME / way, WIDEST)
         low, high = (0.0 if side in inner else frame for side in sides)
         box.append((low, 1.0 - high))
-    return Window(number, np.array(box), inner[0] if inner else -1)
+    name = patch.name[:-2] if inner else patch.name
+    open_ = inner[0] if inner else -1
+    return Window(number, f"Glass {name}", GLASS, SET_IN, np.array(box), open_)
 
 
 def pane(window: Window, net: Array) -> Brep:
@@ -106,11 +129,17 @@ def gap(window: Window, net: Array) -> list[Brep]:
     return [Brep.of_surface(bezier(np.stack((edge, edge + step), axis=1))) for edge in edges]
 
 
-def pane_mesh(template: Template, nets: Array) -> Mesh | None:
-    """Return all panes as triangles for the eye, `LAID` outside the body; None without windows."""
-    right = [_piece(window, nets[window.patch]) for window in windows_of(template, nets)]
-    if not right:
-        return None
+def inset_meshes(template: Template, nets: Array) -> list[tuple[Mesh, Look]]:
+    """Return all insets of one look as triangles for the eye, `LAID` outside the body."""
+    windows = windows_of(template, nets)
+    looks = dict.fromkeys(window.look for window in windows)
+    return [
+        (_laid([_piece(w, nets[w.patch]) for w in windows if w.look == look]), look)
+        for look in looks
+    ]
+
+
+def _laid(right: list[Array]) -> Mesh:
     pieces = np.array([*right, *(piece.swapaxes(0, 1) * MIRROR for piece in right)])
     sides = np.arange(4 * len(pieces), dtype=np.int32).reshape(-1, 4)
     mesh = shaded(Patchwork(pieces, sides_of(pieces).reshape(-1, 4, 3), sides))
@@ -130,4 +159,4 @@ def _step(window: Window, piece: Array) -> Array:
     inward = -normals_at(piece[None], Places(np.zeros(len(at), np.intp), at)).mean(axis=0)
     if window.open >= 0:
         inward[1] = 0.0
-    return np.asarray(SET_IN * inward / np.linalg.norm(inward))
+    return np.asarray(window.depth * inward / np.linalg.norm(inward))

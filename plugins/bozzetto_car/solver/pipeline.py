@@ -78,12 +78,12 @@ def template_of(state: CarState) -> Template:
 
     Raises
     ------
-    FormatError
-        If the car brings a template of its own that cannot be read.
+    UserError
+        If the car has no template of its own where that is wanted, or none that can be read.
     """
-    if not state.own:
+    if state.template != "own":
         return bundled(state.template)
-    return _own_template(state.own)
+    return _own_template(state.template_source)
 
 
 @remembered(limit=8)
@@ -129,7 +129,8 @@ def _question(state: CarState) -> tuple[object, ...]:
     """Return all that a solve depends on, as a key."""
     sketches = tuple((sketch.id, *marks_of(sketch)) for sketch in _taking_part(state))
     locked = state.dimensions if state.lock else None
-    shape = (state.own or state.template, state.trace, state.cost, state.without, locked)
+    own = state.own if state.template == "own" else state.template
+    shape = (own, state.trace, state.cost, state.without, locked)
     return (*shape, sketches)
 
 

@@ -7,7 +7,7 @@ to the last bit. No template is used before `validation.check` has found it soun
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
@@ -17,7 +17,16 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from bozzetto.errors import FormatError
-from bozzetto_car.template.model import MIRROR, Chain, Patch, Rule, Template, ViewHint, twin
+from bozzetto_car.template.model import (
+    MIRROR,
+    Chain,
+    Inset,
+    Patch,
+    Rule,
+    Template,
+    ViewHint,
+    twin,
+)
 from bozzetto_car.template.rules import parse_rule
 from bozzetto_car.template.schema import (
     LARGEST_FILE,
@@ -36,6 +45,12 @@ TEMPLATES: Final[tuple[Bundled, ...]] = get_args(Bundled)
 FORMAT_WORD: Final = b'"bozzetto-car-template/'
 """A text that stands in every template file."""
 
+BESIDE_EDGE: Final = 0.02
+"""Least distance of a lamp or a grille from the sides of its patch and from others, in u and v."""
+
+NARROWEST_INSET: Final = 0.02
+"""Least width of one, in u and v."""
+
 MOST_FAULTS: Final = 3
 """Number of faults of the network that a message names; the others mostly follow from them."""
 
@@ -49,10 +64,21 @@ def bundled(name: str) -> Template:
     FormatError
         If there is no template of that name.
     """
+    return read_template(bundled_file(name))
+
+
+def bundled_file(name: str) -> bytes:
+    """Return the file of one of the bundled templates.
+
+    Raises
+    ------
+    FormatError
+        If there is no template of that name.
+    """
     if name not in TEMPLATES:
         there = ", ".join(TEMPLATES)
         raise FormatError(f"There is no template “{name[:40]}”. Choose one of: {there}.")
-    return read_template(files("bozzetto_car").joinpath(f"templates/{name}.json").read_bytes())
+    return files("bozzetto_car").joinpath(f"templates/{name}.json").read_bytes()
 
 
 def read_template(data: bytes) -> Template:
@@ -152,6 +178,7 @@ class _Whole:
         records_by_name = {name: records.get(name) or records[twin(name)] for name in self.names}
         right = [self.node[name] for name in self.names if name.endswith(".R")]
         left = [self.node[twin(self.names[number])] for number in right]
+        patches = self._patches()
         return Template(
             id=given.id,
             title=given.title,
@@ -165,13 +192,15 @@ class _Whole:
             ),
             edges=np.array(self.edges),
             tangents=np.array(self.tangents),
-            patches=self._patches(),
+            patches=patches,
             chains=self._chains(),
             rules=self._rules(),
             order=tuple(self._order()),
             titles={name: record.title for name, record in records_by_name.items()},
             prompts={name: record.prompt for name, record in records_by_name.items()},
             pictures={name: _view_hint(records_by_name[name].picture, name) for name in self.names},
+            insets=self._insets(patches),
+            shut_lines=tuple(self._shut_lines()),
         )
 
     def _number(self, name: str, place: str) -> int:
@@ -236,6 +265,52 @@ class _Whole:
         glass = name[:-2] in self.records.glass
         return Patch(name, (a, b, c, d), (n0, n1, n2, n3), glass)
 
+    def _insets(self, patches: Sequence[Patch]) -> tuple[Inset, ...]:
+        """Return lamps and grilles, each within one patch and beside all others.
+
+        Raises
+        ------
+        FormatError
+            If one lies in no patch, in a window, over an edge or over another one.
+        """
+        known = {patch.name: patch for patch in patches}
+        middle = {self.node[name] for name in self.records.centre}
+        made: list[Inset] = []
+        for key, record in self.records.insets.items():
+            place = f"insets, {key}"
+            patch = known.get(f"{record.patch}.R")
+            if patch is None or patch.glass:
+                raise FormatError(f"{place}: there is no patch {record.patch} without a window.")
+            inner = {side for side in range(4) if self._is_inner(patch, side, middle)}
+            box = record.u, record.v
+            for (low, high), sides in zip(box, ((3, 1), (0, 2)), strict=True):
+                if not high - low >= NARROWEST_INSET:
+                    raise FormatError(f"{place}: it has no size. Give the smaller number first.")
+                for at, side in ((low, sides[0]), (1.0 - high, sides[1])):
+                    if at < BESIDE_EDGE and not (at == 0.0 and side in inner):
+                        raise FormatError(
+                            f"{place}: it reaches over an edge of the patch. Stay {BESIDE_EDGE} "
+                            "away, but for a side in the middle of the car, which it may reach."
+                        )
+            whole = Inset(key, patch.name, record.kind, box)
+            if [at for ends in box for at in ends if at in (0.0, 1.0)][1:]:
+                raise FormatError(f"{place}: it reaches two sides of the patch.")
+            for other in made:
+                if other.patch == whole.patch and _overlap(other, whole):
+                    raise FormatError(f"{place}: it lies over {other.name}. Move one of them.")
+            made.append(whole)
+        return tuple(made)
+
+    def _shut_lines(self) -> Iterator[int]:
+        for key in self.records.shut_lines:
+            place = f"shut_lines, {key[:40]}"
+            start, _, end = key.partition("-")
+            edge = self._edge(self._number(start, place), self._number(end, place), place)
+            yield max(edge, ~edge)
+
+    def _is_inner(self, patch: Patch, side: int, middle: set[int]) -> bool:
+        return {patch.nodes[side], patch.nodes[(side + 1) % 4]} <= middle
+
     def _chains(self) -> tuple[Chain, ...]:
         made = []
         for key, record in self.records.chains.items():
@@ -280,6 +355,12 @@ class _Whole:
 def _reflected(vector: Vector) -> Vector:
     """Return the mirror image of a vector; -0.0 becomes 0.0, so that equal halves compare equal."""
     return vector[0], 0.0 - vector[1], vector[2]
+
+
+def _overlap(one: Inset, other: Inset) -> bool:
+    """Whether two insets of one patch lie over or too close to each other."""
+    pairs = zip(one.box, other.box, strict=True)
+    return all(a[0] < b[1] + BESIDE_EDGE and b[0] < a[1] + BESIDE_EDGE for a, b in pairs)
 
 
 def _view_hint(record: PictureRecord, name: str) -> ViewHint:

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
@@ -82,6 +82,30 @@ class Patch:
     edges: tuple[int, int, int, int]
     nodes: tuple[int, int, int, int]
     glass: bool = False
+
+
+InsetKind = Literal["headlamp", "tail lamp", "grille"]
+"""What is let into the body beside windows."""
+
+
+@dataclass(frozen=True)
+class Inset:
+    """A lamp or a grille of the right half; of one over the middle of the car, its right half.
+
+    Attributes
+    ----------
+    name : str
+    patch : str
+        Name of the patch that it is let into.
+    kind : {"headlamp", "tail lamp", "grille"}
+    box : ((float, float), (float, float))
+        Lowest and highest u, lowest and highest v.
+    """
+
+    name: str
+    patch: str
+    kind: InsetKind
+    box: tuple[tuple[float, float], tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -155,6 +179,10 @@ class Template:
     titles, prompts : mapping of str to str
         By name of the node: its title, and how to ask for it.
     pictures : mapping of str to ViewHint
+    insets : tuple of Inset
+        Lamps and grilles of the right half.
+    shut_lines : tuple of int
+        Edges of the right half along which doors and lids end.
     """
 
     id: str
@@ -174,6 +202,8 @@ class Template:
     titles: Mapping[str, str]
     prompts: Mapping[str, str]
     pictures: Mapping[str, ViewHint]
+    insets: tuple[Inset, ...] = ()
+    shut_lines: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         for name, columns in (("positions", 3), ("pairs", 2), ("wheels", 2), ("edges", 2)):

@@ -15,11 +15,15 @@ import msgspec
 from msgspec import Meta
 
 from bozzetto.errors import FormatError, words_of
+from bozzetto_car.template.model import InsetKind
 
 FORMAT: Final = "bozzetto-car-template/1"
 
 LARGEST_FILE: Final = 1 << 20
 """Largest file, bytes; a template is some pages of text."""
+
+MOST_INSETS: Final = 40
+"""Most lamps and grilles of one half."""
 
 MOST_ITEMS: Final = 400
 """Most nodes, edges, patches, chains or rules of one half: ten times those of a sedan."""
@@ -68,6 +72,18 @@ class ChainRecord(msgspec.Struct, forbid_unknown_fields=True):
     smooth: Annotated[list[Name], Meta(min_length=1, max_length=MOST_ITEMS)]
 
 
+Share = Annotated[float, Meta(ge=0.0, le=1.0)]
+
+
+class InsetRecord(msgspec.Struct, forbid_unknown_fields=True):
+    """A lamp or a grille in a patch of the right half, between places along its sides."""
+
+    patch: Label
+    kind: InsetKind
+    u: tuple[Share, Share]
+    v: tuple[Share, Share]
+
+
 class Records(msgspec.Struct, forbid_unknown_fields=True):
     """All records of a file."""
 
@@ -84,6 +100,8 @@ class Records(msgspec.Struct, forbid_unknown_fields=True):
     soundness: dict[Text, Text]
     order: Annotated[list[Text], Meta(max_length=2 * MOST_ITEMS)]
     glass: Annotated[list[Label], Meta(max_length=MOST_ITEMS)] = []
+    insets: Annotated[dict[Label, InsetRecord], Meta(max_length=MOST_INSETS)] = {}
+    shut_lines: Annotated[list[Text], Meta(max_length=MOST_ITEMS)] = []
 
 
 _SECTIONS: Final[Mapping[str, tuple[Any, Any]]] = {

@@ -95,12 +95,22 @@ def _marking_faults(template: Template) -> Iterator[str]:
         for patch in picture.patches:
             if patch not in patches:
                 yield f"The picture of {name} speaks of the patch {patch}, which there is not."
-        if not _faces(template, number, picture.toward_eye):
+        if not faces(template, number, picture.toward_eye):
             yield f"The picture of {name} looks at the car from where it cannot be seen."
 
 
-def _faces(template: Template, number: int, eye: Array) -> bool:
-    """Whether a patch at the node faces the eye; of a wheel, whether its side of the car does."""
+def faces(template: Template, number: int, eye: Array) -> bool:
+    """Whether a patch at a node faces the eye; of a wheel, whether its side of the car does.
+
+    Parameters
+    ----------
+    template : Template
+        The template.
+    number : int
+        Index of the node.
+    eye : (3,) float
+        Direction from the car to the eye.
+    """
     around = [patch for patch in template.patches if number in patch.nodes]
     if not around:
         return bool(eye[1] * template.positions[number, 1] > 0.0)

@@ -12,14 +12,14 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, Tool, override
 from bozzetto.scene import Scene
 from bozzetto.view import triple
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.build import Body, body_in_work, body_of
 from bozzetto_car.body.drag import drag_handle, drag_node
 from bozzetto_car.body.edit_list import add_drag
 from bozzetto_car.state import BentEdge, CarState, MovedNode
 from bozzetto_car.template.network import edge_called, node_called
 from bozzetto_car.view.edge_items import NODE, SHAPE_TOOL, TANGENT
 from bozzetto_car.view.picking import touched
-from bozzetto_car.view.scene import body_in_work, body_layers
+from bozzetto_car.view.scene import body_layers
 
 STILL: Final = 3.0
 """Movement of the pen, px, below which a handle is touched and not dragged."""

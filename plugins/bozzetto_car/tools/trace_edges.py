@@ -11,14 +11,20 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink, Tool, override
 from bozzetto.scene import Layer, Scene
-from bozzetto_car.body.build import Body, body_of, drawn_through, in_world_of, unstretched_body_of
+from bozzetto_car.body.build import (
+    Body,
+    body_in_work,
+    body_of,
+    drawn_through,
+    in_world_of,
+    unstretched_body_of,
+)
 from bozzetto_car.body.edge_runs import find_run
 from bozzetto_car.body.edit_list import without_last_of
 from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.state import CarState, TracedEdges
 from bozzetto_car.view.edge_items import edge_items
 from bozzetto_car.view.picking import edges_under
-from bozzetto_car.view.scene import body_in_work
 
 NOTHING: Final = "No edge that was traced is under the eraser. Rub along one."
 

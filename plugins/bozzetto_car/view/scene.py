@@ -6,21 +6,24 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from bozzetto.errors import UserError
+import numpy as np
+
 from bozzetto.geometry.patches import shaded
 from bozzetto.plugin import remembered
-from bozzetto.scene import Image, Item, Layer, Scene, Shaded
+from bozzetto.scene import Image, Item, Layer, Lines, Scene, Shaded
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.build import Body, is_shown
 from bozzetto_car.body.wheels import wheel_meshes
-from bozzetto_car.parts.looks import GLASS
-from bozzetto_car.parts.windows import pane_mesh
+from bozzetto_car.parts.trim import mirror_meshes
+from bozzetto_car.parts.windows import inset_meshes
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.styling.scene import styling_items
+from bozzetto_car.template.model import MIRROR
 from bozzetto_car.view.edge_items import (
     crease_labels,
     edge_items,
     handle_layer,
+    network_lines,
     node_items,
     sources_of,
 )
@@ -32,6 +35,12 @@ DIVISIONS: Final = 12
 
 DRAFT: Final = 0.3
 """Opacity of a body over its sketch."""
+
+SHUT: Final = (74, 70, 66)
+"""Colour of shut lines."""
+
+SHUT_WIDTH: Final = 1.2
+"""Width of shut lines, px."""
 
 SKETCH_LAYERS: Final = ("sketch", "marks")
 """Layers that make sense only in a view through a sketch's camera."""
@@ -51,28 +60,6 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
     layers.append(Layer("styling", styling_items(state, body)))
     layers += mark_layers(state, body)
     return Scene(tuple(layer for layer in layers if layer.items))
-
-
-def is_shown(state: CarState, body: Body) -> bool:
-    """Whether the body is shown, and not only a sketch whose camera is not known."""
-    return state.sketch is None or body.solved.joint is not None
-
-
-def body_in_work(state: CarState) -> Body:
-    """Return the body that is shown, to be worked on.
-
-    Raises
-    ------
-    UserError
-        If no body is shown yet.
-    """
-    body = body_of(state)
-    if not is_shown(state, body):
-        raise UserError(
-            "There is no body to work on yet: the camera of the sketch is not known. Mark its "
-            "points first."
-        )
-    return body
 
 
 def body_layers(state: CarState, body: Body, camera: Camera | None = None) -> list[Layer]:
@@ -109,13 +96,16 @@ def _picture(sketch: Sketch | None, body: Body) -> Iterator[Image]:
 
 
 @remembered(
-    limit=REMEMBERED, key=lambda state, body: (body, state.body, state.shading, state.complete)
+    limit=REMEMBERED,
+    key=lambda state, body: (
+        (body, state.body, state.shading, state.complete, state.mirrors, state.network)
+    ),
 )
 def _body_layer(state: CarState, body: Body) -> Layer:
     return Layer("body", tuple(_skin(state, body)))
 
 
-def _skin(state: CarState, body: Body) -> Iterator[Shaded]:
+def _skin(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
     if not state.body:
         return
     mesh = shaded(body.patchwork, DIVISIONS)
@@ -128,9 +118,23 @@ def _skin(state: CarState, body: Body) -> Iterator[Shaded]:
         opacity=DRAFT if state.shading == "draft" else 1.0,
         finish="zebra" if state.shading == "zebra" else "clay",
     )
-    panes = pane_mesh(body.template, body.nets) if state.complete else None
-    if panes is not None and state.shading == "shaded":
-        yield Shaded(panes, GLASS.color, pickable=False, finish="gloss")
+    if state.complete and state.shading == "shaded":
+        yield from _trim(state, body)
+
+
+def _trim(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
+    """Yield what a complete car has besides its surfaces and wheels."""
+    for inset, look in inset_meshes(body.template, body.nets):
+        dull = look.finish == "matt"
+        yield Shaded(inset, look.color, pickable=False, finish="rubber" if dull else "gloss")
+    if state.mirrors:
+        for mesh in mirror_meshes(body.network, body.nets):
+            yield Shaded(mesh, pickable=False)
+    if not state.network:
+        right = body.network.control_points[list(body.template.shut_lines)]
+        if len(right):
+            lines = np.concatenate((right, right * MIRROR))
+            yield network_lines(lines, SHUT, SHUT_WIDTH, hidden="hide")
 
 
 @remembered(limit=REMEMBERED, key=lambda state, body: (body, state.wheels, state.shading))

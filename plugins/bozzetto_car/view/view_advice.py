@@ -15,12 +15,12 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, sketch_cameras_of
+from bozzetto_car.body.build import Body, is_shown, sketch_cameras_of
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.marking.next_mark import in_work, problem_of
 from bozzetto_car.solver.initial_cameras import Placed
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.view.scene import body_layers, is_shown, view_dependent_scene
+from bozzetto_car.view.scene import body_layers, view_dependent_scene
 
 DRAFTED: Final = ("body", "wheels", "network")
 """Layers that look different over a drawing, so that the drawing is visible."""

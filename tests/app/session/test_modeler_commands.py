@@ -9,6 +9,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QFileDialog
 
 from bozzetto.plugin import Command
 from bozzetto.plugin.host.registry import Registry
@@ -186,6 +187,60 @@ def test_commands_are_asked_and_run_in_workers(make_session, marks, settle, monk
     settle(session)
     assert threads
     assert threading.main_thread() not in threads
+
+
+# -- that write a file ---------------------------------------------------------------------------
+
+
+@pytest.fixture
+def with_list(marks, monkeypatch):
+    """The modeler, with a command that writes how many marks there are."""
+    whole = marks.commands
+
+    def written(state, context):
+        return f"{context.file}: {len(state.marks)}".encode()
+
+    made = Command("list", "List", "Writes how many.", written, writes=".txt")
+    monkeypatch.setattr(marks, "commands", lambda: [*whole(), made])
+    return marks
+
+
+def test_a_command_that_writes_asks_for_a_place_and_is_no_step(
+    make_session, with_list, settle, tmp_path
+):
+    session = make_session(MODELER, extra=[with_list.package])
+    draw(session, settle)
+    asked, steps = [], session.drawing.history.position
+    session.commands.place_wanted.connect(asked.append)
+    session.commands.run("list")
+    settle(session)
+    assert [command.id for command in asked] == ["list"]
+    draw(session, settle, 500.0)
+    session.commands.write("list", tmp_path / "marks.txt")
+    settle(session)
+    assert (tmp_path / "marks.txt").read_text() == "marks: 2"
+    assert session.drawing.history.position == steps + 1
+    assert session.heard[-1].text == "Saved “marks.txt”."
+
+
+@pytest.mark.parametrize("chosen", ["marks.txt", "marks", "marks.md"])
+def test_the_window_asks_where_the_file_of_a_command_goes(
+    make_window, with_list, settle, tmp_path, monkeypatch, chosen
+):
+    asked = []
+
+    def ask(parent, title, proposal, kinds):
+        asked.append((title, kinds))
+        return str(tmp_path / chosen), kinds
+
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", staticmethod(ask))
+    window = make_window(MODELER, extra=[with_list.package])
+    draw(window.session, settle)
+    window.actions_.qaction("command.list").trigger()
+    settle(window.session)
+    assert asked == [("List", "List (*.txt)")]
+    (written,) = tmp_path.glob("*.txt")
+    assert written.name in ("marks.txt", "marks.md.txt")
 
 
 # -- in the window -------------------------------------------------------------------------------

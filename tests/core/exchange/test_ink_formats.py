@@ -104,6 +104,28 @@ def test_the_smallest_file_by_hand():
     assert drawing.name == "name"
 
 
+@pytest.mark.parametrize("format_", ["other-things/3", "x", "bozzetto-car-template/1"])
+def test_facts_may_have_a_format_of_their_own(format_):
+    said = {"format": format_, "rules": {"a": 1}}
+    drawing = ink_json.read_drawing(json.dumps(said).encode(), "facts")
+    assert drawing.facts == said
+    assert not len(drawing.strokes)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"format": "other-things/3"},
+        {"format": "bozzetto-ink/9", "rules": {}},
+        {"format": "other-things/3", "strokes": []},
+        {"format": 3, "rules": {}},
+    ],
+)
+def test_other_formats_with_ink_or_nothing_are_refused(said):
+    with pytest.raises(FormatError):
+        ink_json.read_drawing(json.dumps(said).encode(), "facts")
+
+
 def test_a_curve_may_be_named_by_a_number():
     made = ink_json.read_drawing(document().replace(b'"roof"', b"7"), "name")
     assert made.strokes[1].group == "7"

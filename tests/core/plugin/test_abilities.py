@@ -79,6 +79,58 @@ def test_a_locked_model_is_not_changed(shell):
         commands.run(model, flip, shell.context())
 
 
+def listed(marks):
+    """Commands of a modeler with one that writes a file."""
+
+    def written(state, context):
+        text = f"{context.file}: {len(state.marks)}"
+        return text.encode()
+
+    whole = adviser.Marks.commands(marks)
+    return lambda: [*whole, Command("list", "List", "Writes how many.", written, writes=".txt")]
+
+
+def test_a_command_that_writes_changes_nothing_and_knows_its_file(
+    shell, marks, monkeypatch, tmp_path
+):
+    monkeypatch.setattr(marks, "commands", listed(marks))
+    model = shell.draw(LINE)
+    commands = shell.workbench.commands
+    found = commands.find(MODELER, "list")
+    target = tmp_path / "Two marks.txt"
+    target.write_text("older")
+    commands.write(replace(model, locked=True), found, shell.context(), target)
+    assert target.read_text() == "Two marks: 1"
+    with pytest.raises(UserError, match="writes a file, and changes nothing"):
+        commands.run(model, found, shell.context())
+    with pytest.raises(UserError, match=r"writes a \.txt file"):
+        commands.write(model, found, shell.context(), tmp_path / "a.md")
+    with pytest.raises(UserError, match="writes no file"):
+        commands.content(model, commands.find(MODELER, "flip"), shell.context(), "a")
+    assert [path.name for path in tmp_path.iterdir() if path.suffix == ".md"] == []
+
+
+@pytest.mark.parametrize("content", [None, "text", b"", adviser.MarksState()])
+def test_what_a_command_writes_is_checked(shell, marks, monkeypatch, tmp_path, content):
+    def run(state, context):
+        return content
+
+    made = Command("list", "List", "Writes how many.", run, writes=".txt")
+    monkeypatch.setattr(marks, "commands", lambda: [made])
+    model = shell.draw(LINE)
+    with pytest.raises(PluginFault):
+        shell.workbench.commands.write(model, made, shell.context(), tmp_path / "a.txt")
+    assert not (tmp_path / "a.txt").exists()
+
+
+@pytest.mark.parametrize("ending", ["txt", ".TXT", "./../x", ".t t"])
+def test_a_wrong_ending_of_a_command_is_the_plugins_fault(shell, marks, monkeypatch, ending):
+    made = Command("list", "List", "Writes.", lambda state, context: b"1", writes=ending)
+    monkeypatch.setattr(marks, "commands", lambda: [made])
+    with pytest.raises(PluginFault):
+        shell.workbench.commands.of(MODELER)
+
+
 def test_a_command_sees_the_world_from_the_models_frame(shell, monkeypatch):
     seen = []
     look = Command("look", "Look", "Looks.", lambda state, context: seen.append(context) or state)

@@ -7,7 +7,7 @@ digits. A stroke that was drawn through another camera than the sheet's carries 
 ``steps`` say how the strokes were used; see `exchange.ink_steps`.
 
 An object with none of these keys is a drawing without ink: facts for the modeler that knows
-them, such as the marks on a sketch.
+them, such as the marks on a sketch. It may have a ``format`` of its own.
 """
 
 from __future__ import annotations
@@ -93,6 +93,9 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     top = decode_json(data.removeprefix(codecs.BOM_UTF8), dict[str, msgspec.Raw], "the file")
     if top and not any(key in top for key in KNOWN):
         return Drawing(Strokes(), Camera(), name, _facts(top))
+    if len(top) > 1 and not any(key in top for key in KNOWN[1:]) and _is_foreign(top["format"]):
+        own = {"format": decode_json(top.pop("format"), str, "format")}
+        return Drawing(Strokes(), Camera(), name, own | _facts(top))
     if NEEDED[0] not in top or decode_json(top["format"], str, "format") != FORMAT:
         raise FormatError(f"This is not ink JSON: “format” must be “{FORMAT}”.")
     for key in NEEDED[1:]:
@@ -110,6 +113,11 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         at_most(samples, MAX_SAMPLES, "samples")
     steps = read_steps(top["steps"], canvas, len(strokes)) if "steps" in top else ()
     return Drawing(Strokes(strokes), camera, name, _facts(top), steps)
+
+
+def _is_foreign(format_: msgspec.Raw) -> bool:
+    """Whether a file says that it is of a format of somebody else's."""
+    return not decode_json(format_, str, "format").startswith(FORMAT.partition("/")[0])
 
 
 def _facts(top: dict[str, msgspec.Raw]) -> dict[str, Any]:

@@ -38,6 +38,9 @@ MOST_FIRST: Final = 3
 MOST_COMMANDS: Final = 200
 """Commands of one modeler; nobody would find more in a menu."""
 
+LARGEST_CONTENT: Final = 64 << 20
+"""Bytes of a file that a command writes."""
+
 MOST_SOURCES: Final = 1_000
 """Models that one model is made from."""
 
@@ -137,14 +140,29 @@ def sound_commands(commands: Any) -> tuple[Command, ...]:
     for command in commands:
         if not isinstance(command, Command):
             raise Unsound(f"{type(command).__name__} where a Command belongs")
-        for name in ("id", "title", "help", "key"):
+        for name in ("id", "title", "help", "key", "writes"):
             check_text(getattr(command, name), f"Command.{name}")
+        ending = re.fullmatch(r"(\.[a-z0-9]{1,16})*", command.writes)
+        expect(ending is not None, f"the ending that the command {command.id!r} writes")
         expect(bool(command.id and command.title), "a command without an id or a title")
         for name in ("run", "enabled"):
             expect(callable(getattr(command, name)), f"{name} of the command {command.id!r}")
     ids = [command.id for command in commands]
     expect(len(set(ids)) == len(ids), "an id of a command (given twice)")
     return tuple(commands)
+
+
+def sound_content(content: Any) -> bytes:
+    """Return the content of a file if it is some.
+
+    Raises
+    ------
+    Unsound
+    """
+    if type(content) is not bytes:
+        raise Unsound(f"{type(content).__name__} where the bytes of a file belong")
+    expect(0 < len(content) <= LARGEST_CONTENT, "the size of a file")
+    return content
 
 
 def sound_advice(advice: Any) -> ViewAdvice | None:

@@ -166,6 +166,11 @@ class GuardedModeler:
         """Return the state after a command."""
         return self._state(f"{command.id}.run", command.run, state, context)
 
+    def written(self, command: Command, state: Any, context: Context) -> bytes:
+        """Return the content of the file that a command writes."""
+        name = f"{command.id}.run"
+        return self._checked(name, validation.sound_content, command.run, state, context)
+
     # -- results --
 
     def solve(self, state: Any, job: Job) -> Any:

@@ -80,8 +80,8 @@ class ModelerInfo:
         Whether a person can choose it.
     order : int
         Place in the row of modelers, small first.
-    facts : str
-        The key by which its files are told from others; "" for none.
+    facts : tuple of str
+        The keys by which its files are told from others.
     """
 
     id: str
@@ -95,4 +95,4 @@ class ModelerInfo:
     abilities: frozenset[str] = frozenset()
     listed: bool = True
     order: int = 50
-    facts: str = ""
+    facts: tuple[str, ...] = ()

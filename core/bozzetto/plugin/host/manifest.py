@@ -38,6 +38,9 @@ MANIFEST = "plugin.toml"
 LARGEST_MANIFEST = 64 * 1024
 """Bytes; a manifest is a page of text."""
 
+MOST_KEYS = 16
+"""Kinds of files that are told by a key."""
+
 MOST_MODELERS = 64
 """Modelers that one plugin may announce."""
 
@@ -46,6 +49,7 @@ Ability = Literal["panel", "read_shapes", "follow", "add_picture", "add_drawing"
 
 Word = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
 Sentence = Annotated[str, msgspec.Meta(max_length=400)]
+Key = Annotated[str, msgspec.Meta(max_length=80)]
 
 ID_PATTERN = r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+$"
 Id = Annotated[str, msgspec.Meta(pattern=ID_PATTERN, max_length=80)]
@@ -71,7 +75,7 @@ class _ModelerTable(msgspec.Struct, frozen=True):
     samples: list[str | _SampleTable] = []
     abilities: frozenset[Ability] = frozenset()
     listed: bool = True
-    facts: Annotated[str, msgspec.Meta(max_length=80)] = ""
+    facts: Key | Annotated[list[Key], msgspec.Meta(max_length=MOST_KEYS)] = ""
     order: int = 50
 
 
@@ -117,9 +121,9 @@ class ModelerEntry:
         Whether a person can choose it; false where models are only made from files.
     order : int
         Place in the row of modelers, small first.
-    facts : str
-        The key by which its files are told from others: a JSON file without strokes that has
-        it at the top is read by this modeler, whichever is in the hand. "" for none.
+    facts : tuple of str
+        The keys by which its files are told from others: a JSON file without strokes that has
+        one of them at the top is read by this modeler, whichever is in the hand.
     """
 
     id: str
@@ -130,7 +134,7 @@ class ModelerEntry:
     abilities: frozenset[Ability] = frozenset()
     listed: bool = True
     order: int = 50
-    facts: str = ""
+    facts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -231,7 +235,9 @@ def _entry(table: _ModelerTable) -> ModelerEntry:
         _check_inside(sample.file, "sample", (".json", ".svg", ".inkml"))
         samples.append(Sample(sample.file, sample.title))
     _check_inside(table.icon, "icon", (".svg",))
-    return ModelerEntry(**asdict(table) | {"samples": tuple(samples)})
+    keys = [table.facts] if isinstance(table.facts, str) else table.facts
+    told = {"samples": tuple(samples), "facts": tuple(key for key in keys if key)}
+    return ModelerEntry(**asdict(table) | told)
 
 
 def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:

@@ -192,7 +192,7 @@ class Registry:
 
     def told_by(self, facts: Mapping[str, object]) -> str:
         """Return the modeler that reads files with such facts; "" for none, or several."""
-        ids = [info.id for info in self.modelers() if info.facts and info.facts in facts]
+        ids = [info.id for info in self.modelers() if any(key in facts for key in info.facts)]
         return ids[0] if len(ids) == 1 else ""
 
     def standing(self, modeler_id: str) -> Standing:

@@ -71,6 +71,7 @@ def test_unknown_keys_are_told_and_ignored(tmp_path):
         ('api = ">=2,<3"', "api = 1", "api"),
         ("order = 7", 'order = "first"', "order"),
         ('abilities = ["panel"]', 'abilities = ["fly"]', "abilities"),
+        ("order = 7", "facts = [1]", "facts"),
         ("icons/thing.svg", "../thing.svg", "icon"),
         ("icons/thing.svg", "/etc/thing.svg", "icon"),
         ("icons/thing.svg", "icons/thing.exe", "icon"),
@@ -88,6 +89,21 @@ def test_what_is_wrong_is_named(tmp_path, old, new, names):
         read(tmp_path, WHOLE.replace(old, new, 1))
     assert "plugin.toml" in caught.value.message
     assert names in caught.value.message
+
+
+@pytest.mark.parametrize(
+    ("facts", "keys"),
+    [
+        ("", ()),
+        ('facts = ""', ()),
+        ('facts = "views"', ("views",)),
+        ('facts = ["views", "rules"]', ("views", "rules")),
+        ("facts = []", ()),
+    ],
+)
+def test_files_are_told_by_one_key_or_several(tmp_path, facts, keys):
+    manifest = read(tmp_path, WHOLE.replace("order = 7", f"order = 7\n{facts}", 1))
+    assert manifest.modelers[0].facts == keys
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry.patches import coons_nets, crease_angles
-from bozzetto_car.body.chain_smoothing import smooth_chains
+from bozzetto_car.body.chain_smoothing import anneal, smooth_chains
 from bozzetto_car.body.fair_lines import (
     double_bends,
     fair_network,
@@ -16,7 +16,9 @@ from bozzetto_car.body.fair_lines import (
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network import Network
+from bozzetto_car.template.network_validation import NARROWEST_CORNER
 from tests.plugins.car.sketched import rubbery, styled
+from tests.plugins.car.unseen import KINDS, unseen
 
 
 @pytest.fixture(params=TEMPLATES)
@@ -39,6 +41,36 @@ def test_no_edge_bends_twice(template: Template, seed: int) -> None:
     made = fair_network(template, trembling(template, seed))
     assert was >= 8
     assert double_bends(made).max() <= 1e-6
+
+
+def widest(network: Network) -> float:
+    """Widest corner of all patches of both sides, degrees, seen from outside."""
+    found = 0.0
+    for patch in network.template.patches:
+        places = network.positions[list(patch.nodes)]
+        normal = np.cross(places[2] - places[0], places[3] - places[1])
+        ring = [bezier[[0, 1]] if edge >= 0 else bezier[[3, 2]] for edge, bezier in (
+            (edge, network.control_points[max(edge, ~edge)]) for edge in patch.edges)]  # fmt: skip
+        back = [bezier[[3, 2]] if edge >= 0 else bezier[[0, 1]] for edge, bezier in (
+            (edge, network.control_points[max(edge, ~edge)]) for edge in patch.edges)]  # fmt: skip
+        for number in range(4):
+            ahead, behind = (leg[1] - leg[0] for leg in (ring[number], back[number - 1]))
+            flat = [way - (way @ normal) * normal / (normal @ normal) for way in (ahead, behind)]
+            sine = np.cross(*flat) @ normal / np.linalg.norm(normal)
+            angle = np.degrees(np.arctan2(sine, flat[0] @ flat[1])) % 360.0
+            found = max(found, float(angle))
+    return found
+
+
+def test_no_two_edges_of_a_patch_come_to_run_in_one_line() -> None:
+    """In a van the post behind the last window is one straight line from the roof down."""
+    van = bundled(KINDS["van"].template)
+    cars = [unseen(KINDS["van"], 300 + seed) for seed in range(8)]
+    before = [widest(straightened(anneal(turned_with_chords(van, car)))) for car in cars]
+    after = [fair_network(van, car) for car in cars]
+    assert max(before) > 180.0 - NARROWEST_CORNER
+    assert max(map(widest, after)) < 180.0 - NARROWEST_CORNER
+    assert max(double_bends(made).max() for made in after) <= 1e-6
 
 
 def test_nodes_stay_and_both_sides_are_the_same(template: Template) -> None:

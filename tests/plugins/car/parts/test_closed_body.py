@@ -12,9 +12,10 @@ from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.wheels import SPOKES
 from bozzetto_car.export import shapes_of
 from bozzetto_car.parts.closed_body import closed_body
+from bozzetto_car.parts.trim import shut_lines, trim_of
 from bozzetto_car.parts.wheel_arches import RADII, cut_panels
 from bozzetto_car.parts.wheels import wheels_of
-from bozzetto_car.parts.windows import LAID, SET_IN, pane_mesh
+from bozzetto_car.parts.windows import LAID, SET_IN, inset_meshes
 from bozzetto_car.state import CarState
 from tests.plugins.car.held_out import near_template
 from tests.plugins.car.marked_car import marked
@@ -119,7 +120,9 @@ def test_what_is_handed_over_tells_glass_paint_rubber_and_metal():
     solids = meshed(replace(shapes, breps=shapes.breps[:3])).solids
     assert solids[0].name == "Body"
     assert len(solids) == 3
-    assert len(shapes.breps) == 9
+    lips = [part for part in shapes.breps if part.name.startswith("Arch lip")]
+    assert len(shapes.breps) == 9 + len(lips)
+    assert len(lips) >= 4
     assert {group.finish for group in solids[0].groups} >= {"gloss", "glass", "rubber", "matt"}
     assert {face.finish for part in shapes.breps for face in part.faces} >= {
         "gloss",
@@ -131,10 +134,11 @@ def test_what_is_handed_over_tells_glass_paint_rubber_and_metal():
     assert len(glass) == len(set(glass)) == 6
 
 
-def test_without_wheels_only_the_body_is_handed_over():
+def test_without_wheels_none_is_handed_over():
     state = replace(marked(3), complete=True, wheels=False)
-    (only,) = shapes_of(state, body_of(state)).breps
-    assert only.is_closed
+    parts = shapes_of(state, body_of(state)).breps
+    assert not [part for part in parts if part.name.startswith(("Tyre", "Rim"))]
+    assert parts[0].is_closed
 
 
 @pytest.mark.slow
@@ -149,9 +153,40 @@ def test_cars_that_no_template_knows_are_closed():
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_panes_are_seen_just_outside_the_body_on_both_sides(name):
     car = body(name)
-    mesh = pane_mesh(car.template, car.nets)
-    some = mesh.vertices[::40].astype(float)
-    away = np.linalg.norm(points_at(car.nets, foot_points(car.nets, some)) - some, axis=1)
-    assert np.abs(away - LAID).max() < 0.2
-    low, high = mesh.bounds
-    assert abs(low[1] + high[1]) < 1e-2
+    meshes = inset_meshes(car.template, car.nets)
+    assert len(meshes) == 4
+    for mesh, _ in meshes:
+        some = mesh.vertices[::40].astype(float)
+        away = np.linalg.norm(points_at(car.nets, foot_points(car.nets, some)) - some, axis=1)
+        assert np.abs(away - LAID).max() < 0.2
+        low, high = mesh.bounds
+        assert abs(low[1] + high[1]) < 1e-2
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_lips_and_mirrors_are_solids_in_pairs(name):
+    car = body(name)
+    parts = trim_of(car.network, car.nets, with_mirrors=True)
+    names = [part.name for part in parts]
+    assert len(set(names)) == len(names)
+    assert {"Mirror right", "Mirror left", "Arch lip front right", "Arch lip rear left"} <= {*names}
+    for part in parts:
+        mesh, counts = counted_mesh(part, 2.0)
+        bounds = np.cumsum([0, *counts])
+        assert part.is_closed
+        for piece in part.pieces:
+            faces = np.concatenate([mesh.faces[bounds[k] : bounds[k + 1]] for k in piece])
+            assert volume(replace(mesh, faces=faces)) > 0.0
+
+
+def test_shut_lines_lie_on_the_surface_and_end_at_the_arches():
+    car = body("sedan")
+    axles = car.network.positions[car.template.wheels.ravel()]
+    lines = list(shut_lines(car.network, car.nets))
+    for _, points in lines:
+        at = points[[0, 3]]
+        away = np.linalg.norm(points_at(car.nets, foot_points(car.nets, at)) - at, axis=1)
+        assert away.max() < 1e-6
+        for axle in axles:
+            assert np.linalg.norm((at - axle)[:, [0, 2]], axis=1).min() > axle[2]
+    assert {"Shut line S3-B3 right", "Shut line S3-B3 left"} <= {name for name, _ in lines}
