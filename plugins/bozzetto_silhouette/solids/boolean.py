@@ -8,6 +8,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.errors import UserError
+from bozzetto_silhouette.inflation.manifold_check import volume_of
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Operation
@@ -28,6 +29,9 @@ smallest part has hundreds, for its own spacing suits it."""
 NARROW = 3.0
 """Length of a loop around a tunnel or a handle of a fillet, in its cells, up to which nobody means
 it: where a fillet goes under the mesh of a body the two meet in slivers."""
+
+KEPT = 0.5
+"""Share of a solid's volume that even seams must leave: thin slivers would be turned inside out."""
 
 
 def combined(
@@ -130,12 +134,13 @@ def meshed(assembly: Assembly, checkpoint: Checkpoint = ignore) -> Body:
     on_crease = np.flatnonzero(creases)
     normals[on_crease] = _crease_normals(vertices, faces, on_crease)
     origins = _spread(_origins(bodies, len(before))[parents], new | of_fillet, faces)
+    unmoved = np.zeros(len(vertices), dtype=bool)
+    result = Sewn(vertices, faces.astype(np.intp), np.arange(len(vertices)), unmoved, normals)
     if (seam >= 0).any():
         checkpoint(0.9, "blend")
-        result = _with_seams(assembly, vertices, faces, seam, creases, parents - count)
-    else:
-        unmoved = np.zeros(len(vertices), dtype=bool)
-        result = Sewn(vertices, faces.astype(np.intp), np.arange(len(vertices)), unmoved, normals)
+        even = _with_seams(assembly, vertices, faces, seam, creases, parents - count)
+        if volume_of(even.vertices, even.faces) > KEPT * volume_of(vertices, faces):
+            result = even
     normals = np.where(result.moved[:, None], result.normals, normals[result.parents])
     return Body(
         result.vertices,

@@ -90,6 +90,18 @@ class TestHostile:
         if whole is not None:
             b.assert_sound(whole)
 
+    @pytest.mark.parametrize("angle", [20.0, 45.0, 90.0, 180.0])
+    @pytest.mark.parametrize("blend", [0.1, 0.3, 0.6])
+    def test_a_ring_carved_by_itself_leaves_nothing_or_something_sound(
+        self, shapes: list[Body], angle: float, blend: float
+    ) -> None:
+        """What its turned copy leaves of a ring is slivers, which fillets would turn inside out."""
+        rows = Rotation.from_euler("z", angle, degrees=True).as_matrix()
+        copy = shapes[2].placed(Placement(tuple(float(v) for v in rows.ravel())))
+        whole = combined(shapes[2], replace(copy, sources=("second",)), "carve", blend)
+        if whole is not None:
+            b.assert_sound(whole)
+
     def test_the_same_outline_over_and_over(self, shapes: list[Body]) -> None:
         ring = shapes[2]
         whole: Body | None = ring
