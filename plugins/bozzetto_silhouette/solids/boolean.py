@@ -139,7 +139,9 @@ def meshed(assembly: Assembly, checkpoint: Checkpoint = ignore) -> Body:
     if (seam >= 0).any():
         checkpoint(0.9, "blend")
         even = _with_seams(assembly, vertices, faces, seam, creases, parents - count)
-        if volume_of(even.vertices, even.faces) > KEPT * volume_of(vertices, faces):
+        if volume_of(even.vertices, even.faces.astype(np.int32)) > KEPT * volume_of(
+            vertices, faces
+        ):
             result = even
     normals = np.where(result.moved[:, None], result.normals, normals[result.parents])
     return Body(

@@ -128,7 +128,7 @@ def test_facts_and_pictures_of_a_file_reach_the_modeler(registry, marks):
 
 
 def test_a_file_is_told_by_its_key(registry, make_package):
-    assert registry.info(MODELER).facts == "template"
+    assert registry.info(MODELER).facts == ("template",)
     assert registry.told_by({"template": "sedan", "x": 1}) == MODELER
     assert registry.told_by({"x": 1}) == ""
     other = tracer.MANIFEST.replace("tracer.", "second.")
