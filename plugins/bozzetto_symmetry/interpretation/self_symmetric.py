@@ -27,6 +27,10 @@ halves of a careful hand stray by."""
 LIKELY: Final = 1.7
 """Price of a simpler curve, px, up to which a hand may well have meant it."""
 
+TREMBLING: Final = 0.2
+"""Tremor that can be told, px, from which on a hand errs by so much; steadier ink means what it
+shows."""
+
 SAME: Final = 1e-6
 """Distance from the plane, in lengths of the curve, at which a place is the crossing itself."""
 
@@ -62,7 +66,8 @@ def as_crossing(stereo: Stereo, side: Side, more: float = 0.0) -> Iterator[Candi
     # hand may well have meant is no merit.
     simpler = [*bars, *level]
     dear = more + (NEEDLESS if simpler else 0.0)
-    likely = [one.whole.cost for one in simpler if one.whole.cost <= more + LIKELY]
+    meant = more + LIKELY * min(1.0, side.noise / TREMBLING)
+    likely = [one.whole.cost for one in simpler if one.whole.cost <= meant]
     least = min(likely, default=0.0) + dear
     for folding, half in found:
         yield Candidate(half, partial(_read, stereo, folding, pixels, ring, (dear, least), None))
