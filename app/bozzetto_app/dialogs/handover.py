@@ -156,6 +156,7 @@ class HandoverDialog(Page):
         self.triangles.edited.connect(self._change)
         self._add_row(tr("Handover", "Most triangles"), self.triangles)
         self.levels = self._toggle(tr("Handover", "Coarser levels (LOD)"), "levels")
+        self.uvs = self._toggle(tr("Handover", "Places for a picture (UVs)"), "uvs")
         self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
         kinds = [
             ("curves", tr("Handover", "Curves")),
@@ -207,6 +208,7 @@ class HandoverDialog(Page):
             lines=cast(Lines, lines) if draws and lines != "curves" else None,
             hidden=self.hidden.isChecked(),
             levels=self.levels.isChecked(),
+            uvs=self.uvs.isChecked(),
         )
 
     @property
@@ -278,6 +280,7 @@ class HandoverDialog(Page):
             "lines": self.lines.value,
             "hidden": "yes" if wanted.hidden else "",
             "levels": "yes" if wanted.levels else "",
+            "uvs": "yes" if wanted.uvs else "",
         }
         for key, value in kept.items():
             self._kept.setValue(f"{KEPT}{key}", value)

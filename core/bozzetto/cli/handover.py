@@ -19,6 +19,9 @@ def add_handover(command: argparse.ArgumentParser) -> None:
         "--lods", action="store_true", help="two coarser levels of detail in the same GLB"
     )
     group.add_argument(
+        "--uvs", action="store_true", help="places for a picture to be painted on, in GLB"
+    )
+    group.add_argument(
         "--lay-flat", action="store_true", help="lay it on its steadiest face, for printing"
     )
     group.add_argument(
@@ -49,6 +52,7 @@ def handover_of(options: argparse.Namespace) -> Any:
         lines=options.drawing,
         hidden=options.hidden,
         levels=options.lods,
+        uvs=options.uvs,
     )
 
 

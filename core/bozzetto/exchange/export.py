@@ -273,7 +273,7 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
         left_out += pictures_left_out(tuple(parts.meshes()), tuple(written.meshes()))
     if "levels" in chosen.keeps:
         coarser = [_readably_named(with_place(level, chosen)) for level in ready.coarser]
-        data = function(chosen, "write_shapes")(written, coarser=coarser)
+        data = function(chosen, "write_shapes")(written, coarser=coarser, uvs=wanted.uvs)
         return Exported(chosen, data, parts, left_out, notes=_notes(chosen, ready))
     if not chosen.choices:
         data = function(chosen, "write_shapes")(written)
@@ -333,6 +333,8 @@ def _notes(chosen: Format, ready: Ready) -> tuple[str, ...]:
             found.append(f"{chosen.short} files always have {frame.up.upper()} up.")
     if wanted.levels and "mesh" in chosen.holds and "levels" not in chosen.keeps:
         found.append(f"{chosen.short} files hold one level of detail: the finest. GLB holds all.")
+    if wanted.uvs and "mesh" in chosen.holds and "uvs" not in chosen.keeps:
+        found.append(f"{chosen.short} files get no places for a picture (UVs). GLB does.")
     if "mesh" in chosen.holds and wanted.triangles is not None:
         count = triangle_count(ready.triangles)
         if count > wanted.triangles:

@@ -32,7 +32,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
-Feature = Literal["colors", "bones", "levels", "trims"]
+Feature = Literal["colors", "bones", "levels", "uvs", "trims"]
 Choice = Literal["unit", "up"]
 
 
@@ -54,9 +54,10 @@ class Format:
         Which ways we go.
     module : str
         The module of the functions, in this package.
-    keeps : tuple of {"colors", "bones", "levels", "trims"}
+    keeps : tuple of {"colors", "bones", "levels", "uvs", "trims"}
         What is written of a mesh besides its shape: painted colours, the bones that it follows,
-        coarser levels of detail; and whether faces of exact surfaces may be trimmed.
+        coarser levels of detail, places for a picture to come; and whether faces of exact
+        surfaces may be trimmed.
     flat : bool
         Shapes are written as seen through a camera.
     frame : FileFrame
@@ -132,7 +133,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.glb",
-        ("colors", "bones", "levels"),
+        ("colors", "bones", "levels", "uvs"),
         frame=METRES,
         links=True,
     ),

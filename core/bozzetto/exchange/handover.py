@@ -106,6 +106,9 @@ class Handover:
     levels : bool
         Whether two coarser levels of detail lie in the same file, for what is seen from afar
         (LODs), where its format has a place for them.
+    uvs : bool
+        Whether parts without a picture are laid out flat for one, where the format has a place
+        for that.
 
     Raises
     ------
@@ -121,6 +124,7 @@ class Handover:
     lines: Lines | None = None
     hidden: bool = False
     levels: bool = False
+    uvs: bool = False
 
     def __post_init__(self) -> None:
         for value, known, word in (

@@ -43,7 +43,7 @@ smoothly would otherwise be taken for a bend of the hand, for its nodes show no 
 BENDS: Final = (0.0, 4.0, 10.0)
 """By how much more a hand bends a drawing than it trembles, standard deviations."""
 
-BENT: Final = 4.0
+BENT: Final = 6.0
 """Price of a hand that bends at all, as a natural logarithm."""
 
 GENEROUS: Final = 1.4

@@ -28,7 +28,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
     UNIT,
 )
 from bozzetto.exchange.mesh.gltf_skin import follows, rig_in_file, rig_nodes
-from bozzetto.exchange.mesh.gltf_texture import SAMPLER, corners_of
+from bozzetto.exchange.mesh.gltf_texture import SAMPLER, Corners, corners_of, laid_out
 from bozzetto.exchange.mesh.polygons import without_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
@@ -82,6 +82,7 @@ def write_shapes(
     motions: Sequence[Sequence[Placement]] = (),
     seconds: Sequence[float] = (),
     coarser: Sequence[Shapes] = (),
+    uvs: bool = False,
 ) -> bytes:
     """Write GLB with one node and mesh per part, and a material for it or each of its groups.
 
@@ -98,6 +99,8 @@ def write_shapes(
         Where each part is at each of these times.
     coarser : sequence of Shapes
         The same parts with fewer and fewer triangles, for whoever sees them from afar (MSFT_lod).
+    uvs : bool
+        Whether parts without a texture get places in one that somebody may paint.
     """
     levels = [list(_drawn(level).meshes()) for level in (shapes, *coarser)]
     parts = levels[0]
@@ -113,7 +116,7 @@ def write_shapes(
     for number, part in enumerate(parts):
         skin = part.skin
         nodes[number]["mesh"] = len(meshes)
-        meshes.append(_mesh(file, looks, part))
+        meshes.append(_mesh(file, looks, part, uvs))
         if skin is None:
             continue
         known = next((k for k, rig in enumerate(rigs) if _alike(rig, skin.rig)), len(rigs))
@@ -149,7 +152,7 @@ def write_shapes(
             if "skin" in nodes[number]:
                 coarse["skin"] = nodes[number]["skin"]
             nodes.append(coarse)
-            meshes.append(_mesh(file, looks, part))
+            meshes.append(_mesh(file, looks, part, uvs))
             nodes[number]["extras"] = {"MSFT_screencoverage": COVERAGE[: len(levels)]}
         scene["extensionsUsed"] = ["MSFT_lod"]
     scene["buffers"] = [{"byteLength": len(file.blob)}]
@@ -176,16 +179,19 @@ def _alike(one: Rig, other: Rig) -> bool:
     return True
 
 
-def _mesh(file: GltfBuffers, looks: Looks, part: Solid | Surface) -> dict[str, Any]:
+def _mesh(file: GltfBuffers, looks: Looks, part: Solid | Surface, uvs: bool) -> dict[str, Any]:
     """Add the mesh of a part; return its record."""
     mesh, skin = part.mesh, part.skin
     if skin is not None and skin.rest is not None:
         mesh = replace(mesh, vertices=skin.rest.vertices, normals=skin.rest.normals)
-    vertex, faces, texels = corners_of(mesh, part.texture)
+    vertex, faces, texels, _ = corners_of(mesh, part.texture)
     normals = _unit_normals(mesh)[vertex]
     if mesh.normals is None and part.texture is None and skin is None:
         vertex, faces = divided(replace(mesh, faces=faces.astype(np.int32)))
         normals = _unit_normals(Mesh(mesh.vertices[vertex], faces.astype(np.int32)))
+    if uvs and part.texture is None:
+        vertex, faces, texels, before = laid_out(mesh, Corners(vertex, faces, None))
+        normals = normals[before]
     places = (mesh.vertices[vertex] @ AXES.T / MM_PER_METRE).astype("<f4")
     reach = {"min": places.min(0).tolist(), "max": places.max(0).tolist()}
     attributes = {"POSITION": file.put(places, "VEC3", FLOAT, ARRAY_BUFFER, **reach)}
@@ -193,7 +199,7 @@ def _mesh(file: GltfBuffers, looks: Looks, part: Solid | Surface) -> dict[str, A
     colors = mesh.colors_over(part.color or WHITE)
     if texels is not None:
         attributes["TEXCOORD_0"] = file.put(texels.astype("<f4"), "VEC2", FLOAT, ARRAY_BUFFER)
-    elif colors is not None:
+    if part.texture is None and colors is not None:
         linear = _linear_colors(colors[vertex])
         attributes["COLOR_0"] = file.put(
             linear, "VEC4", UNSIGNED_SHORT, ARRAY_BUFFER, normalized=True

@@ -35,11 +35,14 @@ class Corners(NamedTuple):
         Into the file's vertices; without degenerate ones.
     places : (n, 2) float32 array or None
         Where each lies in the picture.
+    before : (n,) int array or None
+        The vertex before it was split there.
     """
 
     vertex: NDArray[np.intp]
     faces: NDArray[np.int64]
     places: NDArray[np.float32] | None
+    before: NDArray[np.intp] | None = None
 
 
 def corners_of(mesh: Mesh, texture: Texture | None) -> Corners:
@@ -48,13 +51,28 @@ def corners_of(mesh: Mesh, texture: Texture | None) -> Corners:
     faces = mesh.faces[proper].astype(np.int64)
     if texture is None:
         return Corners(np.arange(len(mesh.vertices)), faces, None)
+    return _split(np.arange(len(mesh.vertices)), faces, texture.corners[proper])
+
+
+def laid_out(mesh: Mesh, corners: Corners) -> Corners:
+    """Return the file's vertices with places for a picture to come, split at its seams."""
+    from bozzetto.geometry.atlas.unwrapping import unwrapped
+
+    atlas = unwrapped(mesh.vertices.astype(np.float64), corners.vertex[corners.faces])
+    return _split(corners.vertex, corners.faces, atlas.corners.astype(np.float32))
+
+
+def _split(
+    known: NDArray[np.intp], faces: NDArray[np.int64], corners: NDArray[np.float32]
+) -> Corners:
+    """Divide vertices such that each has one place; `known` are those of the mesh."""
     # + 0.0 makes the two zeros one, so that equal places have equal bits.
-    places = np.ascontiguousarray(texture.corners[proper] + np.float32(0.0)).reshape(-1, 2)
+    places = np.ascontiguousarray(corners + np.float32(0.0)).reshape(-1, 2)
     _, first, place = np.unique(places.view(np.int64), return_index=True, return_inverse=True)
     pairs = faces.ravel() * len(first) + place.ravel()
     found, corner = np.unique(pairs, return_inverse=True)
     vertex, kind = np.divmod(found, len(first))
-    return Corners(vertex, corner.reshape(-1, 3), places[first[kind]])
+    return Corners(known[vertex], corner.reshape(-1, 3), places[first[kind]], vertex)
 
 
 def picture_file(texture: Texture, base: tuple[int, int, int]) -> bytes:

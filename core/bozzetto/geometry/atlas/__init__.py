@@ -1,0 +1,1 @@
+"""Surfaces cut into charts that lie flat in one square picture."""

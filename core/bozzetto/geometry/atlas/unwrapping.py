@@ -1,0 +1,146 @@
+"""A surface laid out in a square: few charts, little stretch, nothing over anything else."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index
+from bozzetto.geometry.atlas.chart_cutting import Surface
+from bozzetto.geometry.atlas.chart_flattening import (
+    Piece,
+    areas,
+    borders,
+    flattened_piece,
+    lies_once,
+    stretch,
+)
+from bozzetto.geometry.atlas.chart_packing import Outline, packed
+
+MOST_STRETCH: Final = 2.0
+"""By how much a chart is drawn out or pressed together at most, in all but a hundredth of it."""
+
+AWAY: Final = -0.1
+"""Component of a face's normal along its chart's below which it looks away."""
+
+FEW: Final = 0.005
+"""Share of a chart that may look away when it is laid flat."""
+
+CELLS: Final = 256
+"""Cells along the square; charts are about one apart."""
+
+
+class Atlas(NamedTuple):
+    """Where all faces are in the square.
+
+    Attributes
+    ----------
+    corners : (f, 3, 2) float array
+        To the right and down from the top left, 0 to 1; seen from outside, not mirrored.
+    chart : (f,) int array
+        The number of the chart of each face.
+    side : float
+        Of the square, in the unit of the mesh: what a chart is as large as on the surface.
+    """
+
+    corners: Array
+    chart: Index
+    side: float
+
+
+class Chart(NamedTuple):
+    """A piece that lies flat.
+
+    Attributes
+    ----------
+    piece : Piece
+    places : (v, 2) float array
+        Of its points, in the size that it has on the surface.
+    """
+
+    piece: Piece
+    places: Array
+
+    @property
+    def corners(self) -> Array:
+        """Places of the corners of its triangles, (f, 3, 2)."""
+        return self.places[self.piece.triangles]
+
+    @property
+    def outline(self) -> Outline:
+        """What packing needs."""
+        rings = [self.places[ring] for ring in borders(self.piece.triangles)]
+        return Outline(rings, float(areas(self.corners).sum()))
+
+
+def unwrapped(vertices: Array, faces: Index) -> Atlas:
+    """Cut a surface into charts, lay them flat, and pack them into a square.
+
+    Parameters
+    ----------
+    vertices : (v, 3) float array
+        Corners of the mesh.
+    faces : (f, 3) int array
+        Oriented; triangles without an area are laid where they belong.
+    """
+    surface = Surface(np.asarray(vertices, np.float64), np.asarray(faces, np.intp))
+    charts = _laid_flat(surface)
+    packing = packed([chart.outline for chart in charts], CELLS)
+    corners = np.zeros((len(faces), 3, 2))
+    number = np.zeros(len(faces), np.intp)
+    for k, chart in enumerate(charts):
+        corners[chart.piece.face] = chart.corners @ packing.turn[k] + packing.offset[k]
+        number[chart.piece.face] = k
+    corners /= packing.side
+    corners[..., 1] = 1.0 - corners[..., 1]
+    return Atlas(corners, number, packing.side)
+
+
+def _laid_flat(surface: Surface) -> list[Chart]:
+    """Cut a surface until every piece lies flat as it should."""
+    waiting = surface.regions()[::-1]
+    done: list[Chart] = []
+    while waiting:
+        face = waiting.pop()
+        found = _tried(surface, face)
+        if isinstance(found, Chart):
+            done.append(found)
+        else:
+            waiting += _in_two(face, found)[::-1]
+    return done
+
+
+def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
+    """Lay faces flat, or return the parts into which they have to be cut first."""
+    piece = surface.piece(face)
+    if len(face) == 1:
+        return _chart(piece, flattened_piece(piece))
+    normals, size = surface.normals[face], surface.areas[face]
+    mean = (size[:, None] * normals).sum(axis=0)
+    away = normals @ mean < AWAY * float(np.linalg.norm(mean))
+    if size[away].sum() > FEW * size.sum():
+        return surface.by_sides(face)
+    places = flattened_piece(piece)
+    corners = places[piece.triangles]
+    large, little = stretch(piece, places)
+    worst = np.maximum(large, 1.0 / np.maximum(little, 1e-9))
+    drawn_out = size[worst > MOST_STRETCH].sum() > 0.01 * size.sum()
+    if drawn_out or (areas(corners) < 0.0).any():
+        return surface.by_sides(face)
+    return _chart(piece, places) if lies_once(piece, places) else surface.across(face, corners)
+
+
+def _in_two(face: Index, parts: list[Index]) -> list[Index]:
+    """Return the parts, or both halves of the faces where no cut was found."""
+    half = len(face) // 2
+    return parts if len(parts) > 1 else [face[:half], face[half:]]
+
+
+def _chart(piece: Piece, places: Array) -> Chart:
+    """Return a chart as large as its piece is."""
+    corners = piece.points[piece.triangles]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    wanted = 0.5 * float(np.linalg.norm(cross, axis=1).sum())
+    there = float(areas(places[piece.triangles]).sum())
+    return Chart(piece, places * np.sqrt(wanted / there) if there > 0.0 else places)

@@ -1,0 +1,140 @@
+"""Places for a picture: charts that cover each other nowhere, and what the files say of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto.exchange.export import prepare_export
+from bozzetto.exchange.handover import Handover
+from bozzetto.exchange.import_file import read_mesh_file
+from bozzetto.geometry import Mesh, Shapes, Solid
+from bozzetto.geometry.atlas.chart_flattening import areas
+from bozzetto.geometry.atlas.unwrapping import unwrapped
+from tests.core.exchange.skinned import skinned
+from tests.core.exchange.test_handover import ball
+from tests.core.exchange.test_skins import opened
+
+
+def box() -> tuple[np.ndarray, np.ndarray]:
+    corners = np.array([[x, y, z] for x in (0, 3.0) for y in (0, 2.0) for z in (0, 1.0)])
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
+    return corners, np.array(
+        [*faces, [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+    )
+
+
+def torus(around: int = 40, across: int = 16) -> tuple[np.ndarray, np.ndarray]:
+    u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
+    a, b = 2 * np.pi * u / around, 2 * np.pi * v / across
+    wide = 20.0 + 7.0 * np.cos(b)
+    points = np.stack([wide * np.cos(a), 7.0 * np.sin(b), -wide * np.sin(a)], 2).reshape(-1, 3)
+    at = lambda i, j: (i % around) * across + j % across  # noqa: E731
+    one, two, three, four = at(u, v), at(u + 1, v), at(u + 1, v + 1), at(u, v + 1)
+    faces = np.stack([one, two, three, one, three, four], 2).reshape(-1, 3)
+    return points, faces
+
+
+def helix(turns: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    """A ramp that lies over itself when it is seen from above."""
+    angle = np.linspace(0.0, 2 * np.pi * turns, 30 * turns)
+    inner = np.column_stack([4 * np.cos(angle), 4 * np.sin(angle), angle])
+    outer = np.column_stack([9 * np.cos(angle), 9 * np.sin(angle), angle])
+    points = np.stack([inner, outer], 1).reshape(-1, 3)
+    k = 2 * np.arange(len(angle) - 1)
+    return points, np.concatenate([
+        np.column_stack([k, k + 1, k + 3]), np.column_stack([k, k + 3, k + 2])
+    ])  # fmt: skip
+
+
+def sphere() -> tuple[np.ndarray, np.ndarray]:
+    mesh = ball()
+    return mesh.vertices.astype(float), mesh.faces
+
+
+BODIES = {"ball": sphere, "box": box, "ramp": helix, "ring": torus}
+
+
+def drawn_out(points: np.ndarray, faces: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Both singular values of every triangle's way into the square, in its unit."""
+    a, b = points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
+    right = a / np.linalg.norm(a, axis=1, keepdims=True)
+    up = b - np.einsum("fd,fd->f", b, right)[:, None] * right
+    height = np.linalg.norm(up, axis=1)
+    base = np.zeros((len(faces), 2, 2))
+    base[:, 0, 0] = np.linalg.norm(a, axis=1)
+    base[:, 0, 1], base[:, 1, 1] = np.einsum("fd,fd->f", b, right), height
+    flat = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], 2)
+    return np.linalg.svd(flat @ np.linalg.inv(base), compute_uv=False)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_nothing_lies_over_anything_else_or_is_mirrored(name):
+    import shapely
+
+    points, faces = BODIES[name]()
+    atlas = unwrapped(points, faces)
+    assert atlas.corners.min() >= 0.0
+    assert atlas.corners.max() <= 1.0
+    size = areas(atlas.corners)
+    assert (size < 0.0).all()  # v runs down: seen from outside, as it is
+    whole = shapely.union_all(shapely.polygons(atlas.corners))
+    assert whole.area == pytest.approx(-size.sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_charts_are_drawn_out_little(name):
+    points, faces = BODIES[name]()
+    atlas = unwrapped(points, faces)
+    stretch = drawn_out(points, faces, atlas.corners * atlas.side)
+    assert np.quantile(stretch[:, 0], 0.98) < 2.0
+    assert np.quantile(stretch[:, 1], 0.02) > 0.5
+
+
+@pytest.mark.parametrize(("name", "most"), [("ball", 8), ("box", 6), ("ramp", 12), ("ring", 12)])
+def test_charts_are_few(name, most):
+    assert unwrapped(*BODIES[name]()).chart.max() < most
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_size_and_place_change_nothing_and_twice_is_the_same(factor):
+    points, faces = torus(24, 10)
+    points = points * (1.4, 1.0, 1.0)  # about no axis turns to itself, so that nothing is a tie
+    one, two = unwrapped(points, faces), unwrapped(points * factor, faces)
+    np.testing.assert_array_equal(one.corners, unwrapped(points, faces).corners)
+    np.testing.assert_array_equal(one.chart, two.chart)
+    assert two.side == pytest.approx(factor * one.side, rel=1e-6)
+
+
+def test_a_glb_has_them_beside_its_colours_and_bones():
+    mesh = ball()
+    colors = np.full((len(mesh.vertices), 4), (200, 30, 10, 255), np.uint8)
+    shapes = Shapes(
+        solids=(skinned(5, 40.0, turned=True), Solid(replace(mesh, colors=colors), "ball"))
+    )
+    gltf, _ = opened(prepare_export(shapes, "a.glb", handover=Handover(uvs=True)).data)
+    for record, named in zip(gltf["meshes"], ("JOINTS_0", "COLOR_0"), strict=True):
+        for primitive in record["primitives"]:
+            found = primitive["attributes"]
+            assert {"TEXCOORD_0", "NORMAL", named} <= set(found)
+            assert len({gltf["accessors"][k]["count"] for k in found.values()}) == 1
+    assert "images" not in gltf
+
+
+def test_the_shape_is_the_same_with_and_without(tmp_path):
+    points, faces = torus()
+    shapes = Shapes(solids=(Solid(Mesh(points.astype(np.float32), faces.astype(np.int32)), "a"),))
+    for name, uvs in (("with", True), ("without", False)):
+        made = prepare_export(shapes, "a.glb", handover=Handover(uvs=uvs))
+        made.write(tmp_path / f"{name}.glb")
+    one, two = (read_mesh_file(tmp_path / f"{n}.glb") for n in ("with", "without"))
+    a, b = (next(iter(s.shapes.meshes())).mesh for s in (one, two))
+    np.testing.assert_array_equal(a.vertices[a.faces], b.vertices[b.faces])
+
+
+def test_other_formats_say_that_they_have_none():
+    shapes = Shapes(solids=(Solid(ball(), "ball"),))
+    notes = prepare_export(shapes, "a.stl", handover=Handover(uvs=True)).notes
+    assert any("UVs" in note for note in notes)
