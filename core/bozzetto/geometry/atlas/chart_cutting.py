@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.atlas.chart_flattening import Piece
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags, Index
 
 CREASE: Final = float(np.cos(np.radians(50.0)))
 """Cosine of the angle between two faces from which their edge is a crease."""

@@ -8,11 +8,12 @@ normal.
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags, Index
 
 ROUNDS: Final = 24
 """Steps of both kinds; after so many a half ball is within a hundredth of where it ends."""

@@ -8,13 +8,15 @@ goes where its upper end is lowest. The square begins too small and grows until 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.atlas.chart_flattening import ring_area
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Flags, Index
 
 FULLEST: Final = 0.94
 """Share of the square that is tried first."""

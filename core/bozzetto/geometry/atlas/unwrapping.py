@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
 from bozzetto.geometry.atlas.chart_cutting import Surface
 from bozzetto.geometry.atlas.chart_flattening import (
     Piece,
@@ -17,6 +16,9 @@ from bozzetto.geometry.atlas.chart_flattening import (
     stretch,
 )
 from bozzetto.geometry.atlas.chart_packing import Outline, packed
+
+if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Index
 
 MOST_STRETCH: Final = 2.0
 """By how much a chart is drawn out or pressed together at most, in all but a hundredth of it."""
