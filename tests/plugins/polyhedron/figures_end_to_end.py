@@ -1,10 +1,11 @@
 """From strokes of a simulated hand to exact solids.
 
-    python -m tests.plugins.polyhedron.figures_end_to_end [--count 200] [--first 50000]
+    python -m tests.plugins.polyhedron.figures_end_to_end [--count 200] [--first 50000] [--views 2]
 
-Solids that nothing was tuned on are drawn in one view with 1 % of jitter, hidden edges lightly.
-What comes out is right if its corners are those of the solid and not of its mirror image, its faces
-are the faces of the solid, its planes are exact, and its triangles bound one volume.
+Random solids, and CAD-like parts in some views each, that nothing was tuned on are drawn with 1 % of
+jitter, hidden edges lightly. What comes out is right if its corners are those of the solid and not
+of its mirror image, its faces are the faces of the solid, its planes are exact, and its triangles
+bound one volume.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.hand_over import mesh_of
+from tests.plugins.polyhedron.cad_parts import PARTS, part
 from tests.plugins.polyhedron.graph_truth import graph_of
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
 from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
@@ -120,18 +122,30 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--first", type=int, default=50_000)
+    parser.add_argument("--views", type=int, default=2)
     parser.add_argument("--jitter", type=float, default=NOISE)
     asked = parser.parse_args()
     seeds = range(asked.first, asked.first + asked.count)
     hand = Hand(jitter=asked.jitter)
     found = [each for seed in seeds if (each := outcome(seed, hand)) is not None]
+    parts = [
+        each
+        for name in PARTS
+        for seed in range(asked.first, asked.first + asked.views)
+        if (solid := part(name, seed)) is not None
+        and (each := outcome_of(solid, seed, hand)) is not None
+    ]
     print("| drawings | graph right | exact solid, first answer | among three |")
     print("| --- | --- | --- | --- |")
-    for word, kind in (("orthogonal", True), ("oblique", False)):
-        these = [each for each in found if each.orthogonal is kind]
-        first = [bool(each.right[:1] and each.right[0]) for each in these]
-        three = [any(each.right) for each in these]
-        print(f"| {word} | {share([e.graph for e in these])} | {share(first)} | {share(three)} |")
+    for word, every in (("random", found), ("parts", parts)):
+        for kind in (True, False):
+            these = [each for each in every if each.orthogonal is kind]
+            first = [bool(each.right[:1] and each.right[0]) for each in these]
+            three = [any(each.right) for each in these]
+            graphs = share([each.graph for each in these])
+            name = f"{word}, {'orthogonal' if kind else 'oblique'}"
+            print(f"| {name} | {graphs} | {share(first)} | {share(three)} |")
+    found += parts
     healthy = [each.graph for each in found if not each.findings]
     print(f"\nHealthy graphs that are right: {share(healthy)}.")
     told = [bool(each.findings) for each in found if not each.graph]
