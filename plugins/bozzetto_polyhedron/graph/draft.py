@@ -13,11 +13,15 @@ from bozzetto_polyhedron.graph.likelihood import (
     Fits,
     Line,
     corner_cost,
+    passing_cost,
     place_of,
 )
 
 NOTHING: Final[End] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 """Sums over no ends."""
+
+CROWDED: Final = 4
+"""Lines at a corner from which on it may be a place that lines pass."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,12 @@ class Joined:
     def pair(self) -> tuple[int, int]:
         """Both corners, the smaller number first."""
         return (self.start, self.stop) if self.start < self.stop else (self.stop, self.start)
+
+    def way_from(self, corner: int) -> tuple[float, float]:
+        """Return where the line goes from one of its corners."""
+        a, b = self.line.start, self.line.stop
+        sign = 1.0 if self.start == corner else -1.0
+        return sign * (b[0] - a[0]), sign * (b[1] - a[1])
 
 
 @dataclass(frozen=True)
@@ -86,16 +96,18 @@ class Draft:
         total += sum(each.line.misfit for each in change.added)
         total -= sum(self.lines[key].line.misfit for key in change.removed)
         for corner, (sums, degree) in self._after(change).items():
-            total += corner_cost(sums, degree) - self.costs.get(corner, 0.0)
+            total += self._cost_of(corner, sums, degree, change) - self.costs.get(corner, 0.0)
         return total + SAME_ENDS * self._more_pairs(change)
 
     def apply(self, change: Change) -> None:
         """Make a change."""
         self.cost += self.price(change)
-        for corner, (sums, degree) in self._after(change).items():
+        after = self._after(change)
+        costs = {k: self._cost_of(k, sums, degree, change) for k, (sums, degree) in after.items()}
+        for corner, (sums, degree) in after.items():
             if degree:
                 self.sums[corner], self.degrees[corner] = sums, degree
-                self.costs[corner] = corner_cost(sums, degree)
+                self.costs[corner] = costs[corner]
             else:
                 self.sums.pop(corner, None)
                 self.degrees.pop(corner, None)
@@ -117,6 +129,15 @@ class Draft:
     def at(self, corner: int) -> list[int]:
         """Return the keys of the lines at a corner."""
         return [k for k, each in self.lines.items() if corner in (each.start, each.stop)]
+
+    def _cost_of(self, corner: int, sums: End, degree: int, change: Change) -> float:
+        """Return the cost of a corner after a change."""
+        cost = corner_cost(sums, degree)
+        if degree < CROWDED:
+            return cost
+        here = [self.lines[key] for key in self.at(corner) if key not in change.removed]
+        here += [each for each in change.added if corner in each.pair]
+        return cost + passing_cost([each.way_from(corner) for each in here])
 
     def _after(self, change: Change) -> dict[int, tuple[End, int]]:
         """Return sums and degrees of the corners that a change concerns."""

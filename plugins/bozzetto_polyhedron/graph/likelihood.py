@@ -8,9 +8,10 @@ cost what they gain by agreeing. Lengths are shares of the drawing's diagonal, c
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from math import atan2, cos, hypot, inf, log, pi, sin, sqrt
+from math import atan2, cos, hypot, inf, log, pi, radians, sin, sqrt
 from typing import Final
 
 from bozzetto_polyhedron.graph.grouping import LONGEST_DASH, Members
@@ -36,6 +37,14 @@ TICK_LENGTH: Final = 0.005
 
 LONGEST_TICK: Final = 0.035
 """Length over which no segment is taken for a stray mark."""
+
+PASSES: Final = 10.0
+"""Cost of two lines that go straight on through a corner of three others, and of two that cross
+in a corner of their own: no corner of a solid lies on an edge that goes on there, and lines that
+cross on the sheet do not meet."""
+
+STRAIGHT_ON: Final = 12.0
+"""Angle, degrees, up to which two lines go straight on."""
 
 SAME_ENDS: Final = 60.0
 """Cost of a second line between the same corners."""
@@ -248,3 +257,25 @@ def strain_of(sums: End) -> float:
     """Return the sum of squared standardised distances of ends from their corner."""
     x, y = place_of(sums)
     return max(0.0, sums[5] - sums[3] * x - sums[4] * y)
+
+
+def passing_cost(ways: Sequence[tuple[float, float]]) -> float:
+    """Return the cost of pairs of lines that go straight on through a corner.
+
+    One pair with two others is a corner of solids, where a rib ends at an edge.
+
+    Parameters
+    ----------
+    ways : sequence of (x, y)
+        The lines of the corner, away from it.
+    """
+    left = sorted(atan2(y, x) for x, y in ways)
+    pairs = 0
+    while len(left) > 1:
+        one = left.pop()
+        for number, other in enumerate(left):
+            if abs((one - other) % (2 * pi) - pi) < radians(STRAIGHT_ON):
+                del left[number]
+                pairs += 1
+                break
+    return 0.0 if len(ways) - 2 * pairs == 2 else PASSES * pairs
