@@ -2,10 +2,10 @@
 
     python -m tests.plugins.polyhedron.figures_end_to_end [--count 200] [--views 2]
 
-Random solids, and CAD-like parts in some views each, from seeds that nothing was tuned on, are drawn
-with 1 % of jitter, hidden edges lightly. What comes out is right if its corners are those of the
-solid and not of its mirror image, its faces are the faces of the solid, its planes are exact, and
-its triangles bound one volume.
+Random solids, and CAD-like parts in some views each, from seeds that nothing was tuned on, are
+drawn with 1 % of jitter, hidden edges lightly. What comes out is right if its corners are those of
+the solid and not of its mirror image, its faces are the faces of the solid, its planes are exact,
+and its triangles bound one volume.
 """
 
 from __future__ import annotations

@@ -73,13 +73,13 @@ def drawing(seed: int) -> tuple[tuple[Stroke, ...], Array, list[tuple[int, int]]
     return strokes, seen.plane * UPRIGHT * SIZE + 200.0, edges
 
 
-@pytest.mark.parametrize("seed", [304, 526, 538, 543, 578, 596])
+@pytest.mark.parametrize("seed", [304, 526, 538, 543, 578, 596, 695])
 def test_hidden_lines_that_run_close_are_told_apart(seed: int) -> None:
     strokes, places, edges = drawing(seed)
     assert is_right(graph_of(strokes), places, edges)
 
 
-@pytest.mark.parametrize("seed", [413, 695])
+@pytest.mark.parametrize("seed", [413])
 def test_a_wrong_graph_with_a_right_one_as_likely_says_so(seed: int) -> None:
     strokes, places, edges = drawing(seed)
     graph = graph_of(strokes)
