@@ -129,7 +129,7 @@ class Heart:
 
     def __init__(self):
         self.beats, self.longest, self.last = 0, 0.0, time.perf_counter()
-        self.timer = QTimer(interval=5)
+        self.timer = QTimer(interval=0)
         self.timer.timeout.connect(self.beat)
         self.timer.start()
 
