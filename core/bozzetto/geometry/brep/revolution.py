@@ -282,9 +282,10 @@ def _radii(points: Array, origin: Array, axis: Array) -> Array:
 
 def _refuse_crossing(profile: Curve, origin: Array, axis: Array) -> None:
     """Refuse a profile that crosses the axis; it may touch it."""
-    at = span_parameters(profile.degree, profile.knots, SAMPLES)
-    points = profile.value(at) - origin
-    out = points - (points @ axis)[:, None] * axis
+    points = profile.value(span_parameters(profile.degree, profile.knots, SAMPLES))
+    beside = _radii(points, origin, axis) > 0.0  # on the axis, the side is rounding
+    out = (points - origin)[beside]
+    out -= (out @ axis)[:, None] * axis
     crosses = np.einsum("nk,nk->n", out[:-1], out[1:]) < 0.0
     if crosses.any():
         raise UserError("The profile crosses the axis. Draw it on one side of the axis.")

@@ -192,6 +192,27 @@ def test_angles_near_none_and_near_all_are_turned_through(angle):
     assert surface_of_revolution(half_circle(5.0), ZERO, UP, 2 * pi - 1e-12).is_closed
 
 
+def test_cylinders_between_any_two_points_are_closed_and_of_their_radius():
+    rng = np.random.default_rng(31)
+    for _ in range(60):
+        start = rng.normal(size=3) * 10 ** rng.uniform(-1, 3)
+        way = rng.normal(size=3) * rng.integers(0, 2, 3) + (0, 0.3, 0)
+        radius = 10 ** rng.uniform(-1, 1) * np.linalg.norm(way)
+        made = cylinder(start, start + way, radius)
+        assert made.is_closed
+        places = brep_mesh(made, 0.2 * radius).vertices - start
+        along = way / np.linalg.norm(way)
+        beside = np.linalg.norm(places - np.outer(places @ along, along), axis=1)
+        near = 1e-5 * radius + 1e-7 * np.linalg.norm(start)
+        assert beside.max() == pytest.approx(radius, abs=near)
+        assert np.ptp(places @ along) == pytest.approx(np.linalg.norm(way), abs=near)
+
+
+def test_a_profile_that_passes_through_the_axis_at_one_of_its_points_is_refused():
+    with pytest.raises(UserError, match="crosses"):
+        surface_of_revolution(polyline([(3, 0, 0), (0, 0, 1), (-3, 0, 2)]), ZERO, UP)
+
+
 @pytest.mark.parametrize("radius", [0.0, -1.0, np.nan, np.inf])
 def test_a_cylinder_needs_a_radius_and_a_height(radius):
     with pytest.raises(UserError, match="radius"):
