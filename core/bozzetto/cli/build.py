@@ -81,7 +81,7 @@ def _build_one(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Build one input; its report where one is wanted, and what was written of it."""
     from bozzetto.document.model import Document
-    from bozzetto.exchange.formats import readers
+    from bozzetto.exchange.formats import find, readers
     from bozzetto.exchange.import_file import is_picture, read_drawing, read_mesh_file, read_picture
     from bozzetto.plugin.job import Job
 
@@ -97,6 +97,8 @@ def _build_one(
         mesh = read_mesh_file(source, trusted=options.trust_file)
         warn(mesh.told(values))
     else:
+        if not source.is_dir():
+            find(source, readers())
         drawing = read_drawing(source, trusted=options.trust_file)
     warn(() if drawing is None else drawing.left_out)
     try:

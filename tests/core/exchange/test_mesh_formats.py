@@ -12,7 +12,7 @@ import pytest
 
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.export import export
-from bozzetto.exchange.import_file import read_mesh
+from bozzetto.exchange.import_file import read_mesh, read_mesh_file
 from bozzetto.geometry import FaceGroup, Mesh, Shapes, Solid, Surface
 
 BOTH = ["stl", "glb", "obj", "ply"]
@@ -231,7 +231,8 @@ def test_ply_in_every_order_with_unknown_properties(tmp_path, order, mixed):
         (0, 1, 1),
     ]
     header = (
-        f"ply\nformat {order} 1.0\ncomment x\nelement camera 1\nproperty float f\n"
+        f"ply\nformat {order} 1.0\ncomment x\nMade by a program that forgot\n"
+        "element camera 1\nproperty float f\n"
         "element vertex 8\nproperty double x\nproperty double y\nproperty double z\n"
         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float quality\n"
         f"element face {len(rows)}\nproperty uchar flags\nproperty list uchar uint vertex_index\n"
@@ -320,6 +321,47 @@ def test_glb_strips_and_fans(tmp_path, mode):
     assert faces == ([[0, 1, 2], [1, 3, 2]] if mode == 5 else [[1, 2, 0], [2, 3, 0]])
 
 
+def sparse(count=1, kind=5121):
+    """The record of a sparse accessor: its rows are the beginning of the blob."""
+    return {
+        "count": count,
+        "indices": {"bufferView": 1, "componentType": kind},
+        "values": {"bufferView": 0},
+    }
+
+
+def test_glb_sparse_accessors_replace_the_values_that_they_name(tmp_path):
+    document, blob = tetrahedron_document()
+    moved = np.array([[0.0, 5.0, 0.0], [0.0, 0.0, 7.0]], "<f4").tobytes()
+    names = np.array([2, 3], "<u2").tobytes()
+    document["bufferViews"] += [
+        {"buffer": 0, "byteOffset": len(blob), "byteLength": len(moved)},
+        {"buffer": 0, "byteOffset": len(blob) + len(moved), "byteLength": len(names)},
+    ]
+    document["accessors"][0]["sparse"] = {
+        "count": 2,
+        "indices": {"bufferView": 3, "componentType": 5123},
+        "values": {"bufferView": 2},
+    }
+    document["buffers"][0]["byteLength"] = len(blob + moved + names)
+    read = written(tmp_path, "b.glb", glb(document, blob + moved + names)).solids[0].mesh
+    places = {tuple(place) for place in read.vertices.round(3).tolist()}  # (x, -z, y) in mm
+    assert places == {(0, 0, 0), (1000, 0, 0), (0, 0, 5000), (0, -7000, 0)}
+
+
+def test_glb_materials_with_pictures_of_relief_are_read_and_these_told(tmp_path):
+    document, blob = tetrahedron_document()
+    link = {"index": 0, "texCoord": 0, "scale": 0.5}
+    document["materials"] = [
+        {"normalTexture": link, "occlusionTexture": link, "emissiveTexture": link}
+    ]
+    document["meshes"][0]["primitives"][0]["material"] = 0
+    (tmp_path / "a.glb").write_bytes(glb(document, blob))
+    read = read_mesh_file(tmp_path / "a.glb")
+    assert len(read.shapes.solids) == 1
+    assert "3 pictures of relief, shade or glow" in " ".join(read.left_out)
+
+
 def broken(change):
     document, blob = tetrahedron_document()
     return glb(change(document) or document, blob)
@@ -335,7 +377,12 @@ def broken(change):
         (lambda d: d["accessors"][0].update(count=10**18), "more than"),
         (lambda d: d["accessors"][0].update(type="VEC2"), "type"),
         (lambda d: d["accessors"][1].update(componentType=5126), "whole numbers"),
-        (lambda d: d["accessors"][0].update(sparse={"count": 1}), "sparse"),
+        (lambda d: d["accessors"][0].update(sparse={"count": 1}), "indices"),
+        (lambda d: d["accessors"][0].update(sparse=sparse(count=5)), "more values than it holds"),
+        (lambda d: d["accessors"][0].update(sparse=sparse(kind=5125)), "does not hold"),
+        (lambda d: d["accessors"][0].update(sparse=sparse(kind=7)), "does not know"),
+        (lambda d: d["accessors"][0].pop("bufferView") or
+         d["accessors"][0].update(count=2 * 10**7), "not in the file"),
         (lambda d: d["accessors"][0].update(count=3), "names a vertex"),
         (lambda d: d["meshes"][0]["primitives"][0].update(indices=9), "accessor 9"),
         (lambda d: d.update(nodes=[{"children": [1]}, {"children": [0]}], scenes=[{"nodes": [0]}]),

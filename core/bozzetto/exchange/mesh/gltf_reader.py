@@ -29,6 +29,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
     TRIANGLES,
     UNIT,
     Gltf,
+    Headed,
     Material,
     Primitive,
     ShownMesh,
@@ -49,7 +50,7 @@ FAN: Final = 6
 MAX_PARTS: Final = 20_000
 """Primitives that are shown; an assembly of as many screws has not more."""
 
-HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform")
+HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform", "KHR_technique", "KHR_lights_")
 """Beginnings of extensions that change the looks only, never the geometry."""
 
 MAX_BUFFERS: Final = 64
@@ -213,16 +214,17 @@ def _described(text: bytes) -> Gltf:
     """Return the description that is in some JSON."""
     at_most(json_values(text), MAX_VALUES, "values in its description")
     try:
+        version = str(msgspec.json.decode(text, type=Headed).asset.version)
+        if not version.startswith("2"):
+            raise FormatError(f"This is glTF {version[:9]}; only glTF 2 can be read.")
         gltf = msgspec.json.decode(text, type=Gltf)
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise FormatError(f"Its description cannot be understood: {words_of(error)}.") from error
-    if not gltf.asset.version.startswith("2"):
-        raise FormatError(f"This is glTF {gltf.asset.version[:9]}; only glTF 2 can be read.")
     missing = [name for name in gltf.extensions_required if not name.startswith(HARMLESS)]
     if missing:
         raise FormatError(
             f"It needs {', '.join(missing)[:200]}, which cannot be read. Export it again "
-            "without compression."
+            "without that extension."
         )
     return gltf
 

@@ -58,6 +58,22 @@ class View(Record):
     byte_stride: int | None = None
 
 
+class Rows(Record):
+    """Place of rows of numbers in a buffer view; their kind where it is not told beside them."""
+
+    buffer_view: int | None = None
+    byte_offset: int = 0
+    component_type: int = 0
+
+
+class Sparse(Record):
+    """The values of an accessor that differ: which they are, and what they are."""
+
+    count: int
+    indices: Rows
+    values: Rows
+
+
 class Accessor(Record):
     """Layout of numbers in a buffer view."""
 
@@ -67,7 +83,7 @@ class Accessor(Record):
     buffer_view: int | None = None
     byte_offset: int = 0
     normalized: bool = False
-    sparse: msgspec.Raw | None = None
+    sparse: Sparse | None = None
 
 
 class Primitive(Record):
@@ -176,9 +192,9 @@ class Material(Record):
     pbr_metallic_roughness: Looks = msgspec.field(default_factory=Looks)
     name: str = ""
     alpha_mode: str = "OPAQUE"
-    normal_texture: msgspec.Raw | None = None
-    occlusion_texture: msgspec.Raw | None = None
-    emissive_texture: msgspec.Raw | None = None
+    normal_texture: Any = None
+    occlusion_texture: Any = None
+    emissive_texture: Any = None
 
 
 class SceneRecord(Record):
@@ -197,13 +213,18 @@ class Buffer(Record):
 class Asset(Record):
     """What made the file."""
 
-    version: str = "2.0"
+    version: str | float = "2.0"
 
 
-class Gltf(Record):
-    """The whole description."""
+class Headed(Record):
+    """A description of any version."""
 
     asset: Asset = msgspec.field(default_factory=Asset)
+
+
+class Gltf(Headed):
+    """The whole description of version 2."""
+
     accessors: list[Accessor] = []
     buffer_views: list[View] = []
     buffers: list[Buffer] = []

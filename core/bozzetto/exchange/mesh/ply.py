@@ -142,9 +142,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
                 elements[-1].properties.append(_Property(name, _type(kind), _type(counts)))
             case ["property", kind, name] if elements:
                 elements[-1].properties.append(_Property(name, _type(kind)))
-            case ["ply" | "comment" | "obj_info", *_] | []:
-                pass
-            case _:
+            case ["format" | "element" | "property", *_]:
                 raise FormatError(f"“{line[:40]}” in the header cannot be understood.")
     if order is None:
         raise FormatError("The header does not say how the numbers are stored.")
