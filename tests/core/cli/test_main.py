@@ -27,7 +27,7 @@ RING = (
 )
 EIGHT = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">'
-    '<path d="M10,10 L90,90 L90,10 L10,90 Z"/></svg>'
+    '<path fill="none" stroke="black" d="M10,10 L90,90 L90,10 L10,90 Z"/></svg>'
 )
 
 

@@ -2,7 +2,8 @@
 
 Nested outlines are left as they are. Overlapping ones cannot be nested, and on the screen
 they are one area with one outline: icons and logos are full of them. An outline that runs
-to and fro along a slit to reach its hole is an outer one and a hole.
+to and fro along a slit to reach its hole is an outer one and a hole, and a star drawn in one
+line is its painted outline.
 """
 
 from __future__ import annotations
@@ -23,10 +24,6 @@ size: outlines that touch enclose no solid."""
 
 SPECK: Final = 1e-8
 """Area of a ring that is left out, as a share of the squared size: a rest of rounding."""
-
-SAME_AREA: Final = 1e-6
-"""Areas of one outline, counted in two ways, that differ by less (a share of the area): no
-part of it is inside twice, or inside out."""
 
 MAX_MEETINGS: Final = 200_000
 """Pairs of outlines whose boxes overlap."""
@@ -70,9 +67,10 @@ class Area:
 def without_overlaps(
     lines: Sequence[Array], areas: Sequence[Area | None]
 ) -> list[tuple[int, Array]]:
-    """Join painted elements whose outlines cross or touch those of others.
+    """Join painted elements whose outlines cross or touch themselves or those of others.
 
-    A line that only crosses itself stays: that is a slip of the pen, and the person is told.
+    An area is what the screen shows, by its fill rule. A mere line that crosses itself stays:
+    that may be a slip of the pen, and the person is told.
 
     Parameters
     ----------
@@ -115,7 +113,7 @@ def _without_overlaps(
             rings.append(k)
         kept.append(k)
     meeting = _meeting([lines[k] for k in rings])
-    meeting += [(n, n) for n, k in enumerate(rings) if _only_touches_itself(lines[k])]
+    meeting += [(n, n) for n, k in enumerate(rings) if _meets_itself(lines[k])]
     element_of = {k: area.element for k in rings if (area := areas[k]) is not None}
     group_of = _groups([(element_of[rings[a]], element_of[rings[b]]) for a, b in meeting])
     result: list[tuple[int, Array]] = []
@@ -213,24 +211,13 @@ def _turn(one: Array, other: Array) -> Array:
     return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
 
 
-def _only_touches_itself(ring: Array) -> bool:
-    """Whether a ring meets itself, but nowhere crosses over to its other side.
-
-    One that crosses itself so often that it takes too long to tell does not only touch.
-    """
+def _meets_itself(ring: Array) -> bool:
+    """Whether a ring crosses or touches itself, unless it takes too long to tell."""
     try:
         _crossings([ring])
     except _TooMany:
         return False
-    if _is_simple(ring):
-        return False
-    from manifold3d import CrossSection, FillRule
-
-    low = ring.min(axis=0)
-    unit = (ring[:-1] - low) / (float(np.ptp(ring, axis=0).max()) or 1.0)
-    signed = abs(_area(unit))
-    painted = [CrossSection([unit], r).area() for r in (FillRule.NonZero, FillRule.EvenOdd)]
-    return bool(max(abs(area - signed) for area in painted) <= SAME_AREA * signed)
+    return not _is_simple(ring)
 
 
 def _groups(pairs: Sequence[tuple[int, int]]) -> dict[int, int]:

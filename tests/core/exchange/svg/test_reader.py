@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import gzip
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
+import shapely.ops
 
 from bozzetto.errors import FormatError
 from bozzetto.exchange.export import export, write_drawing
@@ -368,8 +370,25 @@ def test_areas_piled_up_are_joined_or_refused():
 
 def test_mere_lines_that_cross_stay_as_they_were_drawn():
     assert len(lines(f'<path fill="none" stroke="red" d="{SQUARES}"/>')) == 2
-    (eight,) = lines('<path d="M0 0L9 9V0L0 9z"/>')
+    (eight,) = lines('<path fill="none" stroke="red" d="M0 0L9 9V0L0 9z"/>')
     assert len(eight) == 5
+
+
+def test_a_painted_line_that_crosses_itself_is_what_is_seen_of_it():
+    """Stars of flags; the area by Shapely's union of the triangles and the pentagon."""
+    tips = [(10 * math.sin(k * 0.8 * math.pi), -10 * math.cos(k * 0.8 * math.pi)) for k in range(5)]
+    star = "M" + " ".join(f"{x},{y}" for x, y in tips) + "z"
+    cells = list(shapely.ops.polygonize(shapely.unary_union(shapely.LinearRing(tips))))
+    whole = sum(cell.area for cell in cells)
+    inner = max(cells, key=lambda cell: cell.area).area
+    assert len(cells) == 6
+    assert len(lines(f'<path d="{star}"/>')) == 1
+    assert painted(f'<path d="{star}"/>').area == pytest.approx(whole, rel=1e-6)
+    assert len(lines(f'<path fill-rule="evenodd" d="{star}"/>')) == 5
+    odd = painted(f'<path fill-rule="evenodd" d="{star}"/>')
+    assert odd.area == pytest.approx(whole - inner, rel=1e-3)
+    assert len(lines('<path d="M0 0L9 9V0L0 9z"/>')) == 2
+    assert painted('<path d="M0 0L9 9V0L0 9z"/>').area == pytest.approx(40.5, rel=1e-3)
 
 
 # -- what is to be seen ---------------------------------------------------------------------
