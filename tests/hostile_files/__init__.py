@@ -21,6 +21,7 @@ FORMATS = (
     "ply",
     "glb",
     "gltf",
+    "threemf",
     "dxf",
     "step_and_iges",
     "pictures",

@@ -126,6 +126,16 @@ FORMATS: Final = (
         choices=UNIT,
     ),
     Format(
+        "3mf-mesh",
+        "3MF mesh",
+        (".3mf",),
+        ("mesh",),
+        False,
+        True,
+        "mesh.threemf_reader",
+        links=True,
+    ),
+    Format(
         "glb",
         "glTF binary",
         (".glb",),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 from xml.parsers import expat
@@ -48,22 +49,63 @@ class Element:
 def parse_xml(data: bytes) -> Element:
     """Parse an XML file and return its root element.
 
-    A document type may be named, as many programs do; what it refers to is not fetched.
-    One that defines something is refused before that is looked at, and with it every
-    entity: there the known attacks on XML readers live.
-
     Raises
     ------
     FormatError
-        If it is not well-formed, its DOCTYPE defines something, or it is too large or too
-        deep.
+        As `parse_events`, and if it has too many elements or is too deep.
     """
-    if data.startswith(GZIP):
-        raise FormatError("It is compressed. Unpack it first, or save it as a plain file.")
     top = Element("", "", {})
     stack: list[Element] = [top]
     words: list[list[str]] = [[]]
     count = 0
+
+    def start(space: str, tag: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1
+        at_most(count, MAX_ELEMENTS, "elements")
+        at_most(len(stack), MAX_DEPTH, "levels of nesting")
+        made = Element(space, tag, attributes)
+        stack[-1].children.append(made)
+        stack.append(made)
+        words.append([])
+
+    def end() -> None:
+        stack.pop().text = "".join(words.pop())
+
+    parse_events(data, start, end, lambda text: words[-1].append(text))
+    return top.children[0]
+
+
+def parse_events(
+    data: bytes,
+    start: Callable[[str, str, dict[str, str]], None],
+    end: Callable[[], None] | None = None,
+    text: Callable[[str], None] | None = None,
+) -> None:
+    """Go through an XML file without keeping it.
+
+    A document type may be named, as many programs do; what it refers to is not fetched.
+    One that defines something is refused before that is looked at, and with it every
+    entity: there the known attacks on XML readers live.
+
+    Parameters
+    ----------
+    data : bytes
+        The file.
+    start : callable
+        Takes namespace, name and attributes of every element, as an `Element` has them.
+    end : callable, optional
+        Called at the end of every element.
+    text : callable, optional
+        Takes text as it comes.
+
+    Raises
+    ------
+    FormatError
+        If it is not well-formed, or its DOCTYPE defines something.
+    """
+    if data.startswith(GZIP):
+        raise FormatError("It is compressed. Unpack it first, or save it as a plain file.")
 
     def refuse(*_: object) -> None:
         raise FormatError(
@@ -75,32 +117,22 @@ def parse_xml(data: bytes) -> Element:
         if defines:
             refuse()
 
-    def start(name: str, attributes: dict[str, str]) -> None:
-        nonlocal count
-        count += 1
-        at_most(count, MAX_ELEMENTS, "elements")
-        at_most(len(stack), MAX_DEPTH, "levels of nesting")
+    def started(name: str, attributes: dict[str, str]) -> None:
         space, _, tag = name.rpartition(" ")
-        plain = {key.removeprefix(f"{XML_SPACE} "): value for key, value in attributes.items()}
-        made = Element(space, tag, plain)
-        stack[-1].children.append(made)
-        stack.append(made)
-        words.append([])
-
-    def end(_: str) -> None:
-        stack.pop().text = "".join(words.pop())
+        start(space, tag, {key.removeprefix(f"{XML_SPACE} "): v for key, v in attributes.items()})
 
     parser = expat.ParserCreate(namespace_separator=" ")
     parser.buffer_text = True
     parser.StartDoctypeDeclHandler = doctype
     parser.EntityDeclHandler = refuse
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
-    parser.CharacterDataHandler = lambda text: words[-1].append(text)
+    parser.StartElementHandler = started
+    if end is not None:
+        parser.EndElementHandler = lambda _: end()
+    if text is not None:
+        parser.CharacterDataHandler = text
     try:
         parser.Parse(data, True)
     except expat.ExpatError as error:
         raise FormatError(f"This is not well-formed XML: {words_of(error)}.") from error
     except (LookupError, ValueError) as error:  # an encoding that Python does not know
         raise FormatError(f"Its text encoding cannot be read: {words_of(error)}.") from error
-    return top.children[0]

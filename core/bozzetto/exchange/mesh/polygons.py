@@ -55,7 +55,7 @@ def weld(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.in
     return first[order], joined
 
 
-def is_degenerate(faces: Faces) -> NDArray[np.bool_]:
+def is_degenerate(faces: NDArray[np.integer]) -> NDArray[np.bool_]:
     """Return which triangles name a vertex twice."""
     a, b, c = faces.T
     return np.asarray((a == b) | (b == c) | (c == a))
