@@ -28,9 +28,9 @@ from bozzetto.plugin.job import Job
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import PartsModeler
 from bozzetto.testing.abilities import ABILITIES
-from bozzetto.testing.cancellation import check_stopping, stop_at
 from bozzetto.testing.deep_equal import difference, fingerprint, same
 from bozzetto.testing.headless_shell import Shell
+from bozzetto.testing.job_checks import check_stopping, stop_at
 from bozzetto.testing.memory_checks import check_forgetting, check_fresh_process
 from bozzetto.testing.spelling import check_spelling
 from bozzetto.testing.subject import Broken, Subject, ensure, odd_gestures

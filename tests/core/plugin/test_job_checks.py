@@ -16,7 +16,7 @@ from bozzetto.plugin import Job, ViewAdvice
 from bozzetto.plugin.guard.earlier_plugins import with_job
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen
-from bozzetto.testing.cancellation import check_stopping, stop_at
+from bozzetto.testing.job_checks import check_stopping, stop_at
 from bozzetto.testing.spelling import check_spelling
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.workbench.workbench import Workbench
@@ -67,7 +67,7 @@ WRONG = {
 
 @pytest.mark.parametrize("name", WRONG)
 def test_the_suite_finds_what_cannot_be_stopped(subject, faulty, name, monkeypatch):
-    monkeypatch.setattr("bozzetto.testing.cancellation.LONGEST_UNSEEN", 0.1)
+    monkeypatch.setattr("bozzetto.testing.job_checks.LONGEST_UNSEEN", 0.1)
     make, said = WRONG[name]
     faulty.misdeeds["report"] = make()
     with pytest.raises(Broken, match=said):
