@@ -178,6 +178,6 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
             there = advice(waiting, state.plane, state.centre, state.diagonal)
             if there.level != "refuse":
                 return ViewAdvice("warn", WAITS_ELSEWHERE, waiting, scene)
-        lines = directions(state)
+        lines = directions(state, job)
         judged = advice(camera, state.plane, state.centre, state.diagonal, lines)
         return ViewAdvice(judged.level, judged.message, judged.better, scene)
