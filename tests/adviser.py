@@ -115,7 +115,7 @@ class Marks(Modeler[MarksState, tuple]):
             Command("refuse", "Refuse", "Says no.", refuse, key=self.keys["refuse"]),
         ]  # fmt: skip
 
-    def view_advice(self, state, camera):
+    def view_advice(self, state, camera, job):
         self.asked += 1
         return self.advise(state, camera)
 

@@ -130,7 +130,7 @@ class Sketches(Modeler[Tracing, Tracing]):
         pictures = tuple(context.pictures.values())[:MOST]
         return Tracing(pictures, template=str(context.facts.get("template", "")))
 
-    def read_drawing(self, drawing, context):
+    def read_drawing(self, drawing, context, job):
         if not drawing.facts.get("template"):
             raise UserError("The file names no template. Write one.")
         return self.create(context)
@@ -159,7 +159,7 @@ class Sketches(Modeler[Tracing, Tracing]):
         vertices = np.array([corner, corner + down, corner + across]).astype(np.float32)
         return Shapes(surfaces=(Surface(Mesh(vertices, [[0, 1, 2]])),))
 
-    def view_advice(self, state, camera):
+    def view_advice(self, state, camera, job):
         if not state.pictures:
             return ViewAdvice("good", "No sketch")
         picture = state.pictures[-1]

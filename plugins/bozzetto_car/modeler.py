@@ -89,7 +89,7 @@ class Car(PartsModeler[CarState, Body]):
         return ink_of(state)
 
     @override
-    def read_drawing(self, drawing: Drawing, context: Context) -> CarState:
+    def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> CarState:
         """Return the car of a file's marks, or one that begins with the template of a file.
 
         Raises
@@ -138,9 +138,9 @@ class Car(PartsModeler[CarState, Body]):
         return curves_of(state, result)
 
     @override
-    def report(self, state: CarState, result: Body) -> Mapping[str, Any]:
+    def report(self, state: CarState, result: Body, job: Job) -> Mapping[str, Any]:
         """Return nodes, cameras, residuals, constraints, creases and dimensions."""
-        return report_of(result, state.edits)
+        return report_of(result, state.edits, job)
 
     @override
     def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:
@@ -155,8 +155,9 @@ class Car(PartsModeler[CarState, Body]):
         return tool.next_step(state)
 
     @override
-    def view_advice(self, state: CarState, camera: Camera) -> ViewAdvice:
+    def view_advice(self, state: CarState, camera: Camera, job: Job) -> ViewAdvice:
         """Return whether the view is through the sketch, and the way back to it."""
+        job.checkpoint(0.0, "Cameras and shape")
         return advice_on(state, body_of(state), camera)
 
     @override

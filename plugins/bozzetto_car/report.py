@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Caution, Figure
+from bozzetto.plugin import Caution, Figure, Job
 from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body.build import Body
 from bozzetto_car.body.edit_list import Edits
@@ -51,7 +51,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
 """The words of the report; `Modeler.figures`."""
 
 
-def report_of(body: Body, edits: Edits = ()) -> dict[str, Any]:
+def report_of(body: Body, edits: Edits, job: Job) -> dict[str, Any]:
     """Report nodes, cameras, residuals, constraints, creases and dimensions.
 
     Parameters
@@ -60,6 +60,8 @@ def report_of(body: Body, edits: Edits = ()) -> dict[str, Any]:
         The body.
     edits : tuple of edits
         Those that it was made with; their strokes are compared with it.
+    job : Job
+        Looked at before each sketch.
 
     Returns
     -------
@@ -80,7 +82,7 @@ def report_of(body: Body, edits: Edits = ()) -> dict[str, Any]:
         "template": template.id,
         "nodes": dict(zip(template.names, positions.tolist(), strict=True)),
         "views": [
-            _view(placed, body.sketch_cameras[key], body)
+            _view(placed, body.sketch_cameras[key], body, job)
             | {"stroke_px": dict(stroke_distances(body, edits, key))}
             for key, placed in solved.placed.items()
         ],
@@ -90,6 +92,7 @@ def report_of(body: Body, edits: Edits = ()) -> dict[str, Any]:
         "unit": "mm",
     }
     if solved.joint is not None:
+        job.checkpoint(1.0, template.id)
         known = certainty(template, solved.cost, solved.joint)
         report["known"] = dict(zip(template.names, known.sources, strict=True))
         views = further_views(template, solved.cost, solved.joint)
@@ -123,7 +126,8 @@ def _dimensions(body: Body) -> dict[str, float]:
     return {SHORT[name]: value for name, value in asdict(body.dimensions).items()}
 
 
-def _view(placed: Placed, sketch_camera: SketchCamera, body: Body) -> dict[str, Any]:
+def _view(placed: Placed, sketch_camera: SketchCamera, body: Body, job: Job) -> dict[str, Any]:
+    job.checkpoint(0.5, placed.sketch.name)
     nodes, marks = counted_marks(placed, body.template)
     report: dict[str, Any] = {
         "name": placed.sketch.name,

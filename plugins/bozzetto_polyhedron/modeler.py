@@ -73,7 +73,7 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
         return with_spots(state) if version < 2 else state
 
     @override
-    def view_advice(self, state: PolyhedronState, camera: Camera) -> ViewAdvice | None:
+    def view_advice(self, state: PolyhedronState, camera: Camera, job: Job) -> ViewAdvice | None:
         """Return the view without perspective until a drawing is turned.
 
         Lines are nearly always drawn without it, and a solid covers its lines only where it is
@@ -84,7 +84,7 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
         return ViewAdvice("good", "in perspective", with_kind(camera, "orthographic"), follow=True)
 
     @override
-    def read_drawing(self, drawing: Drawing, context: Context) -> PolyhedronState:
+    def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> PolyhedronState:
         """Return the bodies of a whole drawing, each turned into a solid at once.
 
         Raises
@@ -96,6 +96,7 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
             raise UserError("The drawing has no strokes. Draw the edges of a solid first.")
         state = self.create(context)
         for strokes in drawings_in(tuple(drawing.strokes)):
+            job.checkpoint(0.5, drawing.name)
             state = new_body(state, strokes, Choice())
         first = state.nodes[0]
         return state.with_node(first)
@@ -163,9 +164,11 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
         return traced_curves(state, result.sources)
 
     @override
-    def report(self, state: PolyhedronState, result: PolyhedronResult) -> Mapping[str, Any]:
+    def report(
+        self, state: PolyhedronState, result: PolyhedronResult, job: Job
+    ) -> Mapping[str, Any]:
         """Return corners, vertices, faces, ranked answers and health."""
-        return report_of(state, result.bodies, result.sources)
+        return report_of(state, result.bodies, result.sources, job)
 
     @override
     def cautions(self, state: PolyhedronState, result: PolyhedronResult) -> tuple[Caution, ...]:

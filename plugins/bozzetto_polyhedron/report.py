@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.plugin import Caution, Figure
+from bozzetto.plugin import Caution, Figure, Job
 from bozzetto_polyhedron.drawing_on.changed import Changed
 from bozzetto_polyhedron.drawing_on.circles import SIDES
 from bozzetto_polyhedron.drawing_on.cylinders import walls_of
@@ -51,7 +51,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
 
 
 def report_of(
-    state: PolyhedronState, results: Mapping[str, Solved], sources: Sources = NOTHING
+    state: PolyhedronState, results: Mapping[str, Solved], sources: Sources, job: Job
 ) -> dict[str, Any]:
     """Return the report.
 
@@ -68,11 +68,15 @@ def report_of(
         ``"mechanism"``: ``"pieces"``, ``"freedoms"``, ``"redundant"`` and ``"joint_gap_mm"``.
     """
     bodies = [body for body in state.of_kind(Body) if body.id in results]
-    entries = [_entry(body, results[body.id]) for body in bodies]
+    entries = []
+    for number, body in enumerate(bodies):
+        job.checkpoint(number / len(bodies), body.name)
+        entries.append(_entry(body, results[body.id]))
     first = dict(entries[0]) if entries else {}
     first.pop("id", None)
     first.pop("name", None)
     if is_mechanism(state):
+        job.checkpoint(1.0, "")
         first["mechanism"] = _mechanism(state, sources)
     return {**first, "bodies": entries, "unit": "mm"}
 

@@ -105,7 +105,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         return tool.next_step(state)
 
     @override
-    def view_advice(self, state: ProductState, camera: Camera) -> ViewAdvice | None:
+    def view_advice(self, state: ProductState, camera: Camera, job: Job) -> ViewAdvice | None:
         """Return the rough shape of a product that is not begun: it is not on the sheet yet.
 
         It is best seen from between its sides, so that curves can be drawn over several of them.
@@ -119,7 +119,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         return ViewAdvice("good", "Only one side is in view.", better, scene)
 
     @override
-    def read_drawing(self, drawing: Drawing, context: Context) -> ProductState:
+    def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> ProductState:
         """Return the product of a file: a network of curves, or strokes on a rough shape.
 
         Strokes of one name are one curve; each other stroke is one.
@@ -134,8 +134,11 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         if not len(drawing.strokes):
             raise UserError("The drawing has no strokes and no network. Draw a curve first.")
         state = self.create(replace(context, scene=Scene()))
-        for strokes in _curves_in(tuple(drawing.strokes)):
-            scene = context.scene + self.scene(state, self.solve(state, Job()))
+        curves = _curves_in(tuple(drawing.strokes))
+        for number, strokes in enumerate(curves):
+            job.checkpoint(number / len(curves), drawing.name)
+            solved = self.solve(state, Job(cancelled=job.cancelled))
+            scene = context.scene + self.scene(state, solved)
             state = with_drawn(state, strokes, replace(context, scene=scene))
         return state
 
@@ -226,9 +229,9 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         return curves_of(state, result)
 
     @override
-    def report(self, state: ProductState, result: ProductResult) -> Mapping[str, Any]:
+    def report(self, state: ProductState, result: ProductResult, job: Job) -> Mapping[str, Any]:
         """Return loops, surfaces and their quality, joints, and what is open."""
-        return report_of(state, result)
+        return report_of(state, result, job)
 
     @override
     def cautions(self, state: ProductState, result: ProductResult) -> Sequence[Caution]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Mesh
-from bozzetto.plugin import Caution, Figure, remembered
+from bozzetto.plugin import Caution, Figure, Job, remembered
 from bozzetto_product.details.bodies import SolvedDetail
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_mesh import radius_ratios
@@ -74,7 +74,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
 """The words of the report; `Modeler.figures`."""
 
 
-def report_of(state: ProductState, result: ProductResult) -> dict[str, Any]:
+def report_of(state: ProductState, result: ProductResult, job: Job) -> dict[str, Any]:
     """Report curves, joints, loops, surfaces and what is open.
 
     Returns
@@ -92,12 +92,12 @@ def report_of(state: ProductState, result: ProductResult) -> dict[str, Any]:
     """
     names = piece_names(result.net, result.curves)
     joints = {joint for joint, _ in result.net.joints if joint}
-    edges = list(_shared_edges(result, names))
+    edges = list(_shared_edges(result, names, job))
     return {
         "curves": len([curve for curve in result.curves if curve.spline is not None]),
         "joints": len(joints),
         "loops": [loop_names(one.loop, names) for one in result.patches],
-        "patches": [_patch(one, result, names, edges) for one in result.filled],
+        "patches": [_patch(one, result, names, edges, job) for one in result.filled],
         "edges": edges,
         "details": [_detail(one) for one in result.detailed.details],
         "closed": result.is_closed,
@@ -117,8 +117,10 @@ def _patch(
     result: ProductResult,
     names: tuple[str, ...],
     edges: Sequence[Mapping[str, Any]],
+    job: Job,
 ) -> dict[str, Any]:
     assert one.mesh is not None
+    job.checkpoint(0.5, one.name)
     mesh = one.mesh
     quality = radius_ratios(mesh)
     return {
@@ -145,7 +147,9 @@ def _detail(one: SolvedDetail) -> dict[str, Any]:
     }
 
 
-def _shared_edges(result: ProductResult, names: Sequence[str]) -> Iterator[dict[str, Any]]:
+def _shared_edges(
+    result: ProductResult, names: Sequence[str], job: Job
+) -> Iterator[dict[str, Any]]:
     """Yield each edge between two surfaces, with the greatest angle at which they meet there.
 
     Their normals are compared: the exact ones, or those of the vertices of triangles.
@@ -157,6 +161,7 @@ def _shared_edges(result: ProductResult, names: Sequence[str]) -> Iterator[dict[
     for edge, uses in sorted(at_edge.items()):
         if len(uses) != 2:
             continue
+        job.checkpoint(0.0, names[edge])
         (first, here), (second, there) = uses
         assert first.surface is not None
         assert second.surface is not None

@@ -103,7 +103,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         )
 
     @override
-    def read_drawing(self, drawing: Drawing, context: Context) -> SilhouetteState:
+    def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> SilhouetteState:
         """Read all strokes of a drawing as one part; nested outlines are holes.
 
         Raises
@@ -188,9 +188,11 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         )
 
     @override
-    def report(self, state: SilhouetteState, result: SilhouetteResult) -> Mapping[str, Any]:
+    def report(
+        self, state: SilhouetteState, result: SilhouetteResult, job: Job
+    ) -> Mapping[str, Any]:
         """Report how close every part is to its outline, and whether the whole can be printed."""
-        figures = report_of(state, result.body, result.solids)
+        figures = report_of(state, result.body, result.solids, job)
         rig = None if result.body is None else rig_of(state)
         return figures if rig is None else {**figures, "rig": rig_facts(rig)}
 

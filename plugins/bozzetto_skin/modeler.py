@@ -207,7 +207,7 @@ class RoughSkin(Modeler[SkinState, Skin]):
         return Shapes(solids=(Solid(result.mesh, name="skin"),))
 
     @override
-    def report(self, state: SkinState, result: Skin) -> Mapping[str, Any]:
+    def report(self, state: SkinState, result: Skin, job: Job) -> Mapping[str, Any]:
         """Report how far the curves are from the skin."""
         if result.mesh is None:
             return {"curves": 0}

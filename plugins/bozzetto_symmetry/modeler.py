@@ -93,7 +93,7 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
         return all_tools()
 
     @override
-    def read_drawing(self, drawing: Drawing, context: Context) -> SymmetryState:
+    def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> SymmetryState:
         """Return the curves of a drawing.
 
         Strokes of one name are one curve; others go where they belong. Where the file gives no box,
@@ -109,7 +109,7 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
         strokes, state = tuple(drawing.strokes), self.create(context)
         if context.facts.get("box") is None:
             state = replace(state, **box_around(strokes, state.plane))
-        return add_drawing(state, strokes, readings_of(context.facts))
+        return add_drawing(state, strokes, readings_of(context.facts), job.checkpoint)
 
     @override
     def solve(self, state: SymmetryState, job: Job) -> SymmetryResult:
@@ -140,9 +140,9 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
         return shapes_of(state, result.traces).curves
 
     @override
-    def report(self, state: SymmetryState, result: SymmetryResult) -> Mapping[str, Any]:
+    def report(self, state: SymmetryState, result: SymmetryResult, job: Job) -> Mapping[str, Any]:
         """Return readings, control points and uncertainties of all curves."""
-        return report_of(state, result.traces, result.problems)
+        return report_of(state, result.traces, result.problems, job)
 
     @override
     def cautions(self, state: SymmetryState, result: SymmetryResult) -> tuple[Caution, ...]:
@@ -162,7 +162,7 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
         return tool.next_step(state)
 
     @override
-    def view_advice(self, state: SymmetryState, camera: Camera) -> ViewAdvice:
+    def view_advice(self, state: SymmetryState, camera: Camera, job: Job) -> ViewAdvice:
         """Return how exact a curve becomes in a view, and what of the box depends on the view.
 
         While the chosen curve waits for its other side, the way back to its view. Of an empty
@@ -171,12 +171,13 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
         """
         if not state.nodes:
             for name in FIRST_NEEDED:
+                job.checkpoint(0.0, "")
                 import_module(name)
         scene, waiting = seen_from(state, camera), waiting_view(state)
         if waiting is not None and not is_one_view(camera, waiting):
             there = advice(waiting, state.plane, state.centre, state.diagonal)
             if there.level != "refuse":
                 return ViewAdvice("warn", WAITS_ELSEWHERE, waiting, scene)
-        lines = directions(state)
+        lines = directions(state, job)
         judged = advice(camera, state.plane, state.centre, state.diagonal, lines)
         return ViewAdvice(judged.level, judged.message, judged.better, scene)

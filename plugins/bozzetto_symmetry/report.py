@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from bozzetto.plugin import Caution, Figure
+from bozzetto.plugin import Caution, Figure, Job
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import MOST_MARGIN, Trace
 
@@ -51,7 +51,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
 
 
 def report_of(
-    state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str]
+    state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str], job: Job
 ) -> dict[str, Any]:
     """Return how every curve was read, its spline, and how sure its places are.
 
@@ -67,13 +67,16 @@ def report_of(
         px) and ``"warnings"``; of a pair the mirror image's ``"mirrored_control_points"``.
     """
     plane = state.plane
-    return {
-        "curves": [
+    entries = []
+    for number, curve in enumerate(state.curves):
+        job.checkpoint(number / len(state.curves), curve.name)
+        entries.append(
             _entry(curve, traces[curve.id], state)
             if curve.id in traces
             else _nothing(curve) | {"warnings": [problems.get(curve.id, "")]}
-            for curve in state.curves
-        ],
+        )
+    return {
+        "curves": entries,
         "box": {"center": list(state.centre), "size": list(state.size)},
         "plane": {"point": list(plane.point), "normal": list(plane.normal)},
         "unit": "mm",

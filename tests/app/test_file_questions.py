@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
+from shiboken6 import isValid
 
 from bozzetto.document.recovery.file_lock import FileLock, document_lock_path
 from bozzetto.exchange.formats import find, writers
@@ -100,3 +101,28 @@ def test_a_document_that_is_open_elsewhere_can_be_taken_over(
     settle(window.session, window.keeper)
     assert not window.session.drawing.read_only
     assert not theirs.is_held
+
+
+def test_a_question_goes_with_the_document_that_it_is_about(
+    window, settle, qtbot, tmp_path, monkeypatch
+):
+    """Else *Take over* would take a file that is not on the sheet from who works on it."""
+    paths = [tmp_path / "a.bozz", tmp_path / "b.bozz"]
+    for path in paths:
+        window.session.files.save(path)
+        settle(window.session, window.keeper)
+    window.session.files.new()
+    settle(window.session, window.keeper)
+    theirs = [FileLock.acquire(document_lock_path(path), path.name) for path in paths]
+    window.open(paths[0])
+    first = asked(window, qtbot, "locked")
+    window.open(paths[1])  # as a file that is dropped, or opened by another program
+    qtbot.waitUntil(lambda: window.session.drawing.path == paths[1])
+    assert not isValid(first) or not first.isVisible()
+    qtbot.waitUntil(lambda: window.files._box is not None)
+    second = window.files._box
+    assert "b.bozz" in second.text()
+    press(second, "Take over")
+    settle(window.session, window.keeper)
+    assert theirs[0].is_held
+    assert not theirs[1].is_held

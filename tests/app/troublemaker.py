@@ -138,8 +138,8 @@ class Boxes(Modeler[BoxesState, list[Mesh]]):
     def tools(self):
         return self.do("tools", lambda: (DrawBox(self),))
 
-    def read_drawing(self, drawing, context):
-        return self.do("read_drawing", lambda: BoxesState(drawing.strokes), drawing, context)
+    def read_drawing(self, drawing, context, job):
+        return self.do("read_drawing", lambda: BoxesState(drawing.strokes), drawing, context, job)
 
     def read_shapes(self, shapes):
         return self.do("read_shapes", BoxesState, shapes)
@@ -164,8 +164,8 @@ class Boxes(Modeler[BoxesState, list[Mesh]]):
 
         return self.do("shapes", well, state, result)
 
-    def report(self, state, result):
-        return self.do("report", lambda: {"boxes": len(result)}, state, result)
+    def report(self, state, result, job):
+        return self.do("report", lambda: {"boxes": len(result)}, state, result, job)
 
     def upgrade(self, state, version):
         return self.do("upgrade", lambda: state, state, version)

@@ -26,7 +26,9 @@ def rows() -> Iterator[Row]:
     """Weights of a new shape, and one pen event while posing."""
     modeler = Silhouette()
     drawing = read_drawing(SAMPLES / "horse.json")
-    state = replace(modeler.read_drawing(drawing, Context()), resolution=RESOLUTION, posing=True)
+    state = replace(
+        modeler.read_drawing(drawing, Context(), Job()), resolution=RESOLUTION, posing=True
+    )
     body = modeler.solve(state, Job()).body
     armature, rig = armature_of(state), rig_of(state)
     assert body is not None

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import bozzetto_silhouette
 from bozzetto.exchange.import_file import read_drawing
+from bozzetto.plugin import Job
 from bozzetto.plugin.context import Context
 from bozzetto_silhouette.appearance.picture_projection import axes_of, texel_of
 from bozzetto_silhouette.appearance.surface_look import painted, texture_of
@@ -31,7 +32,7 @@ CELLS = 128
 def rows() -> Iterator[Row]:
     """Colours of the vertices, the charts, and all of the baking."""
     drawing = read_drawing(DRAWING)
-    state = Silhouette().read_drawing(drawing, Context(camera=drawing.camera))
+    state = Silhouette().read_drawing(drawing, Context(camera=drawing.camera), Job())
     body = tree_body(state, CELLS)
     assert body is not None
     state = _with_picture(state, body)

@@ -202,6 +202,8 @@ class FileQuestions:
 
         self._box = box
         box.finished.connect(answered)
+        # A file that is dropped, or opened by another program, takes the document away meanwhile.
+        self._session.drawing.closing.connect(box.reject)
         box.open()
 
     def ask_export(self) -> None:

@@ -20,7 +20,13 @@ from bozzetto.document.recovery.recovery import CrashedSession, Recovered, Recov
 from bozzetto.errors import UserError
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.document_locks import Claim
-from bozzetto_app.session.drawing_record import BroughtBack, DrawingRecord, Snapshot, State
+from bozzetto_app.session.drawing_record import (
+    BroughtBack,
+    DrawingRecord,
+    NotKept,
+    Snapshot,
+    State,
+)
 from bozzetto_app.workers.channel import Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
@@ -93,6 +99,7 @@ class Keeper(QObject):
         self._landing: BroughtBack | None = None
         self._coming: set[str] = set()
         self._unwritten: list[_OnSheet] = []
+        self._is_told = False
         self._tasks: queue.Queue[Callable[[], None] | None] = queue.Queue()
         self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
         self._thread.start()
@@ -279,10 +286,6 @@ class Keeper(QObject):
             self._tasks.put(sheet.record.give_up)
             return
         self._tasks.put(lambda: self._set_aside(sheet))
-        name = sheet.last.name if sheet.last is not None else ""
-        self._notices.tell(
-            tr("Recovery", "“{name}” is kept, and offered at the next start.", name=name)
-        )
 
     # -- in the writing thread --
 
@@ -294,6 +297,10 @@ class Keeper(QObject):
                     self._let_go()
                     return
                 task()
+            except NotKept as problem:  # told once, not at each stroke
+                if not self._is_told:
+                    self._is_told = True
+                    call_on_main_thread(self, self._complain, problem)
             except Exception as problem:
                 call_on_main_thread(self, self._complain, problem)
             finally:
@@ -308,6 +315,10 @@ class Keeper(QObject):
         if now is not None and now is not sheet.written:
             sheet.record.write(now)
             sheet.written = now
+            if self._is_told:
+                self._is_told = False
+                again = tr("Recovery", "What you draw is safe from a crash again.")
+                call_on_main_thread(self, self._notices.tell, again)
 
     def _let_go(self) -> None:
         """Leave a drawing that is still on the sheet to be offered again: nobody has answered."""
@@ -322,6 +333,9 @@ class Keeper(QObject):
             self._unwritten.append(sheet)  # its turn comes with the next write
             raise
         sheet.record.set_aside()
+        name = "" if sheet.last is None else sheet.last.name
+        said = tr("Recovery", "“{name}” is kept, and offered at the next start.", name=name)
+        call_on_main_thread(self, self._notices.tell, said)
 
     def _keep_soon(self, crashed: CrashedSession) -> None:
         """Offer again what a crash left behind, without waiting for the disk.

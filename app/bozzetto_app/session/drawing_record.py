@@ -6,18 +6,47 @@ or in other recovery data that reached the disk), or when the person said that i
 
 from __future__ import annotations
 
+import errno
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from bozzetto.errors import UserError
+from bozzetto_app.i18n import tr
 
 if TYPE_CHECKING:
     from bozzetto.atomic_files import FileStamp
     from bozzetto.document.model import Document
     from bozzetto.document.recovery.recovery import CrashedSession, RecoverySession, RecoveryStore
 
-__all__ = ["BroughtBack", "DrawingRecord", "Snapshot", "State"]
+__all__ = ["BroughtBack", "DrawingRecord", "NotKept", "Snapshot", "State"]
+
+NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""How systems say that a disk is full."""
+
+
+class NotKept(UserError):
+    """What is drawn is in no recovery data, for their disk is full or fails."""
+
+
+def _not_kept(problem: UserError, folder: Path) -> NotKept:
+    """Return what a person must know: not which file of ours it is, but what a crash would take."""
+    cause = problem.__cause__
+    if not isinstance(cause, OSError):
+        return NotKept(problem.message)
+    if cause.errno in NO_ROOM:
+        reason = tr("Recovery", "its disk is full")
+    else:
+        reason = cause.strerror or str(cause)
+    return NotKept(
+        tr(
+            "Recovery",
+            "A crash would take what you draw now: “{folder}” cannot be written ({reason}). Save "
+            "the drawing, and make room there; each step tries again.",
+            folder=folder,
+            reason=reason,
+        )
+    )
 
 
 class Snapshot(NamedTuple):
@@ -74,31 +103,49 @@ class DrawingRecord:
 
         Raises
         ------
-        UserError
+        NotKept
             If the disk is full or fails. What was kept before is still kept.
+        UserError
+            If what it was brought back from cannot go.
         """
         if self.state is State.LEFT:
             return
+        try:
+            self._keep(now)
+        except UserError as problem:
+            raise _not_kept(problem, self._store.folder) from problem.__cause__
+        if self._old is not None:
+            old, self._old = self._old, None
+            self.state = State.IN_OWN_DATA
+            self._part_with(old)
+        self.state = State.IN_OWN_DATA
+
+    def _keep(self, now: Snapshot) -> None:
+        """Write a snapshot, to new recovery data where there are none any more."""
+        if self._own is not None and self._own.is_gone:
+            self._own.set_aside()
+            self._own = None
+            self.state = State.NOWHERE if self._old is None else State.IN_OLD_DATA
         if self._own is None:
             self._own = self._store.begin(now.name, now.path, now.document, now.stamp)
         self._own.record(now.document)
         if self._old is not None:
             self._own.sync()
-            old, self._old = self._old, None
-            self.state = State.IN_OWN_DATA
-            self._part_with(old)
-        self.state = State.IN_OWN_DATA
 
     def saved(self, now: Snapshot, saved: Document) -> None:
         """Start afresh from what is in the person's file now.
 
         Raises
         ------
-        UserError
+        NotKept
             As `write`.
         """
-        if self._own is not None and now.path is not None:
+        if self._own is None or now.path is None or self._own.is_gone:
+            return
+        try:
             self._own.saved(saved, now.name, now.path, now.stamp)
+        except UserError as problem:
+            raise _not_kept(problem, self._store.folder) from problem.__cause__
 
     def give_up(self) -> None:
         """Forget everything: it is in the person's file, or they said that it may go.

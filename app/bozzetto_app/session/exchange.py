@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import WeakSet
 
 from PySide6.QtCore import QObject, Signal
 
@@ -106,7 +107,9 @@ class Exchange(QObject):
         # between a person and their document.
         self._work = Channel("exchange", keep_all=True, is_patient=True, parent=self)
         self._work.slow.connect(notices.tell_slow)
+        self._imports: WeakSet[Request] = WeakSet()
         self._foresight = Channel("foresee", is_patient=True, parent=self)
+        drawing.closing.connect(self._drop_imports)
         self.films = Films(workbench, drawing, view, notices, self)
         for channel in (self._work, self.films.channel):
             channel.progressed.connect(self.progressed)
@@ -281,7 +284,12 @@ class Exchange(QObject):
             if said is not None:  # what is missing stays until the next one, as with exports
                 self._notices.noticed.emit(said)
 
-        self._work.submit(Request(work, done, self._notices.complain))
+        self._imports.add(self._work.submit(Request(work, done, self._notices.complain)))
+
+    def _drop_imports(self) -> None:
+        """Stop reading for a document that is closed; what it hands over is still written."""
+        for request in tuple(self._imports):
+            request.abandon()
 
 
 def _told_of(mesh: MeshFile) -> Notice | None:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from bozzetto.document.links import LinkedModels, is_same_recipe
-from bozzetto.errors import UserError
+from bozzetto.errors import Cancelled, UserError
 from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto_app.session.revisions import Revisions, Stage, Task
@@ -304,8 +304,14 @@ class Solver(QObject):
         model = task.model
         if self._last_report is None or not is_same_recipe(self._last_report[0], model):
             # Empty first, so that a report which fails or hangs is not asked for again.
-            self._last_report = (model, ({}, {}))
-            report = self._workbench.report(model, job)
+            empty: tuple[Model, Report] = (model, ({}, {}))
+            self._last_report = empty
+            try:
+                report = self._workbench.report(model, job)
+            except Cancelled:
+                if self._last_report is empty:
+                    self._last_report = None
+                raise
             self._last_report = (model, (report, self._workbench.figures(model)))
         if not job.cancelled():
             self._revisions.made(task)

@@ -148,6 +148,8 @@ class ViewAdviser(QObject):
 
     def _forget(self) -> None:
         """Let go of a closed document: models hold all their pictures, a scene all its meshes."""
+        self._channel.cancel()
+        self._asked = None
         self._pinned.clear()
         self._empty = None
 
@@ -210,6 +212,9 @@ class ViewAdviser(QObject):
             return
         self._pace.start()
         if self._channel.busy:
+            if self._is_overtaken(question):
+                self._channel.cancel()
+                self._asked = None
             return
         modeler, model, camera, rests_on = question
         waits = self._advises_on_results and rests_on is None
@@ -222,7 +227,7 @@ class ViewAdviser(QObject):
 
         def work(job: Job) -> ViewAdvice | None:
             model_now = self._begun(modeler, camera, rests_on) if model is None else model
-            return self._workbench.view_advice(model_now, camera, seen)
+            return self._workbench.view_advice(model_now, camera, seen, job)
 
         def done(advice: ViewAdvice | None) -> None:
             self._took = perf_counter() - begun
@@ -240,6 +245,18 @@ class ViewAdviser(QObject):
                 self._notices.complain(problem)
 
         self._channel.submit(Request(work, done, failed, "preview"))
+
+    def _is_overtaken(self, question: Question) -> bool:
+        """Return whether what is being asked is about a model that is another one by now.
+
+        While a value is dragged it is another one at each turn, and no answer would ever come.
+        """
+        if question is None or self._asked is None or self._drawing.is_dragging:
+            return False
+        asked, now = self._asked[1], question[1]
+        return self._asked[0] != question[0] or (
+            asked is not now and (asked is None or now is None or asked.state is not now.state)
+        )
 
     def _remember(self, model: Model | None, advice: ViewAdvice | None) -> None:
         """Remember the state of a model to which the view is pinned, or goes to be pinned."""

@@ -1,4 +1,4 @@
-"""Request for a solve: its quality, its progress, and whether anybody still waits."""
+"""Request for work that may be slow: its quality, its progress, and whether anybody still waits."""
 
 from __future__ import annotations
 
@@ -22,19 +22,22 @@ def _never() -> bool:
 
 @dataclass(frozen=True)
 class Job:
-    """Request for a solve: its quality, its progress, and whether anybody still waits for it.
+    """Request for work that may be slow, and whether anybody still waits for it.
+
+    It comes with a solve, a report, a drawing that is read and advice on a view.
 
     Parameters
     ----------
     quality : {"preview", "final"}
-        "preview" must be fast (tens of milliseconds) and may be coarse.
+        Of a solve. "preview" must be fast (tens of milliseconds) and may be coarse.
     progress : callable
         Called with the fraction done (0 … 1) and the step's name.
     cancelled : callable
         True once the answer is no longer wanted.
     sources : mapping of str to Shapes
         What the models hand over that `Modeler.sources` names, by their ids; mm, in the frame of
-        the model that is solved. For a preview they may be previews as well.
+        the model that is solved. For a preview they may be previews as well. Empty where nothing
+        is solved.
     """
 
     quality: Literal["preview", "final"] = "final"
@@ -43,7 +46,7 @@ class Job:
     sources: Mapping[str, Shapes] = field(default_factory=dict)
 
     def checkpoint(self, fraction: float, step: str) -> None:
-        """Report progress; call it between steps.
+        """Report progress; call it between steps, and in loops.
 
         Raises
         ------

@@ -101,10 +101,11 @@ class Modeler(ABC, Generic[State, Result]):
         """
         return ()
 
-    def report(self, state: State, result: Result) -> Mapping[str, Any]:
+    def report(self, state: State, result: Result, job: Job) -> Mapping[str, Any]:
         """Return how good the result is, as JSON values by readable keys.
 
-        Shown in a panel in the words of `figures`, and written by ``--report``.
+        Shown in a panel in the words of `figures`, and written by ``--report``. May be slow: call
+        ``job.checkpoint`` in its loops.
         """
         return {}
 
@@ -136,10 +137,11 @@ class Modeler(ABC, Generic[State, Result]):
         """Turn the stored form of an older version's state into today's."""
         return state
 
-    def read_drawing(self, drawing: Drawing, context: Context) -> State:
+    def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> State:
         """Return a state from a whole drawing, for the command line and for drag and drop.
 
-        By default the first tool that draws gets all the ink.
+        By default the first tool that draws gets all the ink. May be slow, for a file may hold
+        anything: call ``job.checkpoint`` in its loops.
 
         Raises
         ------
@@ -151,6 +153,7 @@ class Modeler(ABC, Generic[State, Result]):
             raise UserError(TAKES_NO_INK)
         if not len(drawing.strokes):
             raise UserError(NO_STROKES)
+        job.checkpoint(0.0, drawing.name)
         ink = Ink(tuple(drawing.strokes), committed=True)
         return first.apply(self.create(context), ink, context)
 
@@ -252,10 +255,11 @@ class Modeler(ABC, Generic[State, Result]):
 
     # -- the view --
 
-    def view_advice(self, state: State, camera: Camera) -> ViewAdvice | None:
+    def view_advice(self, state: State, camera: Camera, job: Job) -> ViewAdvice | None:
         """Return advice on a view; None where it does not matter from where one draws.
 
-        Asked up to ten times a second while the view turns.
+        Asked up to ten times a second while the view turns. Call ``job.checkpoint`` before what
+        may be slow, such as a solve that the advice rests on.
         """
         return None
 

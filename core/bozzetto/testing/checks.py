@@ -12,11 +12,12 @@ import sys
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Final
 
 from bozzetto.document.model import Model
 from bozzetto.document.storage.state_codec import decode_state, encode_state, state_digest
-from bozzetto.errors import Cancelled, Unfinished, UserError
+from bozzetto.errors import Unfinished, UserError
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.geometry.brep.tessellation import brep_mesh
 from bozzetto.geometry.shapes import Shapes
@@ -29,6 +30,7 @@ from bozzetto.plugin.parts import PartsModeler
 from bozzetto.testing.abilities import ABILITIES
 from bozzetto.testing.deep_equal import difference, fingerprint, same
 from bozzetto.testing.headless_shell import Shell
+from bozzetto.testing.job_checks import check_stopping, stop_at
 from bozzetto.testing.memory_checks import check_forgetting, check_fresh_process
 from bozzetto.testing.spelling import check_spelling
 from bozzetto.testing.subject import Broken, Subject, ensure, odd_gestures
@@ -161,18 +163,7 @@ def check_cancelling(subject: Subject) -> None:
     for seed, question in enumerate(CANCELLATIONS, 1):
         # Every time another drawing: a modeler may remember what it solved.
         with subject.drawn(seed) as shell:
-            asked = 0
-
-            def cancelled(question: int = question) -> bool:
-                nonlocal asked
-                asked += 1
-                return asked >= question
-
-            try:
-                shell.workbench.solve(shell.model, Job(cancelled=cancelled))
-                ensure(asked < question, "solve went on although job.checkpoint raised Cancelled")
-            except Cancelled:
-                pass
+            stop_at(question, "solve", partial(shell.workbench.solve, shell.model))
             after = shell.shapes()
             with subject.drawn(seed) as other:
                 ensure(same(other.shapes(), after), "a cancelled solve changed the next one")
@@ -447,6 +438,7 @@ CHECKS: Final = tuple(
         check_storage,
         check_history,
         check_cancelling,
+        check_stopping,
         check_odd_previews,
         check_odd_gestures,
         check_determinism,

@@ -111,7 +111,7 @@ class InkReadings:
             If the modeler cannot read it, or no shape comes of it.
         """
         own = replace(context, camera=drawing.camera)
-        model = self._bench.sources.from_drawing(modeler_id, drawing, {}, own)
+        model = self._bench.sources.from_drawing(modeler_id, drawing, {}, own, job)
         job.checkpoint(0.3, "Reading the ink")
         shapes = self._bench.shapes([model], job)
         if not shapes:

@@ -47,6 +47,7 @@ class ModelSources:
         pictures and drawings that it names.
         """
         from bozzetto.plugin.context import Context
+        from bozzetto.plugin.job import Job
 
         context = replace(
             context or Context(camera=drawing.camera),
@@ -61,7 +62,7 @@ class ModelSources:
             model = run_steps(self._bench, model, drawing, context, job)
         else:
             registry = self._bench.registry
-            state = registry.guarded(modeler_id).read_drawing(drawing, context)
+            state = registry.guarded(modeler_id).read_drawing(drawing, context, job or Job())
             name = drawing.name or registry.info(modeler_id).title
             model = self._bench.new_model(modeler_id, state, name)
         return self._bench.set_parameters(model, values) if values else model

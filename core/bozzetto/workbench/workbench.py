@@ -224,7 +224,11 @@ class Workbench:
     # -- looking --
 
     def view_advice(
-        self, model: Model, camera: Camera, seen: Iterable[Model] = ()
+        self,
+        model: Model,
+        camera: Camera,
+        seen: Iterable[Model] = (),
+        job: Job | None = None,
     ) -> ViewAdvice | None:
         """Return the modeler's advice on a view of a model; None where it gives none.
 
@@ -239,7 +243,11 @@ class Workbench:
         seen : iterable of Model
             The model as it was a moment ago, newest first, while the view was pinned to it. Where
             it has changed, the view may have to go along; see `Modeler.view_after`.
+        job : Job, optional
+            Says whether anybody still waits for the advice.
         """
+        from bozzetto.plugin.job import Job
+
         modeler = self.guarded(model)
         own = camera.moved(model.placement.inverse())
         result = self.best_result(model)
@@ -248,7 +256,7 @@ class Workbench:
             advice = modeler.advice_on_result(model.state, result, own, earlier)
             return None if advice is None else self._in_world(model, advice)
         along = self._view_after(modeler, model, own, seen)
-        advice = modeler.view_advice(model.state, along or own)
+        advice = modeler.view_advice(model.state, along or own, job or Job())
         if advice is None:
             return None
         if along is not None:
@@ -305,12 +313,12 @@ class Workbench:
                 return found
         return None
 
-    def advice_scene(self, document: Document, camera: Camera) -> Scene:
+    def advice_scene(self, document: Document, camera: Camera, job: Job | None = None) -> Scene:
         """Return what depends on the view of the visible models; lay it over their scene."""
         layers: list[Layer] = []
         for model in document:
             if model.visible and not self.is_foreign(model):
-                advice = self.view_advice(model, camera)
+                advice = self.view_advice(model, camera, job=job)
                 layers.extend(advice.scene.layers if advice is not None else ())
         return Scene(tuple(layers))
 
@@ -417,7 +425,7 @@ class Workbench:
 
     def report(self, model: Model, job: Job) -> dict[str, Any]:
         """Return figures on a model's quality, as JSON values; empty if its modeler has none."""
-        said = self.guarded(model).report(model.state, self.solve(model, job))
+        said = self.guarded(model).report(model.state, self.solve(model, job), job)
         return {str(key): plain(value) for key, value in said.items()}
 
     def figures(self, model: Model) -> Mapping[str, Figure]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from bozzetto.plugin import Caution, remembered
+from bozzetto.plugin import Caution, Job, remembered
 from bozzetto.scene import Walls, walls_of
 from bozzetto_silhouette.analysis.fidelity import Fidelity, area_of, measure
 from bozzetto_silhouette.inflation.manifold_check import topology_of
@@ -49,7 +49,7 @@ def _walls(solid: SilhouetteSolid | Body) -> Walls:
 
 
 def report_of(
-    state: SilhouetteState, body: Body | None, solids: Mapping[str, SilhouetteSolid]
+    state: SilhouetteState, body: Body | None, solids: Mapping[str, SilhouetteSolid], job: Job
 ) -> dict[str, Any]:
     """Return the figures of the whole, then of every part, in mm, and warnings; plain JSON values.
 
@@ -61,13 +61,16 @@ def report_of(
         The whole shape; None where nothing is left.
     solids : mapping of str to SilhouetteSolid
         By the id of the part, in its object frame.
+    job : Job
+        Looked at between the parts.
     """
     warnings: list[str] = []
-    parts = [
-        _of_part(state, part, solids[part.id], warnings)
-        for part in shown_parts(state)
-        if part.id in solids
-    ]
+    shown = [part for part in shown_parts(state) if part.id in solids]
+    parts = []
+    for number, part in enumerate(shown):
+        job.checkpoint(number / (len(shown) + 1), part.name)
+        parts.append(_of_part(state, part, solids[part.id], warnings))
+    job.checkpoint(len(shown) / (len(shown) + 1), "")
     report: dict[str, Any] = {}
     if body is not None:
         whole = _of_whole(body)

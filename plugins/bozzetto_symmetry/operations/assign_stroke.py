@@ -6,7 +6,7 @@ at it from elsewhere and draws it once more. Ink files do the same with strokes 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -40,10 +40,15 @@ SURE_PAIR: Final = 8.0
 up to 5, if an end is missing; two curves cost 16 and more."""
 
 
+def ignore(fraction: float, step: str) -> None:
+    """Do nothing: the checkpoint of those who have none."""
+
+
 def add_drawing(
     state: SymmetryState,
     strokes: Sequence[Stroke],
     readings: Mapping[str, AskedReading] | None = None,
+    checkpoint: Callable[[float, str], None] = ignore,
 ) -> SymmetryState:
     """Return the state with the strokes of a whole drawing.
 
@@ -58,6 +63,8 @@ def add_drawing(
         All of the drawing, in the order drawn.
     readings : mapping, optional
         What curves are, by their id, where the drawing says so.
+    checkpoint : callable
+        Called before each stroke with the share that is done; what it raises ends the work.
     """
     asked = readings or {}
     groups: dict[str, list[Stroke]] = {}
@@ -73,7 +80,8 @@ def add_drawing(
             color=drawn[0].color,
         )
         state = state.with_node(curve)
-    for stroke in strokes:
+    for number, stroke in enumerate(strokes):
+        checkpoint(number / len(strokes), "")
         if stroke.group:
             continue
         again = _gone_over(state, stroke)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.plugin import Job
 from bozzetto.view import Camera, turn
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
@@ -246,10 +247,11 @@ def _length(mm: float) -> str:
     return f"{mm:.1f} mm" if mm >= 1.0 else f"{mm:.2g} mm"
 
 
-def directions(state: SymmetryState) -> Array | None:
+def directions(state: SymmetryState, job: Job) -> Array | None:
     """Return tangents of the newest curves shown, (n, 3) in the model's frame; None if none."""
     found = []
     for curve in state.shown_curves[-NEWEST:]:
+        job.checkpoint(0.5, curve.name)
         try:
             made = trace_of(curve, state).curve
         except UserError:

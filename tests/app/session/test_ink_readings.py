@@ -165,6 +165,6 @@ def test_when_nobody_looks_any_more_nobody_is_asked(drawn, settle, boxes, qtbot)
 
 
 def test_a_fault_is_told_and_the_others_are_offered(drawn, settle, boxes):
-    boxes.misdeeds["read_drawing"] = lambda drawing, context: 1 / 0
+    boxes.misdeeds["read_drawing"] = lambda *_: 1 / 0
     assert set(readings_of(drawn, settle)) == {SYMMETRY, PRODUCT}
     assert [notice.kind for notice in drawn.heard].count("fault") == 1

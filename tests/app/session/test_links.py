@@ -171,7 +171,7 @@ def test_a_source_without_a_solution_is_told_for_both(session, settle):
 def test_the_figures_of_a_follower_are_those_of_its_newest_result(
     session, settle, boxes, monkeypatch
 ):
-    def report(self, state, result):
+    def report(self, state, result, job):
         return {"width": float(np.ptp(result[-1].vertices[:, 0]))}
 
     monkeypatch.setattr(type(boxes), "report", report)

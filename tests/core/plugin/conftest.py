@@ -123,8 +123,8 @@ class Faulty(Modeler[FaultyState, float]):
 
         return self.do("shapes", well, state, result)
 
-    def report(self, state, result):
-        return self.do("report", lambda: {"size": result}, state, result)
+    def report(self, state, result, job):
+        return self.do("report", lambda: {"size": result}, state, result, job)
 
     def read_shapes(self, shapes):
         return self.do("read_shapes", FaultyState, shapes)
@@ -134,8 +134,8 @@ class Faulty(Modeler[FaultyState, float]):
 
 
 class ReadingFaulty(Faulty):
-    def read_drawing(self, drawing, context):
-        return self.do("read_drawing", lambda: FaultyState(drawing.strokes), drawing, context)
+    def read_drawing(self, drawing, context, job):
+        return self.do("read_drawing", lambda: FaultyState(drawing.strokes), drawing, context, job)
 
 
 FAULTY_MANIFEST = """

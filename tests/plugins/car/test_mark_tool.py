@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Drag, Ink, Tap
+from bozzetto.plugin import Drag, Ink, Job, Tap
 from bozzetto.scene import Handle, Label, Lines
 from bozzetto.view.eye_fixed_motion import aimed, enlarged
 from bozzetto_car.body.build import body_of
@@ -329,7 +329,7 @@ def test_the_direct_transform_is_shown_for_teaching(marked_car):
 
 def test_the_report_takes_the_direct_transform_apart(marked_car):
     """Without an error of the hand it is the camera itself, with the car before the eye."""
-    (view,) = report_of(body_of(marked_car))["views"]
+    (view,) = report_of(body_of(marked_car), (), Job())["views"]
     parts = view["direct_linear_transform_parts"]
     lens = 0.5 * 800.0 / np.tan(np.radians(0.5 * FRONT_RIGHT.fov_y))
     assert parts["focal_px"] == pytest.approx([lens, lens], rel=1e-5)

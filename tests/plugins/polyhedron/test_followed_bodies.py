@@ -122,7 +122,7 @@ def test_files_and_scene_get_them_where_they_are():
     assert fallen == pytest.approx(0.5 * 9810 * 0.1**2, rel=0.25)
     shown = next(layer for layer in MODELER.scene(state, result).layers if layer.name == "solid")
     assert shown.items[0].mesh.vertices == pytest.approx(solid.mesh.vertices, abs=1e-4)
-    assert MODELER.report(state, result)["mechanism"]["pieces"] == 1
+    assert MODELER.report(state, result, Job())["mechanism"]["pieces"] == 1
     gone = MODELER.solve(state, Job(sources={"two": Shapes(curves=())}))
     assert "no part" in MODELER.cautions(state, gone)[0].message
 

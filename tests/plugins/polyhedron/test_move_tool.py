@@ -37,7 +37,7 @@ FRAME = 1.0 / 60.0
 def box(moves: str, **options: object) -> PolyhedronState:
     solid = OBJECTS["box"]
     strokes = strokes_of(fitted(solid), solid.edges, jitter=1.0, seed=9100)
-    state = MODELER.read_drawing(Drawing(Strokes(strokes), VIEW), Context())
+    state = MODELER.read_drawing(Drawing(Strokes(strokes), VIEW), Context(), Job())
     return replace(state.with_node(replace(state.nodes[0], moves=moves)), **options)
 
 
@@ -216,7 +216,7 @@ def test_all_of_it_can_be_put_back(shell):
 
 def test_freedoms_and_gaps_are_reported():
     state = pulled(anchored(box("links"), 0, 1), 7, np.array([30.0, 0.0]), 0.1)
-    told = MODELER.report(state, MODELER.solve(state, Job()))["mechanism"]
+    told = MODELER.report(state, MODELER.solve(state, Job()), Job())["mechanism"]
     assert told["pieces"] == 8
     assert told["freedoms"] == 3 * 6 - 11
     assert told["joint_gap_mm"] < 1e-2

@@ -39,7 +39,7 @@ def drawn(shell: Shell, name: str, *, turned: bool = True, **options: object) ->
 
 
 def report(shell: Shell) -> dict:
-    return dict(MODELER.report(shell.state, shell.solve()))
+    return dict(MODELER.report(shell.state, shell.solve(), Job()))
 
 
 def sizes(shell: Shell) -> np.ndarray:
@@ -262,7 +262,7 @@ def test_same_ink_gives_the_same_answers_again(shell):
     drawn(shell, "house", jitter=3.0, seed=7010)
     first = report(shell)
     other = MODELER.solve(shell.state, Job())
-    assert dict(MODELER.report(shell.state, other)) == first
+    assert dict(MODELER.report(shell.state, other, Job())) == first
 
 
 def test_ink_of_a_resized_window_belongs_to_the_same_drawing(shell):
@@ -366,9 +366,9 @@ def test_perspective_switched_while_drawing_leaves_one_drawing(shell, order):
 def test_a_new_sheet_is_looked_at_without_perspective_until_a_solid_is_turned(shell):
     seen = with_kind(VIEW, "perspective")
     shell.open(POLYHEDRON)
-    advice = MODELER.view_advice(shell.state, seen)
+    advice = MODELER.view_advice(shell.state, seen, Job())
     assert advice.follow
     assert advice.better == with_kind(seen, "orthographic")
-    assert MODELER.view_advice(shell.state, advice.better) is None
+    assert MODELER.view_advice(shell.state, advice.better, Job()) is None
     drawn(shell, "box")
-    assert MODELER.view_advice(shell.state, seen) is None
+    assert MODELER.view_advice(shell.state, seen, Job()) is None

@@ -101,7 +101,7 @@ def smoothness(name: str, change: Callable[[np.ndarray], np.ndarray]) -> str:
     """Return the row of the largest angle over the edges of an ellipsoid."""
     modeler = ProductModeler()
     state = product_of_network(facts({k: change(p) for k, p in octants().items()}))
-    told = modeler.report(state, modeler.solve(state, Job()))
+    told = modeler.report(state, modeler.solve(state, Job()), Job())
     worst = max(edge["angle_deg"] for edge in told["edges"])
     return row(f"ellipsoid of eight surfaces, {name}", f"{worst:.3f}°", "≤ 0.05°", worst <= 0.05)
 

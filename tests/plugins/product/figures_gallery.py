@@ -60,7 +60,7 @@ def built(path: Path) -> Built:
     """
     bench = Workbench(Registry())
     model = bench.sources.from_drawing("bozzetto.product", read_drawing(path), {})
-    told = report_of(model.state, bench.solve(model, Job()))
+    told = report_of(model.state, bench.solve(model, Job()), Job())
     loops = Counter(frozenset(name.split("/")[0] for name in loop) for loop in told["loops"])
     angles = tuple(edge["angle_deg"] for edge in told["edges"] if edge["smooth"]) or (0.0,)
     curves = {curve.name: curve.spline.sampled(400) for curve in model.state.of_kind(Curve)}

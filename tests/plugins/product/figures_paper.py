@@ -198,7 +198,7 @@ def products() -> None:
         for kind in _kinds():
             whole = replace(state, surfaces=kind)
             ms, result = spent(lambda whole=whole: product.solve(whole, Job()))
-            told = product.report(whole, result)
+            told = product.report(whole, result, Job())
             angles = [edge["angle_deg"] for edge in told["edges"] if edge["smooth"]]
             body = product.shapes(whole, result).solids
             exact = "exact faces" if body and body[0].exact is not None else "triangles, curves"
@@ -214,7 +214,7 @@ def products() -> None:
             row(f"{name}: {what}", *values)
         evened = _grouped(state)
         result = product.solve(evened, Job())
-        told = product.report(evened, result)
+        told = product.report(evened, result, Job())
         angles = [edge["angle_deg"] for edge in told["edges"] if edge["smooth"]]
         row(f"{name}, all one group, V-spring 1: angle, median, p95", "", _pair(angles))
     folded, count = [0, 0], 0

@@ -35,7 +35,7 @@ def rows() -> Iterator[Row]:
     facts = json.loads(SAMPLE.read_text())
     opened, state = _timed(lambda: product_of_network(facts))
     first, result = _timed(lambda: product.solve(state, Job()))
-    told: dict[str, Any] = dict(product.report(state, result))
+    told: dict[str, Any] = dict(product.report(state, result, Job()))
     smooth = np.array([edge["angle_deg"] for edge in told["edges"] if edge["smooth"]])
     p95 = float(np.quantile(smooth, 0.95))
     off = max(patch["boundary_error_mm"] for patch in told["patches"])

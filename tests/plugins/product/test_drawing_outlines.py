@@ -186,7 +186,7 @@ def file_of(tmp_path, **values):
 def read(path):
     drawing = read_drawing(path)
     context = Context(facts=drawing.facts, drawings=drawing.drawings)
-    return PRODUCT.read_drawing(drawing, context)
+    return PRODUCT.read_drawing(drawing, context, Job())
 
 
 def test_a_network_names_a_drawing_that_lies_beside_it(svg, tmp_path) -> None:

@@ -135,7 +135,7 @@ def test_the_recipe_keeps_what_was_drawn_and_the_result_is_fair() -> None:
     assert before.sampled(65)[:, 2].max() > 12.0
     height = after.sampled(65)
     np.testing.assert_allclose(height[:, 2], 0.002 * height[:, 0] * (120 - height[:, 0]), atol=0.5)
-    assert len(PRODUCT.report(state, result)["patches"]) == 6
+    assert len(PRODUCT.report(state, result, Job())["patches"]) == 6
     assert PRODUCT.solve(grouped(0.0), Job()).let_go == frozenset()
 
 

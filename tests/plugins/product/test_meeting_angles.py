@@ -52,7 +52,7 @@ def test_told_angles_are_those_measured_on_the_exact_faces(mouse, change):
     product = modeler.ProductModeler()
     result = product.solve(state, Job())
     told = {}
-    for edge in product.report(state, result)["edges"]:
+    for edge in product.report(state, result, Job())["edges"]:
         pair = frozenset(edge["patches"])
         if not edge["smooth"]:
             continue

@@ -39,7 +39,7 @@ def box(scale: float = 1.0) -> dict:
 def report(facts: dict) -> dict:
     modeler = ProductModeler()
     state = product_of_network(facts)
-    return modeler.report(state, modeler.solve(state, Job()))
+    return modeler.report(state, modeler.solve(state, Job()), Job())
 
 
 def test_a_box_closes_with_six_surfaces() -> None:

@@ -261,7 +261,7 @@ def test_a_group_is_evened_and_its_curves_give_way_by_their_share() -> None:
         group = CurveGroup("g", "Group", **shares)
         changed = replace(state, nodes=(*inside, group))
         result = solved(changed)
-        report = product.report(changed, result)
+        report = product.report(changed, result, Job())
         smooth = [edge["angle_deg"] for edge in report["edges"] if edge["smooth"]]
         off = max(patch["boundary_error_mm"] for patch in report["patches"])
         return float(np.median(smooth)), off, result

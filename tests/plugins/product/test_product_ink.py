@@ -224,7 +224,7 @@ def test_a_stroke_along_the_plane_lies_in_it(tmp_path: Path) -> None:
 def test_products_of_the_gallery_close(path: Path) -> None:
     bench = Workbench(Registry())
     model = bench.sources.from_drawing("bozzetto.product", read_drawing(path), {})
-    told = report_of(model.state, bench.solve(model, Job()))
+    told = report_of(model.state, bench.solve(model, Job()), Job())
     assert told["closed"], told["open_edges"]
     assert told["warnings"] == []
     shapes = bench.shapes((model,), Job())

@@ -38,7 +38,7 @@ def solved(given):
     state = product_of_network(given)
     modeler = ProductModeler()
     result = modeler.solve(state, Job())
-    return result, modeler.report(state, result)
+    return result, modeler.report(state, result, Job())
 
 
 def prism(corners, height):

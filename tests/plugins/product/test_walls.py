@@ -170,7 +170,9 @@ def test_the_recipe_makes_a_housing_of_a_closed_product() -> None:
     assert sum(group.count for group in part.groups) == len(part.mesh.faces)
     assert {group.name for group in part.groups} >= {f"Surface {k} wall" for k in range(1, 7)}
     assert any("STEP" in caution.message for caution in PRODUCT.cautions(state, result))
-    assert PRODUCT.report(state, result)["walls"][0]["thinnest_mm"] == pytest.approx(2.0, rel=0.01)
+    assert PRODUCT.report(state, result, Job())["walls"][0]["thinnest_mm"] == pytest.approx(
+        2.0, rel=0.01
+    )
 
 
 def test_the_recipe_makes_a_tray_of_an_open_product() -> None:

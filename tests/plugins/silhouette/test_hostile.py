@@ -151,7 +151,7 @@ def answer(state: SilhouetteState) -> str:
     for _, item in MODELER.scene(state, result).items():
         if hasattr(item, "points"):
             assert np.isfinite(item.points).all()
-    for figures in MODELER.report(state, result)["parts"]:
+    for figures in MODELER.report(state, result, Job())["parts"]:
         assert figures["volume"] > 0.0
         assert figures["status"] == "NoError"
     if result.body is None:

@@ -171,20 +171,20 @@ def test_scene_shows_ink_before_and_shape_after() -> None:
 
 def test_report_tells_the_truth_about_every_part() -> None:
     state = drawn((300, 400, 90), (800, 400, 120), (800, 400, 40), resolution=64)
-    parts = MODELER.report(state, MODELER.solve(state, Job()))["parts"]
+    parts = MODELER.report(state, MODELER.solve(state, Job()), Job())["parts"]
     assert [part["genus"] for part in parts] == [0, 1]
     assert all(part["watertight"] and part["iou"] > 0.99 for part in parts)
 
 
 def test_read_drawing_takes_all_strokes_as_one_part() -> None:
     strokes = Strokes((PEN.circle(600, 450, 200), PEN.circle(600, 450, 60)))
-    state = MODELER.read_drawing(Drawing(strokes, PEN.camera), Context())
+    state = MODELER.read_drawing(Drawing(strokes, PEN.camera), Context(), Job())
     assert len(state.parts) == 1
     assert len(state.parts[0].strokes) == 2
     with pytest.raises(UserError, match="no strokes"):
-        MODELER.read_drawing(Drawing(Strokes(()), PEN.camera), Context())
+        MODELER.read_drawing(Drawing(Strokes(()), PEN.camera), Context(), Job())
     with pytest.raises(UserError, match="This is a dot"):
-        MODELER.read_drawing(Drawing(Strokes((PEN.dot(),)), PEN.camera), Context())
+        MODELER.read_drawing(Drawing(Strokes((PEN.dot(),)), PEN.camera), Context(), Job())
 
 
 def test_fifty_parts_remember_their_outlines(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -93,7 +93,7 @@ def test_a_box_becomes_a_solid_that_is_told_of() -> None:
     facts = check_solid(solid)
     assert (facts.genus, facts.parts) == (0, 1)
     assert 0.9 < facts.volume / (80 * 50 * 30) < 1.3
-    report = modeler.report(state, result)
+    report = modeler.report(state, result, Job())
     assert json.loads(json.dumps(report)) == report
     assert report["curves"] == 12
     assert report["greatest_distance_percent_of_size"] < 0.01
@@ -135,7 +135,7 @@ def test_a_following_skin_is_that_of_a_copy_and_holds_no_curves() -> None:
     skin, same_skin = modeler.solve(state, Job(sources=sources)), modeler.solve(copy, Job())
     assert same(modeler.shapes(state, skin), modeler.shapes(copy, same_skin))
     assert same(modeler.scene(state, skin), modeler.scene(copy, same_skin))
-    assert modeler.report(state, skin) == modeler.report(copy, same_skin)
+    assert modeler.report(state, skin, Job()) == modeler.report(copy, same_skin, Job())
     assert modeler.scene(state, None).layers == ()
 
 

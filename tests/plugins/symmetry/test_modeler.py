@@ -165,7 +165,7 @@ for name in known:
     del sys.modules[name]
 modeler, view = Symmetry(), s.camera(35, 20)
 state = modeler.create(Context(camera=view))
-modeler.view_advice(state, view)
+modeler.view_advice(state, view, Job())
 before = set(sys.modules)
 tool, rail = modeler.tools()[0], s.PAIRS["roof rail"]
 for curve in (rail, rail * (1.0, -1.0, 1.0), s.ACROSS["hood U"]):

@@ -32,6 +32,10 @@ class JournalWriter:
     ----------
     path : Path
 
+    Attributes
+    ----------
+    path : Path
+
     Raises
     ------
     UserError
@@ -39,6 +43,7 @@ class JournalWriter:
     """
 
     def __init__(self, path: Path) -> None:
+        self.path = path
         self._name, self._folder = path.name, path.parent
         self._is_listed = False
         try:
@@ -54,6 +59,8 @@ class JournalWriter:
             self._put(MAGIC)
         except UserError:
             self._file.close()
+            with contextlib.suppress(OSError):  # no leftover for each attempt on a full disk
+                os.unlink(path)
             raise
         self._thread = threading.Thread(target=self._keep_synced, name="journal", daemon=True)
         self._thread.start()
@@ -61,6 +68,16 @@ class JournalWriter:
     def __len__(self) -> int:
         """Bytes written."""
         return self._end
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether the file was deleted: what is written now would be found by nobody."""
+        try:
+            return not os.path.samestat(os.stat(self.path), os.fstat(self._file.fileno()))
+        except (FileNotFoundError, NotADirectoryError):
+            return True
+        except OSError:
+            return False
 
     def append(self, content: bytes) -> None:
         """Append a record; it survives the process from here on.

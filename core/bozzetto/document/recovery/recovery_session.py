@@ -81,7 +81,8 @@ class RecoverySession:
             if self._closed:
                 return
             self._pending = tuple(pending)
-            if self._journal is None or len(self._journal) > self._longest:
+            journal = self._journal
+            if journal is None or journal.is_gone or len(journal) > self._longest:
                 self._rebase(document)
             assert self._journal is not None
             content = self._changes.record(document, pending, time.time())
@@ -91,6 +92,11 @@ class RecoverySession:
                 except UserError:
                     self._stop()
                     raise
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether the folder was deleted or its disk taken away: nothing is kept there then."""
+        return not self.folder.is_dir()
 
     def sync(self) -> None:
         """Bring all that was recorded to the disk before going on."""
@@ -154,6 +160,8 @@ class RecoverySession:
             written = write_document(document, base, backups=0)
         except BaseException:
             journal.close()
+            with contextlib.suppress(OSError):  # without a base it counts for nothing
+                os.unlink(journal.path)
             raise
         self._journal = journal
         self._longest = max(REBASE_BYTES, 4 * written.stamp.size)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from bozzetto.errors import UserError
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.plugin.guard import answer_validation as validation
+from bozzetto.plugin.guard.earlier_plugins import with_job
 from bozzetto.plugin.guard.scene_validation import sound_scene
 from bozzetto.plugin.guard.shape_validation import sound_shapes
 from bozzetto.plugin.overrides import overrides
@@ -60,9 +61,10 @@ class GuardedModeler:
         """Return a new, empty model's state."""
         return self._state("create", self._modeler.create, context)
 
-    def read_drawing(self, drawing: Drawing, context: Context) -> Any:
+    def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> Any:
         """Return a state from a whole drawing."""
-        return self._state("read_drawing", self._modeler.read_drawing, drawing, context)
+        read = self._modeler.read_drawing
+        return self._state("read_drawing", read, *with_job(read, drawing, context, job=job))
 
     def read_shapes(self, shapes: Shapes) -> Any:
         """Return a state from meshes and curves."""
@@ -193,9 +195,11 @@ class GuardedModeler:
 
         return self._checked("curves", sound, self._modeler.curves, state, result)
 
-    def report(self, state: Any, result: Any) -> dict[str, Any]:
+    def report(self, state: Any, result: Any, job: Job) -> dict[str, Any]:
         """Return how good a result is."""
-        return self._checked("report", validation.sound_report, self._modeler.report, state, result)
+        report = self._modeler.report
+        arguments = with_job(report, state, result, job=job)
+        return self._checked("report", validation.sound_report, report, *arguments)
 
     def cautions(self, state: Any, result: Any) -> tuple[Caution, ...]:
         """Return what a person must know of a result."""
@@ -205,11 +209,11 @@ class GuardedModeler:
 
     # -- the view --
 
-    def view_advice(self, state: Any, camera: Camera) -> ViewAdvice | None:
+    def view_advice(self, state: Any, camera: Camera, job: Job) -> ViewAdvice | None:
         """Return advice on a view; None where it does not matter."""
-        return self._checked(
-            "view_advice", validation.sound_advice, self._modeler.view_advice, state, camera
-        )
+        advise = self._modeler.view_advice
+        arguments = with_job(advise, state, camera, job=job)
+        return self._checked("view_advice", validation.sound_advice, advise, *arguments)
 
     def advice_on_result(
         self, state: Any, result: Any, camera: Camera, seen: tuple[Any, ...]

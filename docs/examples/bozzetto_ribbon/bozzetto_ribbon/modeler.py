@@ -68,14 +68,16 @@ class Ribbon(Modeler[RibbonState, tuple[Strip, ...]]):
         )
 
     @override
-    def report(self, state: RibbonState, result: tuple[Strip, ...]) -> Mapping[str, Any]:
+    def report(self, state: RibbonState, result: tuple[Strip, ...], job: Job) -> Mapping[str, Any]:
         """Length and widest place of every ribbon."""
-        steps = [np.linalg.norm(np.diff(s.centre, axis=0), axis=1) for s in result]
-        across = [np.linalg.norm(s.right - s.left, axis=1) for s in result]
-        return {
-            "length_mm": [float(lengths.sum()) for lengths in steps],
-            "widest_mm": [float(lengths.max()) for lengths in across],
-        }
+        lengths, widest = [], []
+        for number, ribbon in enumerate(result):
+            job.checkpoint(number / len(result), "Ribbons")
+            steps = np.linalg.norm(np.diff(ribbon.centre, axis=0), axis=1)
+            lengths.append(float(steps.sum()))
+            across = np.linalg.norm(ribbon.right - ribbon.left, axis=1)
+            widest.append(float(across.max()))
+        return {"length_mm": lengths, "widest_mm": widest}
 
     @override
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:

@@ -280,8 +280,8 @@ MUTATIONS = {
     "solve": lambda state, job: overwrite(state.strokes[0], group="changed", camera=None),
     "scene": lambda state, result: overwrite(state.strokes[0].camera, fov_y=1.0),
     "shapes": lambda state, result: overwrite(state, strokes=Strokes()),
-    "report": lambda state, result: overwrite(state, table=()),
-    "read_drawing": lambda drawing, context: drawing.facts["marks"].append(3),
+    "report": lambda state, result, job: overwrite(state, table=()),
+    "read_drawing": lambda drawing, context, job: drawing.facts["marks"].append(3),
     "upgrade": lambda state, version: state.update(size=3.0),
     "create": spoil_context,
 }

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from bozzetto.ink import distances_to_polyline
+from bozzetto.plugin import Job
 from bozzetto_car.body.build import body_of
 from bozzetto_car.body.stroke_distances import stroke_distances
 from bozzetto_car.marks_file import car_from_facts
@@ -32,7 +33,7 @@ def of_gallery(name: str) -> tuple[dict[str, Any], CarState]:
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_the_report_tells_of_every_stroke_of_a_file(name: str) -> None:
     facts, state = of_gallery(name)
-    views = report_of(body_of(state), state.edits)["views"]
+    views = report_of(body_of(state), state.edits, Job())["views"]
     off = [view["stroke_px"] for view in views]
     assert [{*told} for told in off] == [{*view["strokes"]} for view in facts["views"]]
     every = np.concatenate([[*told.values()] for told in off])
@@ -74,5 +75,5 @@ def test_no_strokes_and_strokes_of_another_sketch_are_told_nothing_of() -> None:
     body = body_of(state)
     assert stroke_distances(body, (), state.sketches[0].id) == {}
     assert stroke_distances(body, state.edits, "nobody") == {}
-    views = report_of(replace(body), ())["views"]
+    views = report_of(replace(body), (), Job())["views"]
     assert all(view["stroke_px"] == {} for view in views)

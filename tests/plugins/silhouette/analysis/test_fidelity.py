@@ -101,7 +101,7 @@ def part_of(*strokes, number=1, **more) -> Part:
 def report(*parts: Part, selected: str = "n1", resolution: int = 64):
     state = SilhouetteState(nodes=parts, selected=selected, resolution=resolution)
     result = MODELER.solve(state, Job())
-    made = MODELER.report(state, result)
+    made = MODELER.report(state, result, Job())
     json.dumps(made, allow_nan=False)
     return made, result, state
 
@@ -162,7 +162,7 @@ def test_another_topology_than_the_drawings_is_warned_of() -> None:
     """A ring's solid in the place of a disc's."""
     disc, ring = part_of(PEN.circle()), part_of(PEN.circle(), PEN.circle(600, 450, 80))
     state = SilhouetteState(nodes=(disc,))
-    made = report_of(state, None, {"n1": solid_of(ring, 48)})
+    made = report_of(state, None, {"n1": solid_of(ring, 48)}, Job())
     (genus, *rest) = made["warnings"]
     assert "“Part 1” has 1 hole in 1 piece; its drawing has no holes in 1 piece" in genus
     assert all(words.endswith(".") for words in (genus, *rest))

@@ -82,7 +82,7 @@ def dense(skin):
 
 def horse(resolution=64):
     drawing = read_drawing(SAMPLES / "horse.json")
-    return replace(MODELER.read_drawing(drawing, Context()), resolution=resolution)
+    return replace(MODELER.read_drawing(drawing, Context(), Job()), resolution=resolution)
 
 
 WORM = part(capsule(-60, 0, 120, 8))
@@ -223,7 +223,7 @@ def test_a_ring_is_cut_once_and_its_skin_still_closes():
     result = solved(turned(state, 1, (0, 1, 0), 25))
     solid = MODELER.shapes(state, result).solids[0]
     assert check_solid(solid).genus == 1
-    told = MODELER.report(state, result)["rig"]
+    told = MODELER.report(state, result, Job())["rig"]
     assert told["joints"] == len(rig.joints)
     assert told["cuts"] == [[rig.names[k] for k in rig.cuts[0]]]
 

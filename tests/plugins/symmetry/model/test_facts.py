@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Drawing, Stroke, Strokes
-from bozzetto.plugin import Context
+from bozzetto.plugin import Context, Job
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import SymmetryState
@@ -236,10 +236,10 @@ def test_a_drawing_without_a_box_gets_one_with_room_and_one_with_a_box_keeps_it(
         for sign in (np.ones(3), np.array([1.0, -1.0, 1.0]))
     )
     drawing = Drawing(ink, camera)
-    roomy = Symmetry().read_drawing(drawing, Context(camera=camera))
+    roomy = Symmetry().read_drawing(drawing, Context(camera=camera), Job())
     assert (np.abs(side) <= 0.6 * np.asarray(roomy.size)).all()
     facts = {"box": [1200, 600, 400]}
-    told = Symmetry().read_drawing(drawing, Context(camera=camera, facts=facts))
+    told = Symmetry().read_drawing(drawing, Context(camera=camera, facts=facts), Job())
     assert told.size == (1200.0, 600.0, 400.0)
 
 

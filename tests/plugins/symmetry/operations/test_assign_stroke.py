@@ -10,6 +10,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke
+from bozzetto.plugin import Job
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.modeler import Symmetry
@@ -161,14 +162,16 @@ def test_a_window_that_is_resized_shows_the_same_view() -> None:
 def test_the_way_back_to_the_view_of_a_side_that_waits() -> None:
     modeler, aside = Symmetry(), s.camera(70, 40)
     state = add_strokes(SymmetryState(), (stroke(s.PAIRS["S-wave"]),))
-    told = modeler.view_advice(state, aside)
+    told = modeler.view_advice(state, aside, Job())
     assert told.better == VIEW
     assert "waits" in told.message
-    assert "waits" not in modeler.view_advice(state, VIEW.with_viewport(700.0, 500.0)).message
+    assert (
+        "waits" not in modeler.view_advice(state, VIEW.with_viewport(700.0, 500.0), Job()).message
+    )
     there_and_back = VIEW.moved(Placement(offset=(3.0, 4.0, 5.0))).moved(
         Placement(offset=(-3, -4, -5))
     )
     assert there_and_back != VIEW
-    assert "waits" not in modeler.view_advice(state, there_and_back).message
+    assert "waits" not in modeler.view_advice(state, there_and_back, Job()).message
     whole = add_strokes(state, (stroke(s.PAIRS["S-wave"] * MIRROR),))
-    assert "waits" not in modeler.view_advice(whole, aside).message
+    assert "waits" not in modeler.view_advice(whole, aside, Job()).message
