@@ -58,6 +58,29 @@ class View(Record):
     byte_stride: int | None = None
 
 
+class SparseIndices(Record):
+    """Where the numbers of the values stand that are not as the others."""
+
+    buffer_view: int
+    component_type: int
+    byte_offset: int = 0
+
+
+class SparseValues(Record):
+    """Where these values stand."""
+
+    buffer_view: int
+    byte_offset: int = 0
+
+
+class Sparse(Record):
+    """Values that stand apart."""
+
+    count: int
+    indices: SparseIndices
+    values: SparseValues
+
+
 class Accessor(Record):
     """Layout of numbers in a buffer view."""
 
@@ -67,7 +90,7 @@ class Accessor(Record):
     buffer_view: int | None = None
     byte_offset: int = 0
     normalized: bool = False
-    sparse: msgspec.Raw | None = None
+    sparse: Sparse | None = None
 
 
 class Primitive(Record):
@@ -176,9 +199,9 @@ class Material(Record):
     pbr_metallic_roughness: Looks = msgspec.field(default_factory=Looks)
     name: str = ""
     alpha_mode: str = "OPAQUE"
-    normal_texture: msgspec.Raw | None = None
-    occlusion_texture: msgspec.Raw | None = None
-    emissive_texture: msgspec.Raw | None = None
+    normal_texture: TextureLink | None = None
+    occlusion_texture: TextureLink | None = None
+    emissive_texture: TextureLink | None = None
 
 
 class SceneRecord(Record):
