@@ -223,3 +223,21 @@ def test_many_lines_on_one_another_stay_apart():
             space.add_line((0, 0), (30, 40))
 
     assert len(read_drawing(drawn(pile), "a").strokes) == 3000
+
+
+@pytest.mark.parametrize("ending", ["\n", "\r\n"])
+def test_more_entities_than_the_budget_allows_are_counted_before_the_library_begins(
+    monkeypatch, ending
+):
+    def begins(name, extra):
+        raise AssertionError(f"{name} of {extra} was asked")
+
+    monkeypatch.setattr(dxf_reader, "library", begins)
+    monkeypatch.setattr(dxf_reader, "MAX_STROKES", 2000)
+    head = ["0", "SECTION", "2", "ENTITIES"]
+    # A layer called 0 and a height of zero are no entities.
+    line = ["  0", "LINE", "  8", "0", " 10", "0", " 20", "0", " 30", "0", " 11", "1", " 21", "1"]
+    count = dxf_reader.MAX_STROKES
+    for many, said in ((count - 2, AssertionError), (count + 2, FormatError)):
+        with pytest.raises(said, match="lines" if said is FormatError else "ezdxf"):
+            read_drawing(ending.join([*head, *line * many, "0", "ENDSEC", ""]).encode(), "a")

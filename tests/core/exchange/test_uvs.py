@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from bozzetto.exchange.handover import Handover
 from bozzetto.exchange.import_file import read_mesh_file
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.geometry.atlas.chart_flattening import areas
-from bozzetto.geometry.atlas.unwrapping import unwrapped
+from bozzetto.geometry.atlas.unwrapping import Atlas, unwrapped
 from tests.core.exchange.skinned import skinned
 from tests.core.exchange.test_handover import ball
 from tests.core.exchange.test_skins import opened
@@ -57,6 +58,12 @@ def sphere() -> tuple[np.ndarray, np.ndarray]:
 BODIES = {"ball": sphere, "box": box, "ramp": helix, "ring": torus}
 
 
+@cache
+def laid(name: str) -> Atlas:
+    """The atlas of a body, once for all laws."""
+    return unwrapped(*BODIES[name]())
+
+
 def drawn_out(points: np.ndarray, faces: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Both singular values of every triangle's way into the square, in its unit."""
     a, b = points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
@@ -74,8 +81,7 @@ def drawn_out(points: np.ndarray, faces: np.ndarray, corners: np.ndarray) -> np.
 def test_nothing_lies_over_anything_else_or_is_mirrored(name):
     import shapely
 
-    points, faces = BODIES[name]()
-    atlas = unwrapped(points, faces)
+    atlas = laid(name)
     assert atlas.corners.min() >= 0.0
     assert atlas.corners.max() <= 1.0
     size = areas(atlas.corners)
@@ -87,15 +93,44 @@ def test_nothing_lies_over_anything_else_or_is_mirrored(name):
 @pytest.mark.parametrize("name", BODIES)
 def test_charts_are_drawn_out_little(name):
     points, faces = BODIES[name]()
-    atlas = unwrapped(points, faces)
+    atlas = laid(name)
     stretch = drawn_out(points, faces, atlas.corners * atlas.side)
     assert np.quantile(stretch[:, 0], 0.98) < 2.0
     assert np.quantile(stretch[:, 1], 0.02) > 0.5
 
 
+@pytest.mark.parametrize("name", BODIES)
+def test_charts_keep_a_cell_of_256_apart(name):
+    import shapely
+
+    atlas = laid(name)
+    charts = [
+        shapely.union_all(shapely.polygons(atlas.corners[atlas.chart == k]))
+        for k in range(int(atlas.chart.max()) + 1)
+    ]
+    apart = [a.distance(b) for k, a in enumerate(charts) for b in charts[:k]]
+    assert min(apart, default=1.0) > 0.98 / 256
+
+
+@pytest.mark.parametrize(
+    ("name", "least"), [("ball", 0.66), ("box", 0.78), ("ramp", 0.5), ("ring", 0.6)]
+)
+def test_the_square_is_full_as_a_picture_shows(name, least):
+    """Drawn by another program: every texel that a triangle covers counts once."""
+    from PIL import Image, ImageDraw
+
+    side = 1024
+    picture = Image.new("1", (side, side))
+    draw = ImageDraw.Draw(picture)
+    for corners in laid(name).corners * side:
+        draw.polygon([(float(x), float(y)) for x, y in corners], fill=1)
+    share = float(np.asarray(picture).mean())
+    assert share > least
+
+
 @pytest.mark.parametrize(("name", "most"), [("ball", 8), ("box", 6), ("ramp", 12), ("ring", 12)])
 def test_charts_are_few(name, most):
-    assert unwrapped(*BODIES[name]()).chart.max() < most
+    assert laid(name).chart.max() < most
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e3])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -18,7 +19,13 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.errors import FormatError
-from bozzetto.exchange.limits import MAX_COORDINATE, MAX_DEPTH, MAX_STROKES, at_most
+from bozzetto.exchange.limits import (
+    MAX_COORDINATE,
+    MAX_DEPTH,
+    MAX_STROKES,
+    USUAL_BYTES,
+    at_most,
+)
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.exchange.page_layout import Color, sheet_drawing
 from bozzetto.ink.drawing import Drawing
@@ -47,6 +54,9 @@ MAX_POINTS: Final = 4_000_000
 
 BY_LAYER, BY_BLOCK, BLACK_OR_WHITE = 256, 0, 7
 """Numbers of colours that stand for another one, or for that of ink."""
+
+ENTITY: Final = re.compile(rb"\n[ \t]*0[ \t]*\r?\n[ \t]*[A-Z]")
+"""Where an entity begins: a code of zero, and its kind."""
 
 Line = tuple[Array, Color | None]
 
@@ -91,11 +101,12 @@ def read_drawing(data: bytes, name: str) -> Drawing:
 
 def _opened(data: bytes) -> Any:
     """Return the document that ezdxf makes of a file."""
-    recover = library("ezdxf.recover", "dxf")
     if data.startswith(b"AutoCAD Binary DXF"):
         raise FormatError("This DXF file is binary. Save it as text (ASCII DXF).")
     if data[:4096].lstrip(b"\xef\xbb\xbf").split(None, 1)[:1] not in ([b"0"], [b"999"]):
         raise FormatError("This is not a DXF file.")
+    _check_count(data)
+    recover = library("ezdxf.recover", "dxf")
     try:
         document, _ = recover.read(io.BytesIO(data))
     except (MemoryError, RecursionError):
@@ -105,6 +116,16 @@ def _opened(data: bytes) -> Any:
             "It is damaged, or not what its name says. Save it again where it was made."
         ) from problem
     return document
+
+
+def _check_count(data: bytes) -> None:
+    """Refuse more entities than the library reads within the budget, before it begins.
+
+    It takes 50 µs for each, so that as many as the most strokes are ten seconds.
+    """
+    most = int(MAX_STROKES * max(1.0, len(data) / USUAL_BYTES))
+    for count, _ in enumerate(ENTITY.finditer(data)):
+        at_most(count, most, "lines")
 
 
 def _entities(document: Any) -> tuple[list[Any], Counter[str]]:

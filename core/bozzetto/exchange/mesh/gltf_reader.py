@@ -40,6 +40,7 @@ from bozzetto.exchange.mesh.gltf_skins import FollowedBones, Skins
 from bozzetto.exchange.mesh.gltf_values import Blobs, values_of
 from bozzetto.exchange.mesh.polygons import check_places, checked_mesh, without_degenerate
 from bozzetto.exchange.reading import Reading
+from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import FaceGroup, Finish, Shapes, Surface
 from bozzetto.geometry.texture import Texture
 from bozzetto.json_size import MAX_VALUES, json_values
@@ -55,6 +56,8 @@ HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform", "KHR_technique", "
 
 MAX_BUFFERS: Final = 64
 """Buffers of one file; most have one."""
+
+_Part = tuple[Surface, Primitive]
 
 
 def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
@@ -76,38 +79,47 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     pictures = Pictures(gltf, blobs, reading)
     for shown in placed_meshes(gltf):
         follow = bodies.followed(shown.place)
-        for alike in _alike(gltf, shown.mesh.primitives):
-            parts = [
-                (part, primitive)
-                for primitive in alike
-                for part in (_surface(gltf, blobs, primitive, shown, follow, pictures),)
-                if part is not None
-            ]
-            if parts:
-                surfaces.append(_together(gltf, parts))
+        parts = [
+            (part, primitive)
+            for primitive in shown.mesh.primitives
+            for part in (_surface(gltf, blobs, primitive, shown, follow, pictures),)
+            if part is not None
+        ]
+        surfaces += [_together(gltf, alike) for alike in _alike(gltf, parts)]
     _tell(gltf, reading, bodies)
     if not surfaces:
         raise FormatError("There are no faces in this file.")
     return Shapes(surfaces=tuple(surfaces))
 
 
-def _alike(gltf: Gltf, primitives: Sequence[Primitive]) -> list[list[Primitive]]:
-    """Return primitives, those that follow one another over the same vertices together.
+def _alike(gltf: Gltf, parts: Sequence[_Part]) -> list[list[_Part]]:
+    """Return the primitives of a mesh, those together that can be one part.
 
-    What has another picture is another part.
+    What has another picture is another part. Most programs give every material vertices of its own.
     """
-    found: list[list[Primitive]] = []
-    for primitive in primitives:
-        before = found[-1][0] if found else None
-        if (
-            before is not None
-            and before.attributes == primitive.attributes
-            and (_picture(gltf, before) == _picture(gltf, primitive))
-        ):
-            found[-1].append(primitive)
-        else:
-            found.append([primitive])
+    found: list[list[_Part]] = []
+    for part, primitive in parts:
+        if found and _are_one(found[-1][0], (part, primitive)):
+            if _picture(gltf, found[-1][0][1]) == _picture(gltf, primitive):
+                found[-1].append((part, primitive))
+                continue
+        found.append([(part, primitive)])
     return found
+
+
+def _are_one(one: _Part, other: _Part) -> bool:
+    """Whether the vertices of two primitives say the same kinds of things."""
+    if one[1].attributes == other[1].attributes:
+        return True
+    kinds = []
+    for part, primitive in (one, other):
+        mesh, skin = part.mesh, part.skin
+        bones = None if skin is None else (skin.joints.shape[1], skin.rest is None)
+        kinds.append((
+            primitive.attributes.keys(), mesh.normals is None, mesh.colors is None, bones,
+            part.texture is None,
+        ))  # fmt: skip
+    return bool(kinds[0] == kinds[1])
 
 
 def _picture(gltf: Gltf, primitive: Primitive) -> tuple[int, int] | None:
@@ -123,7 +135,7 @@ def _material(gltf: Gltf, primitive: Primitive) -> Material:
     return found
 
 
-def _together(gltf: Gltf, parts: Sequence[tuple[Surface, Primitive]]) -> Surface:
+def _together(gltf: Gltf, parts: Sequence[_Part]) -> Surface:
     """Return one surface with a group for each primitive, called like its material.
 
     A single one that has the name of its material and looks matt is in one piece.
@@ -139,16 +151,46 @@ def _together(gltf: Gltf, parts: Sequence[tuple[Surface, Primitive]]) -> Surface
         (group,) = groups
         plain = group.finish == "matt" and group.name in ("", first.name)
         return first if plain else replace(first, color=None, groups=(group,))
-    faces = np.concatenate([part.mesh.faces for part, _ in parts])
+    apart: list[Surface] = []
+    begins: dict[tuple[tuple[str, int], ...], int] = {}
+    count = 0
+    rows = []
+    for part, primitive in parts:
+        named = tuple(sorted(primitive.attributes.items()))
+        if named not in begins:
+            begins[named] = count
+            count += len(part.mesh.vertices)
+            apart.append(part)
+        rows.append(part.mesh.faces + begins[named])
+    faces = np.concatenate(rows)
+    mesh = _joined([part.mesh for part in apart], faces)
     skin, texture = first.skin, first.texture
-    if skin is not None and skin.rest is not None:
-        skin = replace(skin, rest=replace(skin.rest, faces=faces))
+    if skin is not None:
+        skins = [part.skin for part in apart if part.skin is not None]
+        rests = [one.rest for one in skins if one.rest is not None]
+        skin = replace(
+            skin,
+            joints=np.concatenate([one.joints for one in skins]),
+            weights=np.concatenate([one.weights for one in skins]),
+            rest=_joined(rests, faces) if rests else None,
+        )
     if texture is not None:
-        rows = [part.texture.corners for part, _ in parts if part.texture is not None]
-        texture = Texture(texture.pixels, np.concatenate(rows))
-    mesh = replace(first.mesh, faces=faces)
+        corners = [part.texture.corners for part, _ in parts if part.texture is not None]
+        texture = Texture(texture.pixels, np.concatenate(corners))
     return Surface(
         mesh, first.name, groups=tuple(groups), texture=texture, skin=skin, path=first.path
+    )
+
+
+def _joined(meshes: Sequence[Mesh], faces: NDArray[np.int32]) -> Mesh:
+    """Return the vertices of several meshes, with these faces."""
+    normals = [mesh.normals for mesh in meshes if mesh.normals is not None]
+    colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
+    return Mesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        faces,
+        np.concatenate(normals) if normals else None,
+        colors=np.concatenate(colors) if colors else None,
     )
 
 

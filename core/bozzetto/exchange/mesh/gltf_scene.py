@@ -58,20 +58,27 @@ class View(Record):
     byte_stride: int | None = None
 
 
-class Rows(Record):
-    """Place of rows of numbers in a buffer view; their kind where it is not told beside them."""
+class SparseIndices(Record):
+    """Where the numbers of the values stand that are not as the others."""
 
-    buffer_view: int | None = None
+    buffer_view: int
+    component_type: int
     byte_offset: int = 0
-    component_type: int = 0
+
+
+class SparseValues(Record):
+    """Where these values stand."""
+
+    buffer_view: int
+    byte_offset: int = 0
 
 
 class Sparse(Record):
-    """The values of an accessor that differ: which they are, and what they are."""
+    """Values that stand apart."""
 
     count: int
-    indices: Rows
-    values: Rows
+    indices: SparseIndices
+    values: SparseValues
 
 
 class Accessor(Record):

@@ -263,7 +263,7 @@ def best_cut(seen: Array, areas: Array) -> Array:
             for part in (over, ~over):
                 span = np.ptp(spots[part], axis=0)
                 price += float((span[:8] * span[8:]).min())
-            if price < best:
+            if price < (1.0 - 1e-9) * best:
                 best, found = price, ahead
     return found
 

@@ -15,7 +15,7 @@ from bozzetto.geometry.atlas.chart_flattening import (
     lies_once,
     stretch,
 )
-from bozzetto.geometry.atlas.chart_packing import Outline, packed
+from bozzetto.geometry.atlas.chart_packing import Outline, box_sizes, packed
 
 if TYPE_CHECKING:
     from bozzetto.arrays import Array, Index
@@ -31,6 +31,21 @@ FEW: Final = 0.005
 
 CELLS: Final = 256
 """Cells along the square; charts are about one apart."""
+
+FULL: Final = 0.8
+"""Share of the square from which no more charts are cut."""
+
+CUTS: Final = 8
+"""How many more cuts are tried."""
+
+GAIN: Final = 0.02
+"""By how much more of the square each further chart has to fill."""
+
+LEAST_FREE: Final = 0.02
+"""Area beside a chart in its box, as a share of the surface, from which a cut is tried."""
+
+FEW_TRIES: Final = 8
+"""Orders that are tried to learn whether a cut helps."""
 
 
 class Atlas(NamedTuple):
@@ -87,7 +102,7 @@ def unwrapped(vertices: Array, faces: Index) -> Atlas:
         Oriented; triangles without an area are laid where they belong.
     """
     surface = Surface(np.asarray(vertices, np.float64), np.asarray(faces, np.intp))
-    charts = _laid_flat(surface)
+    charts = _cut_to_fit(surface, _laid_flat(surface, surface.regions()))
     packing = packed([chart.outline for chart in charts], CELLS)
     corners = np.zeros((len(faces), 3, 2))
     number = np.zeros(len(faces), np.intp)
@@ -99,9 +114,41 @@ def unwrapped(vertices: Array, faces: Index) -> Atlas:
     return Atlas(corners, number, packing.side)
 
 
-def _laid_flat(surface: Surface) -> list[Chart]:
-    """Cut a surface until every piece lies flat as it should."""
-    waiting = surface.regions()[::-1]
+def _cut_to_fit(surface: Surface, charts: list[Chart]) -> list[Chart]:
+    """Cut charts across that leave much of the boxes around them free, if all fit better then."""
+    side = packed([chart.outline for chart in charts], CELLS, FEW_TRIES).side
+    area = float(surface.areas.sum())
+    whole: set[int] = set()
+    for _ in range(CUTS):
+        free = [-1.0 if id(chart) in whole else _free(chart) / area for chart in charts]
+        # Of equal ones the first, however they are rounded.
+        most = int(np.argmax(np.round(free, 5)))
+        if area >= FULL * side * side or free[most] < LEAST_FREE:
+            break
+        chart = charts[most]
+        parts = surface.across(chart.piece.face, chart.corners)
+        if len(parts) > 1:
+            cut = [*charts[:most], *_laid_flat(surface, parts), *charts[most + 1 :]]
+            found = packed([chart.outline for chart in cut], CELLS, FEW_TRIES).side
+            if area / found**2 >= area / side**2 + GAIN * (len(cut) - len(charts)):
+                charts, side = cut, found
+                continue
+        whole.add(id(chart))
+    return charts
+
+
+def _free(chart: Chart) -> float:
+    """Return the area that the smallest box around a chart has beside it."""
+    if len(chart.piece.face) == 1:
+        return 0.0
+    points = chart.places[np.unique(chart.piece.triangles)]
+    width, height = box_sizes(points, np.linspace(0.0, 0.5 * np.pi, 64, endpoint=False))
+    return float((width * height).min()) - float(areas(chart.corners).sum())
+
+
+def _laid_flat(surface: Surface, pieces: list[Index]) -> list[Chart]:
+    """Cut pieces of a surface until every one lies flat as it should."""
+    waiting = pieces[::-1]
     done: list[Chart] = []
     while waiting:
         face = waiting.pop()
