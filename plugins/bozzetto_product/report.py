@@ -13,7 +13,7 @@ from bozzetto.plugin import Caution, Figure, remembered
 from bozzetto_product.details.bodies import SolvedDetail
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_mesh import radius_ratios
-from bozzetto_product.hand_over.names import loop_names, piece_names
+from bozzetto_product.hand_over.names import group_name, loop_names, piece_names
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.state import ProductState
@@ -53,6 +53,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
         bad=1.0,
     ),
     "edges": Figure(""),
+    "group": Figure(""),
     "kind": Figure("Kind", "What becomes of the area inside"),
     "carved": Figure("Carved", "Whether the surface has this detail"),
     "floor_error": Figure(
@@ -81,10 +82,13 @@ def report_of(state: ProductState, result: ProductResult) -> dict[str, Any]:
     -------
     dict
         ``"loops"``: names of the curves or pieces of curves round each surface; ``"patches"``:
-        for each ``"name"``, ``"curves"``, ``"vertices"``, ``"quality_min"`` and ``"quality_p5"``
-        (2 r / R of its triangles), ``"boundary_error_mm"``, ``"area_mm2"``, ``"g1_deg"``;
-        ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``
-        and ``"angle_deg"``, the greatest; ``"joints"``: how many;
+        for each ``"name"``, ``"group"`` (its name in OBJ files), ``"curves"``, ``"vertices"``,
+        ``"quality_min"`` and ``"quality_p5"`` (2 r / R of its triangles),
+        ``"boundary_error_mm"``, ``"area_mm2"``, ``"g1_deg"`` and ``"g1_vertices_deg"``;
+        ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``,
+        ``"angle_deg"``, the greatest anywhere on it, and ``"angle_vertices_deg"``, the greatest at
+        vertices of the triangles, where alone files of triangles show it;
+        ``"joints"``: how many;
         ``"details"``: for each ``"name"``, ``"kind"``, ``"carved"`` and ``"floor_error_mm"``, how
         far its floor is from the true offset; ``"walls"``: for each part with walls
         ``"thinnest_mm"`` and ``"thickest_mm"``; ``"closed"``; ``"open_edges"``: names;
@@ -121,18 +125,18 @@ def _patch(
     assert one.mesh is not None
     mesh = one.mesh
     quality = radius_ratios(mesh)
+    smooth = [edge for edge in edges if edge["smooth"] and one.name in edge["patches"]]
     return {
         "name": one.name,
+        "group": group_name(one.name),
         "curves": loop_names(one.loop, names),
         "vertices": len(mesh.vertices),
         "quality_min": float(quality.min()),
         "quality_p5": float(np.quantile(quality, 0.05)),
         "boundary_error_mm": boundary_error(one, result),
         "area_mm2": float(np.linalg.norm(_across(mesh), axis=1).sum() / 2.0),
-        "g1_deg": max(
-            (edge["angle_deg"] for edge in edges if one.name in edge["patches"] and edge["smooth"]),
-            default=0.0,
-        ),
+        "g1_deg": max((edge["angle_deg"] for edge in smooth), default=0.0),
+        "g1_vertices_deg": max((edge["angle_vertices_deg"] for edge in smooth), default=0.0),
     }
 
 
@@ -160,19 +164,21 @@ def _shared_edges(result: ProductResult, names: Sequence[str]) -> Iterator[dict[
         (first, here), (second, there) = uses
         assert first.surface is not None
         assert second.surface is not None
+        angle, shown = meeting_angles(first.surface, here, second.surface, there)
         yield {
             "curve": names[edge],
             "patches": [first.name, second.name],
             "smooth": first.is_smooth_at(here) and second.is_smooth_at(there),
-            "angle_deg": meeting_angle(first.surface, here, second.surface, there),
+            "angle_deg": angle,
+            "angle_vertices_deg": shown,
         }
 
 
 @remembered(limit=4096)
-def meeting_angle(
+def meeting_angles(
     first: Fill | PaperSurface, here: int, second: Fill | PaperSurface, there: int
-) -> float:
-    """Return the greatest angle between two surfaces along an edge, its ends included, degrees.
+) -> tuple[float, float]:
+    """Return the greatest angles between two surfaces along an edge, its ends included, degrees.
 
     Parameters
     ----------
@@ -180,15 +186,27 @@ def meeting_angle(
         On both sides of the edge, both of one kind.
     here, there : int
         Which half edge of their loops it is.
+
+    Returns
+    -------
+    anywhere, shown : float
+        On the whole edge, and at the vertices of its triangles.
     """
-    a, b = _normals_along(first, here), _normals_along(second, there)
+    vertices = _largest(_normals_at_vertices(first, here), _normals_at_vertices(second, there))
+    if not (isinstance(first, Fill) and isinstance(second, Fill)):
+        return vertices, vertices
+    even = _largest(first.normals_along(here, MEASURED), second.normals_along(there, MEASURED))
+    return max(even, vertices), vertices
+
+
+def _largest(a: Array, b: Array) -> float:
     sine = np.linalg.norm(np.cross(a, b), axis=1)
     return float(np.degrees(np.arctan2(sine, (a * b).sum(axis=1)).max()))
 
 
-def _normals_along(surface: Fill | PaperSurface, half_edge: int) -> Array:
+def _normals_at_vertices(surface: Fill | PaperSurface, half_edge: int) -> Array:
     if isinstance(surface, Fill):
-        return surface.normals_along(half_edge, MEASURED)
+        return surface.normals_along(half_edge)
     return surface.normals[surface.border_of(half_edge)]
 
 
