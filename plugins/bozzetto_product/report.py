@@ -296,6 +296,7 @@ def _of_walls(state: ProductState, result: ProductResult) -> Iterator[str]:
 
 
 def _sentences(result: ProductResult) -> Iterator[str]:
+    names = piece_names(result.net, result.curves)
     for one in result.patches:
         if one.surface is None:
             yield f"{one.name} has no surface: {one.problem}"
@@ -303,6 +304,12 @@ def _sentences(result: ProductResult) -> Iterator[str]:
             yield (
                 f"{one.name} holds less than its pressure asks for, or it would come off its "
                 "smooth edges. Lower the pressure, or make an edge a crease."
+            )
+        if one.creased:
+            row = ", ".join(names[one.loop[k][0]] for k in one.creased)
+            yield (
+                f"{one.name} has creases at {row}: it would fold if it were smooth there. Draw a "
+                "curve across to have it smooth."
             )
         if one.pull_problem:
             yield f"{one.name} stays: {one.pull_problem}"
@@ -322,7 +329,6 @@ def _sentences(result: ProductResult) -> Iterator[str]:
     for patch in result.lost:
         yield f"{patch.name} has lost a curve or a joint. Join its curves again, or delete it."
     if result.filled and not result.is_closed:
-        names = piece_names(result.net, result.curves)
         row = [names[edge] for edge in result.open_edges]
         shown = ", ".join(row[:6]) + (" …" if len(row) > 6 else "")
         if row:

@@ -39,8 +39,7 @@ class SolvedPatch:
     pull_problem : str
         Why it does not follow a stroke that pulls it, for a person.
     asked_smooth : tuple of bool
-        For each half edge of a loop surfaced as in the paper, whether the network asks for a
-        smooth joint there; an exact surface tells that itself.
+        For each half edge, whether the network asks for a smooth joint there.
     """
 
     patch: Patch
@@ -63,10 +62,24 @@ class SolvedPatch:
         return None if self.surface is None else self.surface.mesh
 
     def is_smooth_at(self, half_edge: int) -> bool:
-        """Whether the network asks for a smooth joint at a half edge of the loop."""
+        """Whether the surface is to be smooth at a half edge of the loop."""
         if self.fill is None:
             return self.asked_smooth[half_edge]
         return bool(np.isfinite(self.fill.g1_degrees[half_edge]))
+
+    @property
+    def creased(self) -> tuple[int, ...]:
+        """Half edges at which it has a crease, because it would fold if it were smooth as asked."""
+        if self.fill is None:
+            return ()
+        held = {
+            piece.half_edge
+            for side in self.fill.sides
+            for half in side.halves
+            for piece in half.pieces
+            if piece.field is not None
+        }
+        return tuple(k for k, asked in enumerate(self.asked_smooth) if asked and k not in held)
 
     @property
     def name(self) -> str:

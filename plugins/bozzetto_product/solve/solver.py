@@ -12,6 +12,7 @@ from bozzetto_product.details.bodies import DetailedBodies, detailed_bodies
 from bozzetto_product.details.ground import Ground
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.network_fills import fill_net
+from bozzetto_product.fill.normals import smooth_half_edges
 from bozzetto_product.loops.boundaries import loop_of, mirrored_boundary
 from bozzetto_product.loops.orientation import orient_loops
 from bozzetto_product.model.curves import Curve
@@ -103,10 +104,11 @@ def _fair_patches(
     """Return exact surfaces under their pressure, pulled by their strokes."""
     patches = []
     fills = _filled(net, tuple(loops), job)
-    for (patch, mirrored), loop, fill in zip(meant, loops, fills, strict=True):
+    smooth = smooth_half_edges(net, tuple(loops))
+    for (patch, mirrored), loop, fill, asked in zip(meant, loops, fills, smooth, strict=True):
         surface, problem, limited = _pressed(fill, patch.pressure)
         surface, unfit = _followed(surface, patch, mirrored, state.symmetry)
-        patches.append(SolvedPatch(patch, mirrored, loop, surface, problem, limited, unfit))
+        patches.append(SolvedPatch(patch, mirrored, loop, surface, problem, limited, unfit, asked))
     return tuple(patches)
 
 
