@@ -23,6 +23,9 @@ from bozzetto_product.solve.result import ProductResult, SolvedPatch
 MEASURED: Final = 33
 """Places on each piece of an edge at which the surfaces on both sides are compared."""
 
+MOST_GAPS: Final = 6
+"""Gaps that are told one by one."""
+
 FIGURES: Final[Mapping[str, Figure]] = {
     "curves": Figure("Curves", "Of the network; mirror images are not counted"),
     "joints": Figure("Joints", "Places where curves meet"),
@@ -54,6 +57,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
     ),
     "edges": Figure(""),
     "group": Figure(""),
+    "gaps": Figure(""),
     "kind": Figure("Kind", "What becomes of the area inside"),
     "carved": Figure("Carved", "Whether the surface has this detail"),
     "floor_error": Figure(
@@ -92,6 +96,8 @@ def report_of(state: ProductState, result: ProductResult) -> dict[str, Any]:
         ``"details"``: for each ``"name"``, ``"kind"``, ``"carved"`` and ``"floor_error_mm"``, how
         far its floor is from the true offset; ``"walls"``: for each part with walls
         ``"thinnest_mm"`` and ``"thickest_mm"``; ``"closed"``; ``"open_edges"``: names;
+        ``"gaps"``: of each end that nearly meets something ``"curve"``, ``"other"`` and
+        ``"width_mm"``;
         ``"warnings"``.
     """
     names = piece_names(result.net, result.curves)
@@ -111,6 +117,9 @@ def report_of(state: ProductState, result: ProductResult) -> dict[str, Any]:
             if body.wall is not None
         ],
         "open_edges": [names[edge] for edge in result.open_edges],
+        "gaps": [
+            {"curve": gap.curve, "other": gap.other, "width_mm": gap.width} for gap in result.gaps
+        ],
         "warnings": [caution.message for caution in cautions_of(state, result)],
         "unit": "mm",
     }
@@ -295,6 +304,18 @@ def _of_walls(state: ProductState, result: ProductResult) -> Iterator[str]:
         )
 
 
+def _of_gaps(result: ProductResult) -> Iterator[str]:
+    for gap in result.gaps[:MOST_GAPS]:
+        other = gap.other or "the plane of symmetry"
+        yield (
+            f"{gap.curve} ends {gap.width:.3g} mm beside {other}; no surface goes over that gap. "
+            "Touch its end with the tool “Join”, or draw it on to there."
+        )
+    more = len(result.gaps) - MOST_GAPS
+    if more > 0:
+        yield f"{more} more ends of curves nearly meet something. Their gaps are lit on the sheet."
+
+
 def _sentences(result: ProductResult) -> Iterator[str]:
     names = piece_names(result.net, result.curves)
     for one in result.patches:
@@ -326,6 +347,7 @@ def _sentences(result: ProductResult) -> Iterator[str]:
             yield f"{detail.name} is not carved: {detail.problem}"
         elif detail.told:
             yield f"{detail.name}: {detail.told}"
+    yield from _of_gaps(result)
     for patch in result.lost:
         yield f"{patch.name} has lost a curve or a joint. Join its curves again, or delete it."
     if result.filled and not result.is_closed:

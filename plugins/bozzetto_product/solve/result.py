@@ -17,6 +17,7 @@ from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.paper.paper_surface import PaperSurface
 from bozzetto_product.shaping.wall import Wall
 from bozzetto_product.solve.canvas import Canvas
+from bozzetto_product.solve.gaps import Gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +142,8 @@ class ProductResult:
     detailed : DetailedBodies
         The surfaces with details; its grounds are `filled`, in that order. No shells where there
         are no details.
+    gaps : tuple of Gap
+        Ends of curves that nearly meet something, narrowest first; none in a preview.
     """
 
     curves: tuple[Curve, ...]
@@ -152,6 +155,7 @@ class ProductResult:
     let_go: frozenset[str] = frozenset()
     kept: tuple[str, ...] = ()
     detailed: DetailedBodies = DetailedBodies()
+    gaps: tuple[Gap, ...] = ()
 
     @property
     def filled(self) -> tuple[SolvedPatch, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 from bozzetto.ink import Stroke
@@ -29,6 +30,7 @@ from bozzetto_product.shaping.pull import Pulled, pulled
 from bozzetto_product.solve.bodies import walled_bodies
 from bozzetto_product.solve.canvas import canvases_of
 from bozzetto_product.solve.following import followed_curves
+from bozzetto_product.solve.gaps import gaps_of
 from bozzetto_product.solve.groups import faired_groups
 from bozzetto_product.solve.paper_surfacing import surfaced_as_in_paper
 from bozzetto_product.solve.result import ProductResult, SolvedPatch
@@ -81,7 +83,7 @@ def solve_product(state: ProductState, job: Job) -> ProductResult:
     filled = [one for one in patches if one.surface is not None]
     walls = walled_bodies(state, filled, detailed, job)
     job.checkpoint(1.0, "Surfaces")
-    return ProductResult(
+    result = ProductResult(
         curves,
         canvases,
         net,
@@ -92,6 +94,9 @@ def solve_product(state: ProductState, job: Job) -> ProductResult:
         groups.kept,
         detailed,
     )
+    if job.quality != "final":
+        return result
+    return replace(result, gaps=gaps_of(state, curves, result.size))
 
 
 def _fair_patches(
