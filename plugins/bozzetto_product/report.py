@@ -327,9 +327,9 @@ def _sentences(result: ProductResult) -> Iterator[str]:
                 "smooth edges. Lower the pressure, or make an edge a crease."
             )
         if one.creased:
-            row = ", ".join(names[one.loop[k][0]] for k in one.creased)
+            edges = ", ".join(names[one.loop[k][0]] for k in one.creased)
             yield (
-                f"{one.name} has creases at {row}: it would fold if it were smooth there. Draw a "
+                f"{one.name} has creases at {edges}: it would fold if it were smooth there. Draw a "
                 "curve across to have it smooth."
             )
         if one.pull_problem:
