@@ -13,7 +13,7 @@ from bozzetto.plugin import Caution, Figure, Job, remembered
 from bozzetto_product.details.bodies import SolvedDetail
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_mesh import radius_ratios
-from bozzetto_product.hand_over.names import loop_names, piece_names
+from bozzetto_product.hand_over.names import group_name, loop_names, piece_names
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.state import ProductState
@@ -22,6 +22,9 @@ from bozzetto_product.solve.result import ProductResult, SolvedPatch
 
 MEASURED: Final = 33
 """Places on each piece of an edge at which the surfaces on both sides are compared."""
+
+MOST_GAPS: Final = 6
+"""Gaps that are told one by one."""
 
 FIGURES: Final[Mapping[str, Figure]] = {
     "curves": Figure("Curves", "Of the network; mirror images are not counted"),
@@ -53,6 +56,8 @@ FIGURES: Final[Mapping[str, Figure]] = {
         bad=1.0,
     ),
     "edges": Figure(""),
+    "group": Figure(""),
+    "gaps": Figure(""),
     "kind": Figure("Kind", "What becomes of the area inside"),
     "carved": Figure("Carved", "Whether the surface has this detail"),
     "floor_error": Figure(
@@ -81,13 +86,18 @@ def report_of(state: ProductState, result: ProductResult, job: Job) -> dict[str,
     -------
     dict
         ``"loops"``: names of the curves or pieces of curves round each surface; ``"patches"``:
-        for each ``"name"``, ``"curves"``, ``"vertices"``, ``"quality_min"`` and ``"quality_p5"``
-        (2 r / R of its triangles), ``"boundary_error_mm"``, ``"area_mm2"``, ``"g1_deg"``;
-        ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``
-        and ``"angle_deg"``, the greatest; ``"joints"``: how many;
+        for each ``"name"``, ``"group"`` (its name in OBJ files), ``"curves"``, ``"vertices"``,
+        ``"quality_min"`` and ``"quality_p5"`` (2 r / R of its triangles),
+        ``"boundary_error_mm"``, ``"area_mm2"``, ``"g1_deg"`` and ``"g1_vertices_deg"``;
+        ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``,
+        ``"angle_deg"``, the greatest anywhere on it, and ``"angle_vertices_deg"``, the greatest at
+        vertices of the triangles, where alone files of triangles show it;
+        ``"joints"``: how many;
         ``"details"``: for each ``"name"``, ``"kind"``, ``"carved"`` and ``"floor_error_mm"``, how
         far its floor is from the true offset; ``"walls"``: for each part with walls
         ``"thinnest_mm"`` and ``"thickest_mm"``; ``"closed"``; ``"open_edges"``: names;
+        ``"gaps"``: of each end that nearly meets something ``"curve"``, ``"other"`` and
+        ``"width_mm"``;
         ``"warnings"``.
     """
     names = piece_names(result.net, result.curves)
@@ -107,6 +117,9 @@ def report_of(state: ProductState, result: ProductResult, job: Job) -> dict[str,
             if body.wall is not None
         ],
         "open_edges": [names[edge] for edge in result.open_edges],
+        "gaps": [
+            {"curve": gap.curve, "other": gap.other, "width_mm": gap.width} for gap in result.gaps
+        ],
         "warnings": [caution.message for caution in cautions_of(state, result)],
         "unit": "mm",
     }
@@ -123,18 +136,18 @@ def _patch(
     job.checkpoint(0.5, one.name)
     mesh = one.mesh
     quality = radius_ratios(mesh)
+    smooth = [edge for edge in edges if edge["smooth"] and one.name in edge["patches"]]
     return {
         "name": one.name,
+        "group": group_name(one.name),
         "curves": loop_names(one.loop, names),
         "vertices": len(mesh.vertices),
         "quality_min": float(quality.min()),
         "quality_p5": float(np.quantile(quality, 0.05)),
         "boundary_error_mm": boundary_error(one, result),
         "area_mm2": float(np.linalg.norm(_across(mesh), axis=1).sum() / 2.0),
-        "g1_deg": max(
-            (edge["angle_deg"] for edge in edges if one.name in edge["patches"] and edge["smooth"]),
-            default=0.0,
-        ),
+        "g1_deg": max((edge["angle_deg"] for edge in smooth), default=0.0),
+        "g1_vertices_deg": max((edge["angle_vertices_deg"] for edge in smooth), default=0.0),
     }
 
 
@@ -165,19 +178,21 @@ def _shared_edges(
         (first, here), (second, there) = uses
         assert first.surface is not None
         assert second.surface is not None
+        angle, shown = meeting_angles(first.surface, here, second.surface, there)
         yield {
             "curve": names[edge],
             "patches": [first.name, second.name],
             "smooth": first.is_smooth_at(here) and second.is_smooth_at(there),
-            "angle_deg": meeting_angle(first.surface, here, second.surface, there),
+            "angle_deg": angle,
+            "angle_vertices_deg": shown,
         }
 
 
 @remembered(limit=4096)
-def meeting_angle(
+def meeting_angles(
     first: Fill | PaperSurface, here: int, second: Fill | PaperSurface, there: int
-) -> float:
-    """Return the greatest angle between two surfaces along an edge, its ends included, degrees.
+) -> tuple[float, float]:
+    """Return the greatest angles between two surfaces along an edge, its ends included, degrees.
 
     Parameters
     ----------
@@ -185,15 +200,27 @@ def meeting_angle(
         On both sides of the edge, both of one kind.
     here, there : int
         Which half edge of their loops it is.
+
+    Returns
+    -------
+    anywhere, shown : float
+        On the whole edge, and at the vertices of its triangles.
     """
-    a, b = _normals_along(first, here), _normals_along(second, there)
+    vertices = _largest(_normals_at_vertices(first, here), _normals_at_vertices(second, there))
+    if not (isinstance(first, Fill) and isinstance(second, Fill)):
+        return vertices, vertices
+    even = _largest(first.normals_along(here, MEASURED), second.normals_along(there, MEASURED))
+    return max(even, vertices), vertices
+
+
+def _largest(a: Array, b: Array) -> float:
     sine = np.linalg.norm(np.cross(a, b), axis=1)
     return float(np.degrees(np.arctan2(sine, (a * b).sum(axis=1)).max()))
 
 
-def _normals_along(surface: Fill | PaperSurface, half_edge: int) -> Array:
+def _normals_at_vertices(surface: Fill | PaperSurface, half_edge: int) -> Array:
     if isinstance(surface, Fill):
-        return surface.normals_along(half_edge, MEASURED)
+        return surface.normals_along(half_edge)
     return surface.normals[surface.border_of(half_edge)]
 
 
@@ -282,7 +309,20 @@ def _of_walls(state: ProductState, result: ProductResult) -> Iterator[str]:
         )
 
 
+def _of_gaps(result: ProductResult) -> Iterator[str]:
+    for gap in result.gaps[:MOST_GAPS]:
+        other = gap.other or "the plane of symmetry"
+        yield (
+            f"{gap.curve} ends {gap.width:.3g} mm beside {other}; no surface goes over that gap. "
+            "Touch its end with the tool “Join”, or draw it on to there."
+        )
+    more = len(result.gaps) - MOST_GAPS
+    if more > 0:
+        yield f"{more} more ends of curves nearly meet something. Their gaps are lit on the sheet."
+
+
 def _sentences(result: ProductResult) -> Iterator[str]:
+    names = piece_names(result.net, result.curves)
     for one in result.patches:
         if one.surface is None:
             yield f"{one.name} has no surface: {one.problem}"
@@ -290,6 +330,12 @@ def _sentences(result: ProductResult) -> Iterator[str]:
             yield (
                 f"{one.name} holds less than its pressure asks for, or it would come off its "
                 "smooth edges. Lower the pressure, or make an edge a crease."
+            )
+        if one.creased:
+            edges = ", ".join(names[one.loop[k][0]] for k in one.creased)
+            yield (
+                f"{one.name} has creases at {edges}: it would fold if it were smooth there. Draw a "
+                "curve across to have it smooth."
             )
         if one.pull_problem:
             yield f"{one.name} stays: {one.pull_problem}"
@@ -306,10 +352,10 @@ def _sentences(result: ProductResult) -> Iterator[str]:
             yield f"{detail.name} is not carved: {detail.problem}"
         elif detail.told:
             yield f"{detail.name}: {detail.told}"
+    yield from _of_gaps(result)
     for patch in result.lost:
         yield f"{patch.name} has lost a curve or a joint. Join its curves again, or delete it."
     if result.filled and not result.is_closed:
-        names = piece_names(result.net, result.curves)
         row = [names[edge] for edge in result.open_edges]
         shown = ", ".join(row[:6]) + (" …" if len(row) > 6 else "")
         if row:

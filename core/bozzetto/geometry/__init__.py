@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from bozzetto.geometry.brep.tessellation import counted_mesh as counted_mesh
     from bozzetto.geometry.brep.tessellation import shaded_brep as shaded_brep
     from bozzetto.geometry.brep.tessellation import shaded_faces as shaded_faces
+    from bozzetto.geometry.corner_normals import CornerNormals as CornerNormals
     from bozzetto.geometry.curve import Color as Color
     from bozzetto.geometry.curve import Curve as Curve
     from bozzetto.geometry.curve_flattening import FLATNESS as FLATNESS
@@ -68,6 +69,7 @@ else:
             "bozzetto.geometry.brep.tessellation": (
                 "brep_mesh counted_mesh shaded_brep shaded_faces"
             ),
+            "bozzetto.geometry.corner_normals": "CornerNormals",
             "bozzetto.geometry.curve": "Color Curve",
             "bozzetto.geometry.curve_flattening": "FLATNESS flattened",
             "bozzetto.geometry.mesh": "Mesh",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import frozen
 from bozzetto.geometry.brep.brep import Brep
 from bozzetto.geometry.brep.brep import Finish as Finish
+from bozzetto.geometry.corner_normals import CornerNormals
 from bozzetto.geometry.curve import Color as Color
 from bozzetto.geometry.curve import Curve as Curve
 from bozzetto.geometry.mesh import Mesh
@@ -64,6 +65,9 @@ class Solid:
         The same shape for formats that hold exact surfaces.
     path : tuple of str
         Names of what it is in, the outermost first, as assemblies have it.
+    normals : CornerNormals, optional
+        Of the exact shape at the corners of the triangles, for formats that hold normals; those of
+        the mesh without them. A skin or a texture has none.
     """
 
     mesh: Mesh
@@ -74,6 +78,7 @@ class Solid:
     groups: tuple[FaceGroup, ...] = ()
     exact: Brep | None = None
     path: tuple[str, ...] = ()
+    normals: CornerNormals | None = None
 
     def __post_init__(self) -> None:
         _check(self)
@@ -97,7 +102,7 @@ class Surface:
         All triangles, in their order; none where the surface is one piece.
     exact : Brep, optional
         The same shape for formats that hold exact surfaces.
-    texture, skin, path
+    texture, skin, path, normals
         As of a `Solid`.
     """
 
@@ -109,6 +114,7 @@ class Surface:
     texture: Texture | None = None
     skin: Skin | None = None
     path: tuple[str, ...] = ()
+    normals: CornerNormals | None = None
 
     def __post_init__(self) -> None:
         _check(self)
@@ -127,6 +133,8 @@ def _check(part: Solid | Surface) -> None:
         raise ValueError("groups must hold all triangles of their mesh")
     if part.texture is not None and len(part.texture.corners) != len(part.mesh.faces):
         raise ValueError("a texture needs a place for every corner of every face")
+    if part.normals is not None and len(part.normals.corners) != len(part.mesh.faces):
+        raise ValueError("a part needs a normal for every corner of every face")
     if part.skin is not None and len(part.skin.joints) != len(part.mesh.vertices):
         raise ValueError("a skin belongs to a mesh of as many vertices")
 
@@ -138,7 +146,8 @@ def _placed(part: _Part, placement: Placement) -> _Part:
     skin = None if part.skin is None else part.skin.placed(placement)
     exact = None if part.exact is None else part.exact.placed(placement)
     mesh = part.mesh.placed(placement)
-    return replace(part, mesh=mesh, texture=texture, skin=skin, exact=exact)
+    normals = None if part.normals is None else part.normals.placed(placement)
+    return replace(part, mesh=mesh, texture=texture, skin=skin, exact=exact, normals=normals)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, BSplineSurface, Mesh
-from bozzetto_product.fill.fill_mesh import radius_ratios
+from bozzetto_product.fill.fill_mesh import piece_samples, radius_ratios, segments_of
 from bozzetto_product.fill.half_sides import HalfSide, Side
 from bozzetto_product.network.net import Loop
 
@@ -103,28 +103,33 @@ class Fill(ABC):
                 worst[piece.half_edge] = np.fmax(worst[piece.half_edge], most)
         return tuple(worst.tolist())
 
-    def normals_along(self, half_edge: int, count: int) -> Array:
+    def normals_along(self, half_edge: int, count: int | None = None) -> Array:
         """Return unit normals of the surface along an edge, in the edge's own sense.
 
         Parameters
         ----------
         half_edge : int
             Which of the loop's.
-        count : int
-            Places on each piece of the edge, with both of its ends.
+        count : int, optional
+            Places on each piece of the edge, with both of its ends; by default those of the
+            vertices of the mesh.
 
         Returns
         -------
         (k, 3) float
             At the same places of the edge for every fill that has it.
         """
-        shares = np.linspace(0.0, 1.0, count)
         found: list[tuple[float, Array]] = []
         for half, number, _ in self._halves():
             for index, piece in enumerate(half.pieces):
                 if piece.half_edge != half_edge:
                     continue
                 low, high = half.breaks[index : index + 2]
+                if count is None:
+                    segments = segments_of(piece.piece, self.spacing)
+                    shares, _ = piece_samples(piece.piece, segments)
+                else:
+                    shares = np.linspace(0.0, 1.0, count)
                 own = shares if piece.forward == half.onward else 1.0 - shares
                 _, normals = self.places_beside(half, number, low + (high - low) * own)
                 found.append((piece.piece.curve.range[0], normals))

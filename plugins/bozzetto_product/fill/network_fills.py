@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -19,11 +20,15 @@ from bozzetto_product.fill.mirrored_fill import (
     mirrored_fill,
     with_twins,
 )
+from bozzetto_product.fill.normal_field import NormalField
 from bozzetto_product.fill.normals import LoopNormals, edge_normals
 from bozzetto_product.network.net import HalfEdge, Loop, Net
 
 SEGMENTS: Final = 16.0
 """Segments of the mesh along an edge of middling length."""
+
+UNKEPT: Final = 1.0
+"""Angle to its normals, degrees, from which a surface that folds is made a crease there first."""
 
 
 def fill_net(
@@ -94,12 +99,42 @@ def _fill_key(
 def _filled(
     loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
 ) -> Fill | None:
-    """Return the fill of a loop with the pieces of its edges; None where there is no surface."""
+    """Return the fill of a loop with the pieces of its edges; None where there is no surface.
+
+    What folds gets creases at smooth edges, if it then does not: a surface that closes is more use
+    than none.
+    """
     by_edge = {edge: own for (edge, _), own in zip(loop, pieces, strict=True)}
-    try:
-        return fill_loop(sides_of_loop(loop, normals, by_edge), loop=loop, spacing=spacing)
-    except UserError:
-        return None
+
+    def filled(own: LoopNormals) -> Fill | None:
+        try:
+            return fill_loop(sides_of_loop(loop, own, by_edge), loop=loop, spacing=spacing)
+        except UserError:
+            return None
+
+    fill = filled(normals)
+    if fill is None or not fill.folded:
+        return fill
+    for fields in _with_creases(normals.fields, fill.g1_degrees):
+        other = filled(replace(normals, fields=fields))
+        if other is not None and not other.folded:
+            return other
+    return fill
+
+
+Fields = tuple[NormalField | None, ...]
+
+
+def _with_creases(fields: Fields, angles: Sequence[float]) -> Iterator[Fields]:
+    """Yield the normals of a loop without those that it cannot keep to, then without any."""
+    known = {fields}
+    for least in (UNKEPT, -1.0):
+        fewer = tuple(
+            None if angle > least else field for field, angle in zip(fields, angles, strict=True)
+        )
+        if fewer not in known:
+            known.add(fewer)
+            yield fewer
 
 
 def mesh_spacing(net: Net, loops: Sequence[Loop]) -> float:

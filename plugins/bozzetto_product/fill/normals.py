@@ -72,6 +72,14 @@ def edge_normals(net: Net, loops: Sequence[Loop]) -> tuple[LoopNormals, ...]:
     )
 
 
+@remembered(limit=8)
+def smooth_half_edges(net: Net, loops: tuple[Loop, ...]) -> tuple[tuple[bool, ...], ...]:
+    """Return for each half edge of loops whether the network asks for a smooth joint there."""
+    return tuple(
+        tuple(field is not None for field in own.fields) for own in edge_normals(net, loops)
+    )
+
+
 def _smooth_edges(
     net: Net, loops: Sequence[Loop], corners: Sequence[Sequence[Corner]]
 ) -> dict[int, list[tuple[int, int, bool]]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 from bozzetto_product.model.curves import Curve
@@ -29,3 +30,8 @@ def piece_names(net: Net, curves: Sequence[Curve]) -> tuple[str, ...]:
 def loop_names(loop: Loop, names: Sequence[str]) -> list[str]:
     """Return the names of the edges of a loop, in their order."""
     return [names[edge] for edge, _ in loop]
+
+
+def group_name(name: str) -> str:
+    """Return the name of a surface as OBJ files have it, where blanks would end it."""
+    return re.sub(r"\s+", "_", name.strip())

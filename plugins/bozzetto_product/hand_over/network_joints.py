@@ -58,11 +58,10 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
     splines = [curve.spline for curve in curves if curve.spline is not None]
     drawn = ProductState(nodes=tuple(curves))
     # Curves meet within the tolerance of their fit so far; settled, they meet exactly.
-    ends, every = (
-        settled_state(replace(drawn, joints=joints_of(splines, exactly, crossing=crossing)), {})
-        for crossing in (False, True)
-    )
-    state = _unless_worse(ends, every)
+    alone, every = (joints_of(splines, exactly, crossing=crossing) for crossing in (False, True))
+    state = settled_state(replace(drawn, joints=alone), {})
+    if every != alone:
+        state = _unless_worse(state, settled_state(replace(drawn, joints=every), {}))
     for width in WIDTHS:
         closed, _ = ends_joined(state, width * size)
         state = _unless_worse(state, closed)

@@ -6,7 +6,18 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
-from bozzetto.geometry import Brep, FaceGroup, Mesh, Shapes, Solid, Surface, counted_mesh, sewn
+from bozzetto.geometry import (
+    Brep,
+    CornerNormals,
+    FaceGroup,
+    Mesh,
+    Shapes,
+    Solid,
+    Surface,
+    counted_mesh,
+    sewn,
+    shaded_faces,
+)
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import remembered
 from bozzetto_product.details.shell import Owner, Shell, group_of
@@ -56,24 +67,24 @@ def _bodies(result: ProductResult) -> tuple[Solid | Surface, ...]:
             continue
         closed, detailed = part.closed, _detailed(result, part.patches)
         if detailed is None:
-            mesh, groups = part.mesh, part.groups
+            mesh, groups, normals = part.mesh, part.groups, part.normals
             exact = _sewn(part.patches) if result.is_exact else None
         else:
-            mesh, groups, exact = detailed
+            mesh, groups, normals, exact = detailed
             closed = closed and exact.is_closed and is_closed_mesh(mesh)
             if part.turned_over:
-                mesh = replace(mesh, faces=mesh.faces[:, ::-1])
+                mesh, normals = replace(mesh, faces=mesh.faces[:, ::-1]), normals.turned_over()
         if part.turned_over and exact is not None:
             exact = exact.turned_over()
         kind = Solid if closed else Surface
-        made.append(kind(mesh, exact=exact, groups=groups))
+        made.append(kind(mesh, exact=exact, groups=groups, normals=normals))
     return tuple(made)
 
 
 def _detailed(
     result: ProductResult, part: Sequence[SolvedPatch]
-) -> tuple[Mesh, tuple[FaceGroup, ...], Brep] | None:
-    """Return triangles, groups and exact faces of surfaces with details; None without any.
+) -> tuple[Mesh, tuple[FaceGroup, ...], CornerNormals, Brep] | None:
+    """Return triangles, groups, normals and exact faces of surfaces with details; else None.
 
     The triangles are those of the exact faces: they share vertices along outlines.
     """
@@ -96,7 +107,7 @@ def _detailed(
     for _, row in itertools.groupby(rows, key=lambda entry: group_of(entry[0])):
         faces = list(row)
         groups.append(replace(faces[0][1], count=sum(count for *_, count in faces)))
-    return mesh, tuple(groups), exact
+    return mesh, tuple(groups), CornerNormals.of_meshes(shaded_faces(exact)), exact
 
 
 def _look_of(result: ProductResult, owner: Owner) -> FaceGroup:

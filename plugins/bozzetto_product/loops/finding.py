@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bozzetto.arrays import Index
+from bozzetto.plugin import remembered
 from bozzetto_product.loops.candidates import Halves, candidate_loops, edges_of, mirror_image
 from bozzetto_product.loops.choice import MOST_LOOPS, SIDE_GAIN, choose_loops
 from bozzetto_product.loops.closing import flat_lids, unfinished_rims
@@ -43,6 +44,17 @@ class FoundLoops:
     candidate_costs: tuple[float, ...]
 
 
+def _key(
+    net: Net,
+    *,
+    fixed: Sequence[Loop] = (),
+    rejected: Sequence[Loop] = (),
+    checkpoint: Callable[[], None] = lambda: None,
+) -> tuple[object, ...]:
+    return net, tuple(fixed), tuple(rejected)
+
+
+@remembered(limit=16, key=_key)
 def find_loops(
     net: Net,
     *,

@@ -79,12 +79,16 @@ def settled(
         (joint, tuple(meet for meet in joint.meetings if meet.curve in splines)) for joint in joints
     ]
     now = dict(splines)
+    before: Mapping[str, Sequence[_Goal]] | None = None
     for _ in range(ROUNDS):
         goals = _goals(now, splines, known, symmetry, pins)
         new = {
-            name: _brought(name, spline, goals.get(name, ()), held.get(name))
+            name: now[name]  # it was brought to these very places in the round before
+            if before is not None and _same_goals(goals.get(name, ()), before.get(name, ()))
+            else _brought(name, spline, goals.get(name, ()), held.get(name))
             for name, spline in splines.items()
         }
+        before = goals
         if all(_same(new[name], now[name]) for name in new):
             return new
         now = new
@@ -127,6 +131,12 @@ def planes_of(state: ProductState) -> dict[str, Plane]:
 
 _Goal = tuple[Meeting, Array]
 """A place of a curve, and where it is to be, mm; the mirror image is resolved."""
+
+
+def _same_goals(one: Sequence[_Goal], other: Sequence[_Goal]) -> bool:
+    return len(one) == len(other) and all(
+        a == b and np.array_equal(p, q) for (a, p), (b, q) in zip(one, other, strict=True)
+    )
 
 
 def _goals(

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
-from bozzetto.geometry import FaceGroup, Mesh
+from bozzetto.arrays import Flags, Index
+from bozzetto.geometry import CornerNormals, FaceGroup, Mesh
 from bozzetto.plugin import Job, remembered
 from bozzetto_product.details.bodies import DetailedBodies, detailed_bodies
 from bozzetto_product.details.shell import Owner, Shell, face_meshes, group_of
@@ -28,6 +28,8 @@ class JoinedPatches:
         Vertices at the very same place are one; outward where it is closed.
     groups : tuple of FaceGroup
         The triangles of each patch.
+    normals : CornerNormals
+        Of the surfaces themselves: where two meet, each has its own.
     closed : bool
         Whether it bounds a volume.
     turned_over : bool
@@ -37,6 +39,7 @@ class JoinedPatches:
     patches: tuple[SolvedPatch, ...]
     mesh: Mesh
     groups: tuple[FaceGroup, ...]
+    normals: CornerNormals
     closed: bool
     turned_over: bool
 
@@ -46,13 +49,13 @@ def joined_patches(patches: Sequence[SolvedPatch]) -> tuple[JoinedPatches, ...]:
     """Return the parts that hang together by shared edges, in their order."""
     made = []
     for part in _connected(patches):
-        mesh, groups = _joined(part)
+        mesh, groups, normals = _joined(part)
         uses = [edge for one in part for edge, _ in one.loop]
         closed = all(uses.count(edge) == 2 for edge in set(uses)) and is_closed_mesh(mesh)
         over = closed and _volume(mesh) < 0.0
         if over:
-            mesh = replace(mesh, faces=mesh.faces[:, ::-1])
-        made.append(JoinedPatches(tuple(part), mesh, groups, closed, over))
+            mesh, normals = replace(mesh, faces=mesh.faces[:, ::-1]), normals.turned_over()
+        made.append(JoinedPatches(tuple(part), mesh, groups, normals, closed, over))
     return tuple(made)
 
 
@@ -159,8 +162,10 @@ def _connected(patches: Sequence[SolvedPatch]) -> Iterator[list[SolvedPatch]]:
         yield [patches[number] for number in group]
 
 
-def _joined(part: Sequence[SolvedPatch]) -> tuple[Mesh, tuple[FaceGroup, ...]]:
-    """Return one mesh, in which vertices at the very same place are one, and its groups."""
+def _joined(
+    part: Sequence[SolvedPatch],
+) -> tuple[Mesh, tuple[FaceGroup, ...], CornerNormals]:
+    """Return one mesh, in which vertices at the very same place are one, its groups and normals."""
     meshes = [one.mesh for one in part if one.mesh is not None]
     vertices = np.concatenate([mesh.vertices for mesh in meshes])
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
@@ -177,10 +182,11 @@ def _joined(part: Sequence[SolvedPatch]) -> tuple[Mesh, tuple[FaceGroup, ...]]:
         kept = int(sound[begin : begin + len(mesh.faces)].sum())
         groups.append(FaceGroup(one.name, kept, one.patch.color, one.patch.finish))
         begin += len(mesh.faces)
-    return Mesh(vertices[first[order]], rows[sound].astype(np.int32)), tuple(groups)
+    normals = CornerNormals.of_meshes(meshes).of_faces(sound)
+    return Mesh(vertices[first[order]], rows[sound].astype(np.int32)), tuple(groups), normals
 
 
-def _is_triangle(rows: Index) -> Array:
+def _is_triangle(rows: Index) -> Flags:
     a, b, c = rows.T
     return np.asarray((a != b) & (b != c) & (c != a))
 

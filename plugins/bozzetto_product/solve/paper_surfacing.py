@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from bozzetto.plugin import Job, remembered
-from bozzetto_product.fill.normals import edge_normals
+from bozzetto_product.fill.normals import smooth_half_edges
 from bozzetto_product.model.patches import CurveGroup, Patch
 from bozzetto_product.model.planes import Plane
 from bozzetto_product.model.state import ProductState
@@ -99,7 +99,7 @@ def surfaced_as_in_paper(
             continue
         surfaces, net = list(found.surfaces), found.net
         moved |= found.moved
-    smooth = _smooth(net, tuple(loops))
+    smooth = smooth_half_edges(net, tuple(loops))
     return PaperSurfacing(
         tuple(
             SolvedPatch(patch, mirrored, loop, surface, problem, limited, _pull_problem(patch), own)
@@ -147,11 +147,3 @@ def _evened(
     symmetry: Plane,
 ) -> EvenedGroup:
     return evened_group(net, surfaces, members, weight, freedom, Reflection(symmetry))
-
-
-@remembered(limit=8)
-def _smooth(net: Net, loops: tuple[Loop, ...]) -> tuple[tuple[bool, ...], ...]:
-    """Return for each half edge of loops whether the network asks for a smooth joint there."""
-    return tuple(
-        tuple(field is not None for field in own.fields) for own in edge_normals(net, loops)
-    )

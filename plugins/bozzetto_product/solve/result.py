@@ -17,6 +17,7 @@ from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.paper.paper_surface import PaperSurface
 from bozzetto_product.shaping.wall import Wall
 from bozzetto_product.solve.canvas import Canvas
+from bozzetto_product.solve.gaps import Gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +40,7 @@ class SolvedPatch:
     pull_problem : str
         Why it does not follow a stroke that pulls it, for a person.
     asked_smooth : tuple of bool
-        For each half edge of a loop surfaced as in the paper, whether the network asks for a
-        smooth joint there; an exact surface tells that itself.
+        For each half edge, whether the network asks for a smooth joint there.
     """
 
     patch: Patch
@@ -63,10 +63,24 @@ class SolvedPatch:
         return None if self.surface is None else self.surface.mesh
 
     def is_smooth_at(self, half_edge: int) -> bool:
-        """Whether the network asks for a smooth joint at a half edge of the loop."""
+        """Whether the surface is to be smooth at a half edge of the loop."""
         if self.fill is None:
             return self.asked_smooth[half_edge]
         return bool(np.isfinite(self.fill.g1_degrees[half_edge]))
+
+    @property
+    def creased(self) -> tuple[int, ...]:
+        """Half edges at which it has a crease, because it would fold if it were smooth as asked."""
+        if self.fill is None:
+            return ()
+        held = {
+            piece.half_edge
+            for side in self.fill.sides
+            for half in side.halves
+            for piece in half.pieces
+            if piece.field is not None
+        }
+        return tuple(k for k, asked in enumerate(self.asked_smooth) if asked and k not in held)
 
     @property
     def name(self) -> str:
@@ -128,6 +142,8 @@ class ProductResult:
     detailed : DetailedBodies
         The surfaces with details; its grounds are `filled`, in that order. No shells where there
         are no details.
+    gaps : tuple of Gap
+        Ends of curves that nearly meet something, narrowest first; none in a preview.
     """
 
     curves: tuple[Curve, ...]
@@ -139,6 +155,7 @@ class ProductResult:
     let_go: frozenset[str] = frozenset()
     kept: tuple[str, ...] = ()
     detailed: DetailedBodies = DetailedBodies()
+    gaps: tuple[Gap, ...] = ()
 
     @property
     def filled(self) -> tuple[SolvedPatch, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 from bozzetto.ink import Stroke
@@ -12,6 +13,7 @@ from bozzetto_product.details.bodies import DetailedBodies, detailed_bodies
 from bozzetto_product.details.ground import Ground
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.network_fills import fill_net
+from bozzetto_product.fill.normals import smooth_half_edges
 from bozzetto_product.loops.boundaries import loop_of, mirrored_boundary
 from bozzetto_product.loops.orientation import orient_loops
 from bozzetto_product.model.curves import Curve
@@ -28,6 +30,7 @@ from bozzetto_product.shaping.pull import Pulled, pulled
 from bozzetto_product.solve.bodies import walled_bodies
 from bozzetto_product.solve.canvas import canvases_of
 from bozzetto_product.solve.following import followed_curves
+from bozzetto_product.solve.gaps import gaps_of
 from bozzetto_product.solve.groups import faired_groups
 from bozzetto_product.solve.paper_surfacing import surfaced_as_in_paper
 from bozzetto_product.solve.result import ProductResult, SolvedPatch
@@ -80,7 +83,7 @@ def solve_product(state: ProductState, job: Job) -> ProductResult:
     filled = [one for one in patches if one.surface is not None]
     walls = walled_bodies(state, filled, detailed, job)
     job.checkpoint(1.0, "Surfaces")
-    return ProductResult(
+    result = ProductResult(
         curves,
         canvases,
         net,
@@ -91,6 +94,9 @@ def solve_product(state: ProductState, job: Job) -> ProductResult:
         groups.kept,
         detailed,
     )
+    if job.quality != "final":
+        return result
+    return replace(result, gaps=gaps_of(state, curves, result.size))
 
 
 def _fair_patches(
@@ -103,10 +109,11 @@ def _fair_patches(
     """Return exact surfaces under their pressure, pulled by their strokes."""
     patches = []
     fills = _filled(net, tuple(loops), job)
-    for (patch, mirrored), loop, fill in zip(meant, loops, fills, strict=True):
+    smooth = smooth_half_edges(net, tuple(loops))
+    for (patch, mirrored), loop, fill, asked in zip(meant, loops, fills, smooth, strict=True):
         surface, problem, limited = _pressed(fill, patch.pressure)
         surface, unfit = _followed(surface, patch, mirrored, state.symmetry)
-        patches.append(SolvedPatch(patch, mirrored, loop, surface, problem, limited, unfit))
+        patches.append(SolvedPatch(patch, mirrored, loop, surface, problem, limited, unfit, asked))
     return tuple(patches)
 
 

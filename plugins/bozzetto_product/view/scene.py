@@ -112,6 +112,7 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
             Layer("chosen surface", tuple(_chosen(state, result))),
             Layer("outlines", tuple(outline_lines(result, state.selected))),
             Layer("joints", tuple(_joints(result))),
+            Layer("gaps", tuple(_gaps(result))),
             Layer("handles", tuple(_handles(state, result)), tool=MOVE_TOOL),
             Layer("text handles", tuple(emblem_handles(state, result)), tool=EMBLEM_TOOL),
         ]
@@ -263,6 +264,11 @@ def _open(result: ProductResult) -> Iterator[Lines]:
     edges = [result.net.edges[number] for number in result.open_edges]
     if edges:
         yield edge_lines(edges, "warning", OPEN_WIDTH, OPEN_OPACITY)
+
+
+def _gaps(result: ProductResult) -> Iterator[Lines]:
+    if result.gaps:
+        yield lines([np.array(gap.ends) for gap in result.gaps], "warning", OPEN_WIDTH)
 
 
 def _chosen(state: ProductState, result: ProductResult) -> Iterator[Lines]:

@@ -27,7 +27,7 @@ from bozzetto_product.paper.group_spring import evened_group
 from bozzetto_product.paper.membrane import pressed
 from bozzetto_product.paper.network_surfaces import paper_surfaces
 from bozzetto_product.paper.triangulation import triangulated
-from bozzetto_product.report import meeting_angle
+from bozzetto_product.report import meeting_angles
 from bozzetto_product.shaping.group_fairing import faired
 from bozzetto_product.shaping.pressure import inflated
 from tests.plugins.product.drawn_networks import DRAWN
@@ -178,7 +178,7 @@ def judged(sheet, surfaces, inner) -> tuple[float, float]:
             for place, (number, _) in enumerate(sheet.loops[k])
             if number == edge
         )
-        worst = max(worst, meeting_angle(one, here, other, there))
+        worst = max(worst, meeting_angles(one, here, other, there)[0])
     return float(np.mean(errors)), worst
 
 

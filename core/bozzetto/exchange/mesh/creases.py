@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry.mesh import Mesh
@@ -51,6 +52,30 @@ def divided(mesh: Mesh) -> tuple[Index, Index]:
     return _connected(starts, np.vstack((
         np.column_stack((one, following[two])), np.column_stack((following[one], two))
     )))  # fmt: skip
+
+
+def divided_by(faces: Index, normals: NDArray[np.int32]) -> tuple[Index, Index, Index]:
+    """Return vertices such that each has one normal, in the order of those of the mesh.
+
+    Parameters
+    ----------
+    faces, normals : (f, 3) int
+        Vertex and number of the normal of each corner.
+
+    Returns
+    -------
+    vertex : (n,) int
+        For each vertex, that of the mesh; those without a triangle are left out.
+    faces : (f, 3) int
+        The triangles with these vertices.
+    normals : (n,) int
+        Number of the normal of each vertex.
+    """
+    count = int(normals.max(initial=0)) + 1
+    pairs = faces.astype(np.int64).ravel() * count + normals.ravel()
+    found, corners = np.unique(pairs, return_inverse=True)
+    vertex, which = np.divmod(found, count)
+    return vertex, corners.reshape(-1, 3), which
 
 
 def _face_normals(mesh: Mesh, faces: Index) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.exchange.color import WHITE, srgb_to_linear
-from bozzetto.exchange.mesh.creases import divided
+from bozzetto.exchange.mesh.creases import divided, divided_by
 from bozzetto.exchange.mesh.face_groups import proper_groups
 from bozzetto.exchange.mesh.gltf_buffers import GltfBuffers
 from bozzetto.exchange.mesh.gltf_groups import in_groups
@@ -29,7 +29,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
 )
 from bozzetto.exchange.mesh.gltf_skin import follows, rig_in_file, rig_nodes
 from bozzetto.exchange.mesh.gltf_texture import SAMPLER, Corners, corners_of, laid_out
-from bozzetto.exchange.mesh.polygons import without_degenerate
+from bozzetto.exchange.mesh.polygons import is_degenerate, without_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Rig
@@ -185,10 +185,15 @@ def _mesh(file: GltfBuffers, looks: Looks, part: Solid | Surface, uvs: bool) -> 
     if skin is not None and skin.rest is not None:
         mesh = replace(mesh, vertices=skin.rest.vertices, normals=skin.rest.normals)
     vertex, faces, texels, _ = corners_of(mesh, part.texture)
-    normals = _unit_normals(mesh)[vertex]
-    if mesh.normals is None and part.texture is None and skin is None:
+    normals = _unit_normals(mesh.vertex_normals())[vertex]
+    if part.normals is not None and part.texture is None and skin is None:
+        exact = part.normals.of_faces(~is_degenerate(mesh.faces))
+        vertex, faces, which = divided_by(faces, exact.corners)
+        normals = _unit_normals(exact.vectors)[which]
+    elif mesh.normals is None and part.texture is None and skin is None:
         vertex, faces = divided(replace(mesh, faces=faces.astype(np.int32)))
-        normals = _unit_normals(Mesh(mesh.vertices[vertex], faces.astype(np.int32)))
+        split = Mesh(mesh.vertices[vertex], faces.astype(np.int32))
+        normals = _unit_normals(split.vertex_normals())
     if uvs and part.texture is None:
         vertex, faces, texels, before = laid_out(mesh, Corners(vertex, faces, None))
         normals = normals[before]
@@ -230,8 +235,8 @@ def _packed(text: bytes, blob: bytes) -> bytes:
     return MAGIC + np.array([2, 12 + len(body)], "<u4").tobytes() + body
 
 
-def _unit_normals(mesh: Mesh) -> NDArray[np.float32]:
-    normals = mesh.vertex_normals().astype(np.float64) @ AXES.T
+def _unit_normals(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
+    normals = vectors.astype(np.float64) @ AXES.T
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     length[np.abs(length - 1.0) <= UNIT] = 1.0  # the rounding of what was read
     up = np.array([0.0, 1.0, 0.0])  # a vertex that no face uses still needs some unit vector

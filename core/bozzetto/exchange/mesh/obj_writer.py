@@ -59,8 +59,8 @@ def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES, *, beside: str 
     for part in shapes.meshes():
         texture = part.texture if beside else None
         pieces.append(f"o {_word(part.name)}\n{_vertices(part, texture)}")
-        normals = corner_normals(part.mesh)
-        pieces.append(_rows("vn %.5g %.5g %.5g\n", normals.vectors))
+        normals = part.normals or corner_normals(part.mesh)
+        pieces.append(_rows("vn %.7g %.7g %.7g\n", normals.vectors))
         corners = [part.mesh.faces + first[0], normals.corners + first[2]]
         line = "f %d//%d %d//%d %d//%d\n"
         if texture is not None:

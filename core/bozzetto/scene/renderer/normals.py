@@ -6,15 +6,15 @@ Both are kept as long as the mesh lives, so that turning the view costs nothing 
 from __future__ import annotations
 
 import weakref
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Array, Floats, Index
+from bozzetto.geometry.corner_normals import CornerNormals
 
 if TYPE_CHECKING:
+    from bozzetto.arrays import Array, Floats, Index
     from bozzetto.geometry.mesh import Mesh
 
 CREASE = np.cos(np.radians(40.0))
@@ -22,22 +22,6 @@ CREASE = np.cos(np.radians(40.0))
 
 MOST_PAIRS = 2_000_000
 """Pairs of faces compared around creased vertices; beyond, such corners are drawn flat."""
-
-
-@dataclass(frozen=True, eq=False)
-class CornerNormals:
-    """Normals for the corners of faces, shared where the surface is smooth.
-
-    Attributes
-    ----------
-    vectors : (n, 3) float32
-        Unit normals (zero where a face has no area).
-    corners : (f, 3) int32
-        Which of them belongs to each corner of each face.
-    """
-
-    vectors: Floats
-    corners: NDArray[np.int32]
 
 
 _normals: weakref.WeakKeyDictionary[Mesh, CornerNormals] = weakref.WeakKeyDictionary()
