@@ -27,8 +27,7 @@ from bozzetto_polyhedron.reconstruction.planar_embedding import components, neig
 from bozzetto_polyhedron.reconstruction.ranking import FEATURES, scores
 from bozzetto_polyhedron.reconstruction.regularity import (
     Relief,
-    cheap_measures,
-    costly_measures,
+    all_measures,
     relief_of,
 )
 from bozzetto_polyhedron.reconstruction.visibility import agreement, is_marked
@@ -117,17 +116,18 @@ def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
     same = 0.02 + 0.25 * drawing.noise
     sides = (1.0,) if is_marked(drawing) else (1.0, -1.0)
     kept: list[Reading] = []
+    others = np.zeros((len(ordered), len(drawing.points)))
     for each in ordered:
         depths = each.depths - each.depths.mean()
-        others = [other.depths - other.depths.mean() for other in kept]
-        alike = [
-            number
-            for number, other in enumerate(others)
-            if any(_spread(depths - side * other) <= same for side in sides)
-        ]
+        near = np.zeros(len(kept), bool)
+        for side in sides:
+            near |= ((depths - side * others[: len(kept)]) ** 2).mean(1) <= same**2
+        alike = np.flatnonzero(near).tolist()
         if not alike:
+            others[len(kept)] = depths
             kept.append(each)
         elif each.features[OPEN] < kept[alike[0]].features[OPEN]:
+            others[alike[0]] = depths
             kept[alike[0]] = replace(each, score=kept[alike[0]].score)
     return kept
 
@@ -162,10 +162,6 @@ def _of_open_box(
     return distinct(drawing, sorted(found, key=lambda each: -each.score))
 
 
-def _spread(values: Array) -> float:
-    return float(np.sqrt((values**2).mean()))
-
-
 def _of_body(
     drawing: Drawing,
     classes: ParallelClasses,
@@ -186,7 +182,7 @@ def _of_body(
     joined: dict[frozenset[frozenset[frozenset[int]]], Attached] = {}
     around: dict[tuple[Ring, Ring], bool] = {}
     relief, maps = _maps(drawing, classes, body)
-    for chosen in maps[:MOST]:
+    for chosen, regular in zip(maps[:MOST], all_measures(relief, maps[:MOST]), strict=True):
         depths = relief.heights(squared(relief, chosen))
         for way in attached(drawing, classes, depths, body.faces, body.corners, parts, around):
             if way.hangs:
@@ -194,7 +190,7 @@ def _of_body(
                 if key not in joined or way.rough < joined[key].rough:
                     joined[key] = way
             else:
-                measures = _measures(drawing, body, relief, chosen, depths, strict)
+                measures = _measures(drawing, body, relief, regular, depths, strict)
                 every = np.concatenate((measures, way.measures))
                 found += _sides(drawing, way.depths, way.faces, every)
     corners = tuple(sorted({*body.corners, *(c for part in parts for c in part.corners)}))
@@ -215,9 +211,9 @@ def _shapes(
     """Return readings of a lifting that holds all parts."""
     relief, maps = _maps(drawing, classes, whole)
     found = []
-    for chosen in maps:
+    for chosen, regular in zip(maps, all_measures(relief, maps), strict=True):
         depths = relief.heights(squared(relief, chosen))
-        measures = _measures(drawing, whole, relief, chosen, depths, strict)
+        measures = _measures(drawing, whole, relief, regular, depths, strict)
         every = np.concatenate((measures, way.measured(drawing, depths)))
         found += _sides(drawing, depths, whole.faces, every)
     return found
@@ -240,14 +236,13 @@ def _maps(drawing: Drawing, classes: ParallelClasses, body: Lifting) -> tuple[Re
 
 
 def _measures(
-    drawing: Drawing, body: Lifting, relief: Relief, chosen: Array, depths: Array, strict: int
+    drawing: Drawing, body: Lifting, relief: Relief, regular: Array, depths: Array, strict: int
 ) -> Array:
-    """Return the measures of a map but those of parts and marks."""
+    """Return the measures of a map but those of parts and marks; `regular` are its regularities."""
     beyond = max(0.0, _planarity(drawing.points, depths, body.faces) - drawing.noise)
     return np.array(
         (
-            *cheap_measures(relief, chosen[None])[0],
-            *costly_measures(relief, chosen),
+            *regular,
             beyond / (drawing.noise + 0.01),
             min(5.0, body.depth.residual / (0.05 + 10.0 * drawing.noise)),
             float(strict),
