@@ -363,7 +363,7 @@ def _compared_lengths(sides: list[int], labels: Index) -> list[tuple[int, int, f
 def _normals(relief: Relief, maps: Array) -> Array:
     """Return unit normals of the faces for each map, (k, f, 3)."""
     rows = relief.normals.reshape(-1, maps.shape[1])
-    flat = (maps @ rows.T).reshape(len(maps), -1, 2)
+    flat = (maps @ rows.T).reshape(len(maps), len(relief.normals), 2)
     areas = np.broadcast_to(relief.areas, flat.shape[:2])
     normals = np.concatenate((flat, areas[..., None]), axis=2)
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12))

@@ -75,5 +75,6 @@ def test_measures_of_many_maps_are_those_of_each_alone(seed: int) -> None:
     maps = np.random.default_rng(seed).normal((1.0, 0.0, 0.0), 0.4, (7, 3))
     found = all_measures(relief, maps)
     assert found.shape == (7, len(MEASURES))
+    assert all_measures(relief, maps[:0]).shape == (0, len(MEASURES))
     for each, row in zip(maps, found, strict=True):
         assert all_measures(relief, each[None])[0] == pytest.approx(row)
