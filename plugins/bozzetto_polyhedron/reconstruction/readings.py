@@ -14,6 +14,7 @@ from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
+from bozzetto_polyhedron.reconstruction.lone_parallels import without_lone_parallels
 from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached
 from bozzetto_polyhedron.reconstruction.metric_upgrade import metric_maps, squared
 from bozzetto_polyhedron.reconstruction.orientation import open_lines
@@ -57,12 +58,16 @@ class Reading:
     features : (len(FEATURES),) float64
         Measures that rank it.
     score : float
+    by_looks : bool, optional
+        Whether it takes depths from a line that looks parallel to another one, which may be
+        chance; not given where no depth hangs on that.
     """
 
     depths: Array
     faces: tuple[Rings, ...]
     features: Array
     score: float
+    by_looks: bool | None = None
 
 
 def readings(
@@ -94,9 +99,16 @@ def readings(
         seen.add(classes.labels.tobytes())
         loose = [part for part in parts[1:] if len(part) > 2]
         small = [liftings(drawing, classes, neighbors, part)[:1] for part in loose]
+        inner = [part for each in small for part in each]
         for body in liftings(drawing, classes, neighbors, parts[0]):
             checkpoint(0.3 + 0.3 * strict, "readings")
-            found += _of_body(drawing, classes, body, [p for each in small for p in each], strict)
+            own = _of_body(drawing, classes, body, inner, strict)
+            other = without_lone_parallels(drawing, classes, (body, *inner))
+            if other is not None:
+                own = [replace(each, by_looks=True) for each in own]
+                freed = _of_body(drawing, other[0], other[1][0], other[1][1:], strict)
+                own += [replace(each, by_looks=False) for each in freed]
+            found += own
     return distinct(drawing, sorted(found, key=lambda each: -each.score))
 
 
