@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -11,7 +11,13 @@ import numpy as np
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.reconstruction.answer import Answer
-from bozzetto_polyhedron.reconstruction.cautions import LOOSE, PERSPECTIVE, SIDE, cautions
+from bozzetto_polyhedron.reconstruction.cautions import (
+    BY_LOOKS,
+    LOOSE,
+    PERSPECTIVE,
+    SIDE,
+    cautions,
+)
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
 from bozzetto_polyhedron.reconstruction.orientation import open_lines, oriented
 from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses, parallel_classes
@@ -37,6 +43,9 @@ LEAST_LINES: Final = 3
 
 FROM_ABOVE: Final = 0.98
 """Share of unmarked drawings that show their solid from above: an assumption, not measured."""
+
+CLOSE: Final = 3.0
+"""Difference of scores up to which it is told that a slope is taken from looks: one in twenty."""
 
 LATEST_MIRRORED: Final = 3
 """Place, from 0, at which the mirrored first answer stands at the latest."""
@@ -78,7 +87,11 @@ def answers_of(
     marked = is_marked(drawing)
     traits = traits_of(found[0].features, len(drawing.lines), drawing.noise)
     shares = confidences(np.array([each.score for each in found]), evidence_of(drawing), traits)
-    ranked = list(zip(found, shares.tolist(), strict=True))[:most]
+    ranked: list[tuple[Reading, float]] = list(zip(found, shares.tolist(), strict=True))
+    doubted = _by_looks(found)
+    if doubted is not None and doubted >= most > 1:
+        ranked[most - 1] = ranked[doubted]
+    ranked = ranked[:most]
     if not marked and not view.certain:
         ranked = _both_sides(view.drawing, ranked)
     told: tuple[str, ...] = ()
@@ -86,6 +99,8 @@ def answers_of(
         told += (PERSPECTIVE,)
     if not marked and not view.certain:
         told += (SIDE,)
+    if doubted is not None and found[0].score - found[doubted].score < CLOSE:
+        told += (BY_LOOKS,)
     classes = parallel_classes(view.drawing)
     return tuple(_answer(view, classes, graph, camera, *each, told) for each in ranked[:most])
 
@@ -114,6 +129,17 @@ def evidence_of(drawing: Drawing) -> Evidence:
     if is_marked(drawing):
         return "marked"
     return "loose" if len(components(neighbors_of(drawing.lines))) > 1 else "plain"
+
+
+def _by_looks(found: Sequence[Reading]) -> int | None:
+    """Return the place of the best reading that takes slopes by looks where the first does not.
+
+    Or the other way round; None where no depth of the first one hangs on looks.
+    """
+    if found[0].by_looks is None:
+        return None
+    others = (k for k, each in enumerate(found) if each.by_looks is (not found[0].by_looks))
+    return next(others, None)
 
 
 def _near_sides(view: ParallelView, found: list[Reading], marked: bool) -> list[Reading]:

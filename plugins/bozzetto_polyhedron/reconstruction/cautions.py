@@ -30,6 +30,10 @@ SIDE = (
     "Hidden edges are not marked, so it is taken as seen from above; the mirrored one is offered."
 )
 LOOSE = "A part of the drawing hangs in no face. Join it with a line, or draw it inside a face."
+BY_LOOKS = (
+    "A slanted edge looks parallel to others, which may be chance in this view. Both answers are "
+    "offered: with its slope taken from them, and left open. Draw it from another side to be sure."
+)
 PERSPECTIVE = "The lines meet in the distance, so the drawing is taken as one in perspective."
 
 

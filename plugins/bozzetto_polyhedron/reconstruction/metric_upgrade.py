@@ -18,8 +18,8 @@ from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
 from bozzetto_polyhedron.reconstruction.regularity import (
     MEASURES,
     Relief,
+    all_measures,
     cheap_measures,
-    costly_measures,
 )
 
 HEAVIEST: Final = 9
@@ -142,44 +142,47 @@ def _settled(relief: Relief, maps: Array) -> Array:
     kept: dict[bytes, Array] = {}
     for chosen in maps:
         kept.setdefault(chosen[:3].round(2).tobytes(), chosen)
+    ways, origin = np.array(list(kept.values())), np.arange(len(kept))
+    for number in range(3, maps.shape[1]):
+        ways, of = _along(relief, ways, number)
+        origin = origin[of]
+    values = _regularity(relief, ways)
     found = []
-    for chosen in kept.values():
-        ways = [chosen]
-        for number in range(3, maps.shape[1]):
-            ways = [each for way in ways for each in _along(relief, way, number)]
-        found += sorted(ways, key=lambda way: -_regularity(relief, way))[:OF_EACH]
+    for each in range(len(kept)):
+        own = np.flatnonzero(origin == each)
+        found += ways[own[np.argsort(-values[own], kind="stable")[:OF_EACH]]].tolist()
     return np.array(found)
 
 
-def _along(relief: Relief, chosen: Array, number: int) -> list[Array]:
-    """Return maps that differ in one number only, each more regular than those beside it."""
+def _along(relief: Relief, ways: Array, number: int) -> tuple[Array, Index]:
+    """Return maps with one number at its most regular values, and from which of `ways` each is."""
+    tried = np.repeat(ways, len(CHANGES), axis=0)
+    tried[:, number] = np.tile(CHANGES, len(ways))
+    values = _regularity(relief, tried).reshape(len(ways), -1)
+    around = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
+    peaks = (values >= around[:, :-2]) & (values >= around[:, 2:])
+    order = np.argsort(np.where(peaks, -values, np.inf), axis=1, kind="stable")[:, :OF_EACH]
+    of, place = np.nonzero(np.take_along_axis(peaks, order, axis=1))
+    chosen = order[of, place]
+    made, best, step = ways[of], values[of, chosen], CHANGES[1] - CHANGES[0]
+    made[:, number] = CHANGES[chosen]
+    for _ in range(HALVINGS):
+        step *= 0.5
+        sides = np.stack((made, made))
+        sides[0, :, number] -= step
+        sides[1, :, number] += step
+        others = _regularity(relief, sides.reshape(-1, ways.shape[1])).reshape(2, -1)
+        side = np.where(others[0] > best, 0, 1)
+        rows = np.arange(len(made))
+        better = others[side, rows] > best
+        made = np.where(better[:, None], sides[side, rows], made)
+        best = np.where(better, others[side, rows], best)
+    return made, of
 
-    def changed(value: float) -> Array:
-        made = chosen.copy()
-        made[number] = value
-        return made
 
-    values = np.array([_regularity(relief, changed(each)) for each in CHANGES])
-    around = np.pad(values, 1, constant_values=-np.inf)
-    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]))
-    found = []
-    for peak in peaks[np.argsort(-values[peaks], kind="stable")][:OF_EACH].tolist():
-        best, value, step = float(CHANGES[peak]), float(values[peak]), CHANGES[1] - CHANGES[0]
-        for _ in range(HALVINGS):
-            step *= 0.5
-            for each in (best - step, best + step):
-                other = _regularity(relief, changed(each))
-                if other > value:
-                    best, value = each, other
-                    break
-        found.append(changed(best))
-    return found
-
-
-def _regularity(relief: Relief, chosen: Array) -> float:
-    """Return the score of a map by all measures of regularity."""
-    measures = (*cheap_measures(relief, chosen[None])[0], *costly_measures(relief, chosen))
-    return float(np.dot(measures, REGULARITY))
+def _regularity(relief: Relief, maps: Array) -> Array:
+    """Return the score of maps by all measures of regularity, (k,)."""
+    return np.asarray(all_measures(relief, maps) @ REGULARITY)
 
 
 def _ordered(relief: Relief, maps: Array, right: float) -> Array:
@@ -258,7 +261,8 @@ def squared(relief: Relief, chosen: Array) -> Array:
     """
     if len(chosen) > 3:
         found = _squared(relief, chosen, len(chosen))
-        if _regularity(relief, found) > _regularity(relief, chosen) - WORSE:
+        after, before = _regularity(relief, np.stack((found, chosen)))
+        if after > before - WORSE:
             return found
     return _squared(relief, chosen, 3)
 

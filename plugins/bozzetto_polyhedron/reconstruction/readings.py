@@ -14,6 +14,7 @@ from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
+from bozzetto_polyhedron.reconstruction.lone_parallels import without_lone_parallels
 from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached
 from bozzetto_polyhedron.reconstruction.metric_upgrade import metric_maps, squared
 from bozzetto_polyhedron.reconstruction.orientation import open_lines
@@ -27,8 +28,7 @@ from bozzetto_polyhedron.reconstruction.planar_embedding import components, neig
 from bozzetto_polyhedron.reconstruction.ranking import FEATURES, scores
 from bozzetto_polyhedron.reconstruction.regularity import (
     Relief,
-    cheap_measures,
-    costly_measures,
+    all_measures,
     relief_of,
 )
 from bozzetto_polyhedron.reconstruction.visibility import agreement, is_marked
@@ -58,12 +58,16 @@ class Reading:
     features : (len(FEATURES),) float64
         Measures that rank it.
     score : float
+    by_looks : bool, optional
+        Whether it takes depths from a line that looks parallel to another one, which may be
+        chance; not given where no depth hangs on that.
     """
 
     depths: Array
     faces: tuple[Rings, ...]
     features: Array
     score: float
+    by_looks: bool | None = None
 
 
 def readings(
@@ -95,9 +99,16 @@ def readings(
         seen.add(classes.labels.tobytes())
         loose = [part for part in parts[1:] if len(part) > 2]
         small = [liftings(drawing, classes, neighbors, part)[:1] for part in loose]
+        inner = [part for each in small for part in each]
         for body in liftings(drawing, classes, neighbors, parts[0]):
             checkpoint(0.3 + 0.3 * strict, "readings")
-            found += _of_body(drawing, classes, body, [p for each in small for p in each], strict)
+            own = _of_body(drawing, classes, body, inner, strict)
+            other = without_lone_parallels(drawing, classes, (body, *inner))
+            if other is not None:
+                own = [replace(each, by_looks=True) for each in own]
+                freed = _of_body(drawing, other[0], other[1][0], other[1][1:], strict)
+                own += [replace(each, by_looks=False) for each in freed]
+            found += own
     return distinct(drawing, sorted(found, key=lambda each: -each.score))
 
 
@@ -117,17 +128,18 @@ def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
     same = 0.02 + 0.25 * drawing.noise
     sides = (1.0,) if is_marked(drawing) else (1.0, -1.0)
     kept: list[Reading] = []
+    others = np.zeros((len(ordered), len(drawing.points)))
     for each in ordered:
         depths = each.depths - each.depths.mean()
-        others = [other.depths - other.depths.mean() for other in kept]
-        alike = [
-            number
-            for number, other in enumerate(others)
-            if any(_spread(depths - side * other) <= same for side in sides)
-        ]
+        near = np.zeros(len(kept), bool)
+        for side in sides:
+            near |= ((depths - side * others[: len(kept)]) ** 2).mean(1) <= same**2
+        alike = np.flatnonzero(near).tolist()
         if not alike:
+            others[len(kept)] = depths
             kept.append(each)
         elif each.features[OPEN] < kept[alike[0]].features[OPEN]:
+            others[alike[0]] = depths
             kept[alike[0]] = replace(each, score=kept[alike[0]].score)
     return kept
 
@@ -162,10 +174,6 @@ def _of_open_box(
     return distinct(drawing, sorted(found, key=lambda each: -each.score))
 
 
-def _spread(values: Array) -> float:
-    return float(np.sqrt((values**2).mean()))
-
-
 def _of_body(
     drawing: Drawing,
     classes: ParallelClasses,
@@ -186,7 +194,7 @@ def _of_body(
     joined: dict[frozenset[frozenset[frozenset[int]]], Attached] = {}
     around: dict[tuple[Ring, Ring], bool] = {}
     relief, maps = _maps(drawing, classes, body)
-    for chosen in maps[:MOST]:
+    for chosen, regular in zip(maps[:MOST], all_measures(relief, maps[:MOST]), strict=True):
         depths = relief.heights(squared(relief, chosen))
         for way in attached(drawing, classes, depths, body.faces, body.corners, parts, around):
             if way.hangs:
@@ -194,7 +202,7 @@ def _of_body(
                 if key not in joined or way.rough < joined[key].rough:
                     joined[key] = way
             else:
-                measures = _measures(drawing, body, relief, chosen, depths, strict)
+                measures = _measures(drawing, body, relief, regular, depths, strict)
                 every = np.concatenate((measures, way.measures))
                 found += _sides(drawing, way.depths, way.faces, every)
     corners = tuple(sorted({*body.corners, *(c for part in parts for c in part.corners)}))
@@ -215,9 +223,9 @@ def _shapes(
     """Return readings of a lifting that holds all parts."""
     relief, maps = _maps(drawing, classes, whole)
     found = []
-    for chosen in maps:
+    for chosen, regular in zip(maps, all_measures(relief, maps), strict=True):
         depths = relief.heights(squared(relief, chosen))
-        measures = _measures(drawing, whole, relief, chosen, depths, strict)
+        measures = _measures(drawing, whole, relief, regular, depths, strict)
         every = np.concatenate((measures, way.measured(drawing, depths)))
         found += _sides(drawing, depths, whole.faces, every)
     return found
@@ -240,14 +248,13 @@ def _maps(drawing: Drawing, classes: ParallelClasses, body: Lifting) -> tuple[Re
 
 
 def _measures(
-    drawing: Drawing, body: Lifting, relief: Relief, chosen: Array, depths: Array, strict: int
+    drawing: Drawing, body: Lifting, relief: Relief, regular: Array, depths: Array, strict: int
 ) -> Array:
-    """Return the measures of a map but those of parts and marks."""
+    """Return the measures of a map but those of parts and marks; `regular` are its regularities."""
     beyond = max(0.0, _planarity(drawing.points, depths, body.faces) - drawing.noise)
     return np.array(
         (
-            *cheap_measures(relief, chosen[None])[0],
-            *costly_measures(relief, chosen),
+            *regular,
             beyond / (drawing.noise + 0.01),
             min(5.0, body.depth.residual / (0.05 + 10.0 * drawing.noise)),
             float(strict),

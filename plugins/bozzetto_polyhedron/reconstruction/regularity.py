@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Final
 
@@ -17,6 +18,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.mirror_planes import mirror_normals, mirror_planes
 
 RIGHT: Final = (0.03, 5.0, 0.13)
 """Cosine at which an angle counts half as a right one: without noise, more for each diagonal of
@@ -36,9 +38,6 @@ SAME_ANGLE: Final = 0.12
 
 LEAST_AXIS: Final = 3
 """Lines that the axis of a prism has at least."""
-
-MIRROR_PLANES: Final = 24
-"""Most planes that are tried for symmetry."""
 
 MEASURES: Final = (
     "square corners",
@@ -130,6 +129,23 @@ class Relief:
         """Cosine at which an angle counts half as a right one."""
         return min(RIGHT[0] + RIGHT[1] * self.noise, RIGHT[2])
 
+    @cached_property
+    def mapped(self) -> Array:
+        """How depths depend on the numbers of a map, (n, 3 + j)."""
+        return mapped(self.depths, self.points)
+
+    @cached_property
+    def used(self) -> Index:
+        """Corners in which lines end."""
+        return np.unique(self.lines)
+
+    @cached_property
+    def drawn(self) -> Array:
+        """Length of each line on the sheet, (m,)."""
+        return np.asarray(
+            np.hypot(*(self.points[self.lines[:, 1]] - self.points[self.lines[:, 0]]).T)
+        )
+
     def unit_directions(self, maps: Array) -> Array:
         """Return the direction of each class in space, (k, c, 3), for maps of shape (k, 3 + j)."""
         along = maps @ self.slopes.T
@@ -139,7 +155,7 @@ class Relief:
 
     def heights(self, chosen: Array) -> Array:
         """Return the depths of one map, (n,), diagonals."""
-        return np.asarray(mapped(self.depths, self.points) @ chosen)
+        return np.asarray(self.mapped @ chosen)
 
 
 def mapped(depths: Array, points: Array) -> Array:
@@ -245,13 +261,12 @@ def cheap_measures(relief: Relief, maps: Array, right: float | None = None) -> A
     directions = relief.unit_directions(maps)
     square = _near(directions @ directions.transpose(0, 2, 1), right)
     weights = np.outer(relief.counts, relief.counts) * (1.0 - np.eye(len(relief.counts)))
-    drawn = np.hypot(*(relief.points[relief.lines[:, 1]] - relief.points[relief.lines[:, 0]]).T)
-    heights = maps @ mapped(relief.depths, relief.points).T
+    heights = maps @ relief.mapped.T
     rises = heights[:, relief.lines[:, 1]] - heights[:, relief.lines[:, 0]]
-    lengths = np.log(np.hypot(drawn, rises))
+    lengths = np.log(np.hypot(relief.drawn, rises))
     ratios = lengths[:, relief.lengths[:, 0]] - lengths[:, relief.lengths[:, 1]]
-    used = np.unique(relief.lines)
-    spread = np.maximum(heights[:, used].std(1), 1e-9) / relief.points[used].std(0).mean()
+    spread = np.maximum(heights[:, relief.used].std(1), 1e-9)
+    spread /= relief.points[relief.used].std(0).mean()
     normals = _normals(relief, maps)
     return np.column_stack(
         (
@@ -260,22 +275,45 @@ def cheap_measures(relief: Relief, maps: Array, right: float | None = None) -> A
             _mean(_near(ratios, SAME_LENGTH), relief.length_weights),
             (square * weights).sum((1, 2)) / max(1.0, weights.sum()),
             np.log(spread) ** 2,
-            (lengths - np.log(drawn)).mean(1),
+            (lengths - np.log(relief.drawn)).mean(1),
             _square_axis(relief, square),
             _opposite_faces(relief, maps, normals),
         )
     )
 
 
-def costly_measures(relief: Relief, chosen: Array) -> Array:
-    """Return the measures of one map that are not cheap, in the order of `MEASURES`."""
-    directions = relief.unit_directions(chosen[None])[0]
+def costly_measures(relief: Relief, maps: Array) -> Array:
+    """Return the measures of many maps that are not cheap, (k, 5), in the order of `MEASURES`.
+
+    Parameters
+    ----------
+    relief : Relief
+        What is compared.
+    maps : (k, 3 + j) array
+        Numbers a, b, c of each map, and the multiples of changes.
+    """
+    directions = relief.unit_directions(maps)
+    normals = _normals(relief, maps)
+    heights = maps @ relief.mapped.T
+    flat = np.broadcast_to(relief.points, (*heights.shape, 2))
+    space = np.concatenate((flat, heights[..., None]), axis=2)
     coverage = _frame_coverage(directions, relief.counts, relief.right)
-    space = np.column_stack((relief.points, relief.heights(chosen)))
-    mirrors = _mirror_planes(relief, directions, space)
-    further = float(mirrors[1:3].mean()) if len(mirrors) > 1 else 0.0
-    first = float(mirrors[0]) if len(mirrors) else 0.0
-    return np.array([coverage, _equal_angles(relief, space), first, further, coverage**6])
+    corners, scale = space[:, relief.used], 0.06 + 2.0 * relief.noise
+    mirrors = mirror_planes(corners, mirror_normals(directions, normals), scale)
+    return np.column_stack((coverage, _equal_angles(relief, space), mirrors, coverage**6))
+
+
+def all_measures(relief: Relief, maps: Array) -> Array:
+    """Return all measures of many maps, (k, len(MEASURES)).
+
+    Parameters
+    ----------
+    relief : Relief
+        What is compared.
+    maps : (k, 3 + j) array
+        Numbers a, b, c of each map, and the multiples of changes.
+    """
+    return np.hstack((cheap_measures(relief, maps), costly_measures(relief, maps)))
 
 
 def area_vector(ring: Array) -> Array:
@@ -324,7 +362,8 @@ def _compared_lengths(sides: list[int], labels: Index) -> list[tuple[int, int, f
 
 def _normals(relief: Relief, maps: Array) -> Array:
     """Return unit normals of the faces for each map, (k, f, 3)."""
-    flat = np.einsum("fdm,km->kfd", relief.normals, maps)
+    rows = relief.normals.reshape(-1, maps.shape[1])
+    flat = (maps @ rows.T).reshape(len(maps), len(relief.normals), 2)
     areas = np.broadcast_to(relief.areas, flat.shape[:2])
     normals = np.concatenate((flat, areas[..., None]), axis=2)
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12))
@@ -372,62 +411,32 @@ def _opposite_faces(relief: Relief, maps: Array, normals: Array) -> Array:
     return np.asarray(_near(np.sqrt(np.maximum(0.0, 1.0 - cosines**2)), OPPOSITE).max(1))
 
 
-def _frame_coverage(directions: Array, counts: Array, right: float) -> float:
-    """Largest share of the lines that lies along one orthogonal frame."""
-    best = float(counts.max() / counts.sum())
-    first, second = np.nonzero(np.triu(np.abs(directions @ directions.T) < 0.2, 1))
-    if not len(first):
-        return best
-    axes, others = directions[first], directions[second]
-    thirds = np.cross(axes, others)
+def _frame_coverage(directions: Array, counts: Array, right: float) -> Array:
+    """Largest share of the lines that lies along one orthogonal frame, (k,)."""
+    best = np.full(len(directions), float(counts.max() / counts.sum()))
+    square = np.abs(directions @ directions.transpose(0, 2, 1)) < 0.2
+    number, first, second = np.nonzero(np.triu(square, 1))
+    axes, others = directions[number, first], directions[number, second]
+    thirds = _cross(axes, others)
     thirds /= np.linalg.norm(thirds, axis=1, keepdims=True)
-    frames = np.stack((axes, np.cross(thirds, axes), thirds), axis=2)
-    nearest = np.abs(directions @ frames).max(2)
+    frames = np.stack((axes, _cross(thirds, axes), thirds), axis=2)
+    nearest = np.abs(directions[number] @ frames).max(2)
     off = np.sqrt(np.maximum(0.0, 1.0 - nearest**2))
-    return max(best, float((_near(off, right) @ counts).max() / counts.sum()))
+    np.maximum.at(best, number, _near(off, right) @ counts / counts.sum())
+    return best
 
 
-def _equal_angles(relief: Relief, space: Array) -> float:
-    """Share of neighbouring angles in faces that are equal."""
+def _cross(first: Array, second: Array) -> Array:
+    """Cross products of rows, (p, 3)."""
+    (a, b, c), (x, y, z) = first.T, second.T
+    return np.stack((b * z - c * y, c * x - a * z, a * y - b * x), axis=1)
+
+
+def _equal_angles(relief: Relief, space: Array) -> Array:
+    """Share of neighbouring angles in faces that are equal, (k,)."""
     if not len(relief.angles):
-        return 0.0
-    sides = np.diff(space[relief.angles], axis=1)
-    sides /= np.maximum(np.linalg.norm(sides, axis=2, keepdims=True), 1e-12)
-    turns = np.arccos(np.clip(-(sides[:, :2] * sides[:, 1:]).sum(2), -1.0, 1.0))
-    return float(_near(turns[:, 0] - turns[:, 1], SAME_ANGLE).mean())
-
-
-def _mirror_planes(relief: Relief, directions: Array, space: Array) -> Array:
-    """How well each plane through the middle maps the corners onto one another, best first."""
-    used = np.unique(relief.lines)
-    corners = space[used] - space[used].mean(0)
-    corners /= max(1e-12, float(np.sqrt((corners**2).sum(1).mean())))
-    normals = _distinct(_mirror_normals(relief, directions, space))[:MIRROR_PLANES]
-    images = corners - 2.0 * (corners @ normals.T)[..., None].transpose(1, 0, 2) * normals[:, None]
-    squares = (corners**2).sum(1)
-    apart = (images**2).sum(2)[:, :, None] + squares - 2.0 * images @ corners.T
-    nearest = np.maximum(apart, 0.0).min(2)
-    scale = 0.06 + 2.0 * relief.noise
-    return np.sort((1.0 / (1.0 + nearest / scale**2)).mean(1))[::-1]
-
-
-def _mirror_normals(relief: Relief, directions: Array, space: Array) -> Array:
-    """Directions of classes and faces, and those halfway between two classes."""
-    found = [directions]
-    faces = np.array([area_vector(space[list(face[0])]) for face in relief.faces]).reshape(-1, 3)
-    found.append(faces)
-    first, second = np.triu_indices(min(len(directions), 6), 1)
-    found += [directions[first] + directions[second], directions[first] - directions[second]]
-    normals = np.vstack(found)
-    lengths = np.linalg.norm(normals, axis=1)
-    return np.asarray(normals[lengths > 1e-9] / lengths[lengths > 1e-9, None])
-
-
-def _distinct(normals: Array) -> Array:
-    """Leave out normals that nearly repeat an earlier one."""
-    same = np.abs(normals @ normals.T) >= 0.99
-    kept: list[int] = []
-    for number in range(len(normals)):
-        if not same[number, kept].any():
-            kept.append(number)
-    return normals[kept]
+        return np.zeros(len(space))
+    sides = np.diff(space[:, relief.angles], axis=2)
+    sides /= np.maximum(np.linalg.norm(sides, axis=3, keepdims=True), 1e-12)
+    turns = np.arccos(np.clip(-(sides[:, :, :2] * sides[:, :, 1:]).sum(3), -1.0, 1.0))
+    return np.asarray(_near(turns[..., 0] - turns[..., 1], SAME_ANGLE).mean(1))

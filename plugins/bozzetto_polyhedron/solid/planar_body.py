@@ -49,3 +49,16 @@ def on_axis_planes(body: PlanarBody) -> PlanarBody:
         if abs(normal[axis]) == 1.0:
             vertices[[v for ring in face for v in ring], axis] = offset * normal[axis]
     return replace(body, vertices=vertices)
+
+
+def evened(vertices: Array, least: float) -> Array:
+    """Return corners, (n, 3), with coordinates made equal that differ by less than a length.
+
+    So edges along an axis of the world have directions of zeros and a one, in oblique planes too.
+    """
+    made = vertices.copy()
+    for column in made.T:
+        order = np.argsort(column, kind="stable")
+        first = np.diff(column[order], prepend=-np.inf) > least
+        column[order] = column[order][first][np.cumsum(first) - 1]
+    return made

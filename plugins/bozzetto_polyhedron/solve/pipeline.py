@@ -22,7 +22,7 @@ from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.flaps import without_findings_at_flaps
 from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.hand_over import mesh_of
-from bozzetto_polyhedron.solid.planar_body import PlanarBody, on_axis_planes
+from bozzetto_polyhedron.solid.planar_body import PlanarBody, evened, on_axis_planes
 from bozzetto_polyhedron.solid.sheet import sheet_solid
 from bozzetto_polyhedron.solve.changes import after, changed_body
 from bozzetto_polyhedron.solve.choice import chosen_number
@@ -31,6 +31,10 @@ from bozzetto_polyhedron.solve.slanted_faces import slanted_faces
 
 Checkpoint = Callable[[float, str], None]
 
+
+ROUNDED: Final = 1e-13
+"""Differences below this share of the size are rounding, where a body that was turned has planes
+square to an axis of the world."""
 
 ON_AXIS: Final = 1e-12
 """Cosine from 1 within which a plane that was turned is meant square to an axis of the world."""
@@ -319,9 +323,12 @@ def placed_body(body: PlanarBody, placement: Placement) -> PlanarBody:
     normals = placement.directions(body.normals)
     near = np.abs(normals) > 1.0 - ON_AXIS
     normals = np.where(near.any(axis=1, keepdims=True), near * np.sign(normals), normals)
+    vertices = placement.points(body.vertices)
+    if near.any():
+        vertices = evened(vertices, ROUNDED * float(np.ptp(vertices, axis=0).max()))
     moved = replace(
         body,
-        vertices=placement.points(body.vertices),
+        vertices=vertices,
         normals=normals,
         offsets=placement.scale * body.offsets + normals @ np.asarray(placement.offset),
         frame=None if body.frame is None else placement.directions(body.frame),

@@ -13,6 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.export import encode_shapes
 from bozzetto.geometry import Placement, Shapes, Solid
 from bozzetto.view import Camera
+from bozzetto_polyhedron.commands.bodies import foot_of, upright
 from bozzetto_polyhedron.drawing_on.circles import Circle, polygon_of
 from bozzetto_polyhedron.drawing_on.cylinders import brep_with_cylinders
 from bozzetto_polyhedron.drawing_on.push import pushed
@@ -22,8 +23,8 @@ from bozzetto_polyhedron.solid.hand_over import brep_of, mesh_of, solid_of
 from bozzetto_polyhedron.solid.sheet import sheet_solid
 from bozzetto_polyhedron.solid.triangulation import genus_of, triangles_of, volume_of
 from bozzetto_polyhedron.solid.unfolding import face_curves, laid_faces, net_curves, nets
-from bozzetto_polyhedron.solid.upright import upright
 from bozzetto_polyhedron.solid.visibility import visible_pieces
+from bozzetto_polyhedron.solve.pipeline import placed_body
 from tests.core.exchange.test_curve_interop import ask
 from tests.plugins.polyhedron.true_bodies import all_bodies, drawn, face_areas, polygon_area
 
@@ -128,8 +129,11 @@ def test_exact_faces_share_all_edges(name):
 
 
 @pytest.mark.parametrize("name", ["box", "house", "hole", "notched"])
-def test_upright_axis_planes_are_written_as_zeros_and_ones(name, tmp_path):
-    standing, _ = upright(made(name))
+def test_axis_planes_of_a_body_put_on_the_ground_are_written_as_zeros_and_ones(name, tmp_path):
+    body = made(name)
+    number = foot_of(body)
+    assert number is not None
+    standing = placed_body(body, Placement(upright(body, number)))
     path = tmp_path / "body.step"
     text = encode_shapes(Shapes(breps=(brep_of(standing),)), path).decode()
     directions = re.findall(r"DIRECTION\('[^']*',\(([^)]*)\)\)", text)

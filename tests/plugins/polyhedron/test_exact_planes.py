@@ -10,13 +10,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from bozzetto.errors import UserError
+from bozzetto.geometry import Placement
+from bozzetto_polyhedron.commands.bodies import foot_of, upright
 from bozzetto_polyhedron.model.state import Dimension
 from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.solid.equal_lengths import equal_lengths
 from bozzetto_polyhedron.solid.exact import EqualLengths, exact_body
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
-from bozzetto_polyhedron.solid.upright import upright
+from bozzetto_polyhedron.solve.pipeline import placed_body
 from tests.plugins.polyhedron.true_bodies import (
     all_bodies,
     cuboid_with_loop,
@@ -189,11 +191,14 @@ def test_equal_lengths_are_equal():
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_upright_bodies_stand_on_the_ground_and_come_back(name):
+def test_bodies_that_are_turned_upright_keep_their_planes_and_come_back(name):
     body, _, _ = made(name, 2040)
-    standing, placement = upright(body)
-    assert np.abs(placement.points(standing.vertices) - body.vertices).max() < 1e-10
-    assert standing.vertices[:, 2].min() == pytest.approx(0.0, abs=1e-12)
+    number = foot_of(body)
+    assert number is not None
+    placement = Placement(upright(body, number))
+    standing = placed_body(body, placement)
+    assert np.abs(placement.points(body.vertices) - standing.vertices).max() < 1e-10
+    assert np.ptp(standing.vertices[list(body.faces[number][0]), 2]) == 0.0
     assert off_planes(standing) < 1e-9
     near = np.abs(standing.normals).max(axis=1) > 1 - 1e-9
     assert (np.sort(np.abs(standing.normals[near]), axis=1) == (0.0, 0.0, 1.0)).all()
@@ -312,5 +317,3 @@ def test_sheets_with_three_faces_at_an_edge_are_exact():
     body = exact_body(Answer(noisy, faces, 1.0, 0.0, False), noise=1.0)
     assert not body.closed
     assert off_planes(body) < 1e-9
-    standing, _ = upright(body)  # the last corner belongs to no face
-    assert standing.vertices[:8, 2].min() == pytest.approx(0.0, abs=1e-12)
