@@ -14,6 +14,7 @@ from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side, gap_between
 from bozzetto_symmetry.ink.stroke_grouping import bonds_between
 from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
+from bozzetto_symmetry.interpretation.line_weight import weight_prices
 from bozzetto_symmetry.interpretation.partial_pairing import partial_pairings
 from bozzetto_symmetry.interpretation.side_pairing import pairings
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
@@ -90,10 +91,12 @@ def as_pair(stereo: Stereo, one: Side, other: Side) -> Iterator[Candidate]:
     # Sides that meet may be halves of one curve as well, which are whole for certain.
     apart = not closed and gap_between(*lines)[0] > MEETING * min(map(length_of, lines))
     whole = pairings(stereo, *lines, whole=True) if apart else ()
-    for pairing in (*whole, *pairings(stereo, *lines, closed=closed)):
+    found = (*whole, *pairings(stereo, *lines, closed=closed))
+    light = weight_prices(stereo, found, one, other) if closed else (0.0,) * len(found)
+    for pairing, lightly in zip(found, light, strict=True):
         half = triangulate(stereo, pairing)
         if len(half.points) > 1:
-            extra = twice + (_begun(pairing) if closed and once else 0.0)
+            extra = twice + lightly + (_begun(pairing) if closed and once else 0.0)
             yield Candidate(half, partial(_read, stereo, pairing, lines, extra))
     for pairing in () if closed else partial_pairings(stereo, *lines):
         half = triangulate(stereo, pairing)
