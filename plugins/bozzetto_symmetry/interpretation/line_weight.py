@@ -35,7 +35,7 @@ drawing of ten."""
 PRICE: Final = (0.12, 0.5)
 """Price of leaving weight unexplained that another matching explains, px over the logarithm of the
 odds, and at most. Of hands of which half draw with a weight of 15 % and half without, it speaks
-four times as often for the sense that is meant as against it; 0.4 px is what such odds are worth."""
+four times as often for the sense that is meant as against it, and 0.4 px are worth such odds."""
 
 
 def weight_prices(

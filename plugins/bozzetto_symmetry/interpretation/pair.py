@@ -25,16 +25,16 @@ SENSE: Final = 2.0
 """Weight of a matching's own score, which finds the right sense more reliably than the distances
 that are left."""
 
-ASKEW: Final = 2.0
+ASKEW: Final = 1.0
 """Price of a loop that faces no axis of the box, px, over 1 − the cosine. Loops match nearly as
 well in either sense: a wheel is an upright ellipse as well. What people draw mostly faces the
 side, the front or the top, and is evenly round, which the matching's own score counts."""
 
-SQUARELY: Final = (0.6, 0.01)
+SQUARELY: Final = (1.2, 0.01)
 """Price of a loop that does not squarely face an axis, px, and over which 1 − the cosine: by chance
 hardly any loop does, so one that does is meant to."""
 
-BENT: Final = 0.5
+BENT: Final = 1.1
 """Price of a loop that does not lie in a plane, px. In the wrong sense only an ellipse is flat;
 what else people draw mostly is."""
 
