@@ -53,6 +53,8 @@ class Side:
         Which of the given strokes.
     sure : bool
         Whether several strokes merge well into one line.
+    pressure : (n,) float or None
+        That of the pen at each of `pixels`; None where it told none, or there are several strokes.
     """
 
     pixels: Array
@@ -60,6 +62,7 @@ class Side:
     noise: float
     strokes: tuple[int, ...]
     sure: bool = True
+    pressure: Array | None = None
 
     @property
     def unrolled(self) -> Array:
@@ -126,7 +129,17 @@ def _side(strokes: tuple[Stroke, ...]) -> Side:
     if len(lines) > 1 and any_drawn_over([line.pixels for line in lines]):
         return _settled(places, stroke_weights(list(strokes)), ())
     line = lines[0] if len(lines) == 1 else smooth_line(_chained(places))
-    return Side(line.pixels, line.closed, line.noise, ())
+    pressure = _pressure(strokes[0], line.pixels) if len(strokes) == 1 else None
+    return Side(line.pixels, line.closed, line.noise, (), pressure=pressure)
+
+
+def _pressure(stroke: Stroke, pixels: Array) -> Array | None:
+    """Return the pressure of the nearest sample at places (n, 2); None where the pen told none."""
+    if not stroke.has_pressure:
+        return None
+    from scipy.spatial import cKDTree
+
+    return np.asarray(stroke.pressure[cKDTree(stroke.points).query(pixels)[1]], float)
 
 
 def merge_alongside(one: Side, other: Side) -> Side | None:

@@ -14,6 +14,7 @@ from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side, gap_between
 from bozzetto_symmetry.ink.stroke_grouping import bonds_between
 from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
+from bozzetto_symmetry.interpretation.line_weight import weight_prices
 from bozzetto_symmetry.interpretation.partial_pairing import partial_pairings
 from bozzetto_symmetry.interpretation.side_pairing import pairings
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
@@ -24,16 +25,16 @@ SENSE: Final = 2.0
 """Weight of a matching's own score, which finds the right sense more reliably than the distances
 that are left."""
 
-ASKEW: Final = 2.0
+ASKEW: Final = 1.0
 """Price of a loop that faces no axis of the box, px, over 1 − the cosine. Loops match nearly as
 well in either sense: a wheel is an upright ellipse as well. What people draw mostly faces the
 side, the front or the top, and is evenly round, which the matching's own score counts."""
 
-SQUARELY: Final = (0.6, 0.01)
+SQUARELY: Final = (1.2, 0.01)
 """Price of a loop that does not squarely face an axis, px, and over which 1 − the cosine: by chance
 hardly any loop does, so one that does is meant to."""
 
-BENT: Final = 0.5
+BENT: Final = 1.1
 """Price of a loop that does not lie in a plane, px. In the wrong sense only an ellipse is flat;
 what else people draw mostly is."""
 
@@ -90,10 +91,12 @@ def as_pair(stereo: Stereo, one: Side, other: Side) -> Iterator[Candidate]:
     # Sides that meet may be halves of one curve as well, which are whole for certain.
     apart = not closed and gap_between(*lines)[0] > MEETING * min(map(length_of, lines))
     whole = pairings(stereo, *lines, whole=True) if apart else ()
-    for pairing in (*whole, *pairings(stereo, *lines, closed=closed)):
+    found = (*whole, *pairings(stereo, *lines, closed=closed))
+    light = weight_prices(stereo, found, one, other) if closed else (0.0,) * len(found)
+    for pairing, lightly in zip(found, light, strict=True):
         half = triangulate(stereo, pairing)
         if len(half.points) > 1:
-            extra = twice + (_begun(pairing) if closed and once else 0.0)
+            extra = twice + lightly + (_begun(pairing) if closed and once else 0.0)
             yield Candidate(half, partial(_read, stereo, pairing, lines, extra))
     for pairing in () if closed else partial_pairings(stereo, *lines):
         half = triangulate(stereo, pairing)

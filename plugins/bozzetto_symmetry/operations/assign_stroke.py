@@ -32,6 +32,15 @@ MOSTLY: Final = 0.8
 WORTH: Final = 0.25
 """Share of the curve's length that a stroke along it must have: shorter ones are details."""
 
+STRAIGHT: Final = (2.5, 0.01)
+"""Distance from the way between its ends (rms), px and as a share of that way, up to which a side
+may be straight: a hand of 1 px strays by less."""
+
+LEFT_OUT: Final = (0.1, 12.0)
+"""Share of a straight side, and px, that may lack a partner. Two straight lines match along some
+stretch whatever they are, so only their ends say that they are a pair; of pairs that were drawn
+whole 5 % lack one at most, of others 17 % and more."""
+
 LOOKS: Final = 60
 """Places of a stroke that are looked at."""
 
@@ -195,9 +204,29 @@ def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState, re
         or both.reading != "pair"
         or both.cost > SURE_PAIR
         or (rest and both.rest >= rest)
+        or _is_chance(both, state)
     ):
         return float("inf")
     return both.cost
+
+
+def _is_chance(pair: Trace, state: SymmetryState) -> bool:
+    """Return whether two straight lines match only along a stretch, as any two of them do."""
+    if len(pair.views) > 1 or not all(_is_straight(side.pixels) for side in pair.views[0].sides):
+        return False
+    found = pair.views[0].reader.read("pair", state.bounds)[0].pairing
+    if found is None:
+        return False
+    share, most = LEFT_OUT
+    sides = zip(pair.views[0].sides, found.coverage, strict=True)
+    return any((1.0 - met) > max(share, most / length_of(side.pixels)) for side, met in sides)
+
+
+def _is_straight(line: Array) -> bool:
+    off = distances_to_polyline(line, line[[0, -1]])
+    most, share = STRAIGHT
+    chord = float(np.linalg.norm(line[-1] - line[0]))
+    return float(np.sqrt(np.mean(off**2))) < max(most, share * chord)
 
 
 def runs_along(strokes: Iterable[Stroke], trace: Trace, state: SymmetryState) -> bool:

@@ -33,6 +33,7 @@ from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.solve.canvas_fit import fitted_in_plane, fitted_on_surface
 from bozzetto_symmetry.solve.curve_fit import Fit, sampled
+from bozzetto_symmetry.solve.notices import is_undecided, notices, off_the_ink
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 if TYPE_CHECKING:
@@ -40,22 +41,6 @@ if TYPE_CHECKING:
 
 
 WAITING: Final = "One side waits for the other. Draw its mirror image, here or in another view."
-UNSURE: Final = "It is unclear how the strokes belong together. Draw the curve again."
-
-ON_INK: Final = 1.5
-"""Distance between ink and image (rms, px) above which a person is told: a hand strays by less."""
-
-MISSES: Final = (
-    "The curve is {:.1f} px off its ink. Draw it again in another view, or press X or C to read it "
-    "in another way."
-)
-
-UNDECIDED: Final = 1.2
-"""Margin below which the ink does not say how two sides belong together, and a person is told."""
-
-EITHER: Final = (
-    "The sides fit one another in two ways. Press C to take the other one if it is meant."
-)
 
 IMAGE_OFF: Final = 0.005
 """Distance of a mirror image from the surface, in diagonals of the box, that a person is told."""
@@ -232,7 +217,7 @@ def _on_canvas(curve: Curve, canvas: Canvas, state: SymmetryState) -> Trace:
         fit = fitted_on_surface(stereo, canvas, state.plane)
     else:
         fit = fitted_in_plane(stereo, views[0].sides, canvas, state.plane)
-    warnings = () if fit.rms <= ON_INK else (MISSES.format(fit.rms),)
+    warnings = off_the_ink(fit.rms)
     if isinstance(canvas, LaidInk) and canvas.image_off > IMAGE_OFF * state.diagonal:
         warnings = (*warnings, BESIDE_SURFACE.format(canvas.image_off))
     return Trace(
@@ -273,12 +258,13 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
     rest = [r for r in others if r.reading != "half"]
     # What is taken to be in the plane may as well wait for its other side.
     against = others if first.reading == "plane" else rest
+    sure = all(side.sure for view in views for side in view.sides)
     margin = min((r.cost / max(first.cost, 1e-6) for r in against), default=MOST_MARGIN)
     return Trace(
         first.reading, fit.curve, fit.points, fit.sigma,
         margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
-        ghost=_ghost(views[main], rest, margin, curve.detail),
-        choices=1 + len(rest), views=views, warnings=_warnings(first, views, fit, rest),
+        ghost=_ghost(views[main], first, rest, margin, curve.detail),
+        choices=1 + len(rest), views=views, warnings=notices(first, rest, fit.off_ink, sure),
         rest=first.rest, planes=0 if fit.form is None else len(fit.form.planes),
     )  # fmt: skip
 
@@ -428,20 +414,14 @@ def _one_sided(view: View, noise: float, points: Array, first: Read) -> Sight:
     return Sight(view.stereo, tuple(ink[0]), tuple(ink[1]), noise)
 
 
-def _ghost(view: View, rest: Sequence[Read], margin: float, detail: Controls) -> SpaceCurve | None:
+def _ghost(
+    view: View, first: Read, rest: Sequence[Read], margin: float, detail: Controls
+) -> SpaceCurve | None:
     """Return what the next best reading gives, where it is about as good."""
-    if not rest or margin > AMBIGUOUS:
+    if not rest or (margin > AMBIGUOUS and not is_undecided(first, rest)):
         return None
     other = min(rest, key=lambda r: r.cost)
     return _fitted([view], {0: other}, 0, detail).curve
-
-
-def _warnings(first: Read, views: Sequence[View], fit: Fit, rest: list[Read]) -> tuple[str, ...]:
-    pairs = [other.cost for other in rest if first.reading == other.reading == "pair"]
-    either = (EITHER,) if min(pairs, default=np.inf) < UNDECIDED * first.cost else ()
-    off, sure = fit.off_ink, all(side.sure for view in views for side in view.sides)
-    misses = () if off <= ON_INK else (MISSES.format(off),)
-    return *first.warnings, *either, *misses, *(() if sure else (UNSURE,))
 
 
 def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:

@@ -6,9 +6,10 @@
 from __future__ import annotations
 
 import sys
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from bozzetto.ink import Stroke
 from bozzetto_symmetry.model.state import SymmetryState
@@ -87,9 +88,15 @@ def _placed(curve: Array, random: np.random.Generator) -> Array:
     return np.asarray(curve - 0.5 * (curve.min(axis=0) + curve.max(axis=0)) + middle)
 
 
-def is_wrong(side: Array, noise: float, alike: bool, random: np.random.Generator,
-             closed: bool = True) -> bool:  # fmt: skip
-    """Draw both sides of a curve, and say whether it was read in the wrong sense.
+def strokes_of(
+    side: Array,
+    noise: float,
+    alike: bool,
+    random: np.random.Generator,
+    closed: bool = True,
+    weight: float | None = None,
+) -> tuple[tuple[Stroke, ...], Array]:
+    """Draw both sides of a curve; return the strokes, and the side that is drawn first.
 
     Parameters
     ----------
@@ -101,58 +108,128 @@ def is_wrong(side: Array, noise: float, alike: bool, random: np.random.Generator
         The second loop is begun about where the first one was; else anywhere.
     random : Generator
     closed : bool
+    weight : float or None
+        Share by which the nearest places are pressed harder; None for a pen without pressure.
     """
     view = m.view_of(random)
     side = side * (MIRROR if random.random() < 0.5 else 1.0)
     begin = random.random()
+    pen = np.random.default_rng(random.bit_generator.seed_seq.spawn(1)[0])
     strokes = []
     for curve in (side, side * MIRROR):
         if closed:
             shift = begin + random.uniform(-LIKE, LIKE) if alike else random.random()
             curve = np.roll(curve, -int(shift * len(curve)), axis=0)
         pixels = s.drawn(curve, view, noise=noise, random=random, closed=closed)
-        pixels = pixels[:: int(random.choice((-1, 1)))]
-        strokes.append(Stroke(pixels[:, 0], pixels[:, 1], view))
-    state = add_drawing(SymmetryState(), tuple(strokes))
+        sense = int(random.choice((-1, 1)))
+        pixels, nearness = pixels[::sense], -view.project(curve)[1][::sense]
+        pressure = None if weight is None else pressed(pixels, nearness, weight, pen)
+        strokes.append(Stroke(pixels[:, 0], pixels[:, 1], view, pressure=pressure))
+    return tuple(strokes), side
+
+
+def pressed(pixels: Array, nearness: Array, weight: float, pen: np.random.Generator) -> Array:
+    """The pressure of a hand that also presses by habit, wanders, slackens, and sets the pen down.
+
+    It presses harder by up to 15 % on its way down or nearly so, and wanders by 8 %.
+    """
+    count = len(pixels)
+    share = np.linspace(0.0, 1.0, count)
+    near = nearness - nearness.mean()
+    near = near / max(float(np.abs(near).max()), 1e-9)
+    way = np.gradient(pixels, axis=0)
+    way /= np.linalg.norm(way, axis=1, keepdims=True) + 1e-9
+    down = 0.5 * np.pi + pen.uniform(-0.5, 0.5)
+    habit = pen.uniform(0.0, 0.15) * (way @ (np.cos(down), np.sin(down)))
+    wander = gaussian_filter1d(pen.standard_normal(count), count / 12, mode="nearest")
+    drift = pen.normal(0.0, 0.1) * (share - 0.5)
+    firm = 0.5 * (1.0 + weight * near + habit + 0.08 * wander / wander.std() + drift)
+    firm *= np.clip(np.minimum(share, 1.0 - share) / 0.04 + 0.4, 0.0, 1.0)
+    return np.asarray(np.clip(firm, 0.02, 1.0))
+
+
+class Outcome(NamedTuple):
+    """Whether a drawing was read in the wrong sense, and whether the person is warned."""
+
+    wrong: bool
+    told: bool
+
+
+def outcome(
+    side: Array,
+    noise: float,
+    alike: bool,
+    random: np.random.Generator,
+    closed: bool = True,
+    weight: float | None = None,
+) -> Outcome:
+    """Draw both sides of a curve, and look at how it was read; parameters as in `strokes_of`."""
+    strokes, side = strokes_of(side, noise, alike, random, closed, weight)
+    state = add_drawing(SymmetryState(), strokes)
     trace = trace_of(state.curves[0], state)
+    told = bool(trace.warnings)
     if len(state.curves) != 1 or trace.reading != "pair":
-        return True
+        return Outcome(True, told)
     size = float(np.linalg.norm(np.ptp(side, axis=0)))
     off = min(
         float(np.median(s.distances(trace.points * way, side, closed=closed)))
         for way in (np.ones(3), MIRROR)
     )
-    return off > WRONG * size
+    return Outcome(off > WRONG * size, told)
+
+
+ROWS: Final[tuple[tuple[str, str, bool, float | None], ...]] = (
+    *(
+        (f"{shape}, begun {told}", shape, alike, None)
+        for shape in SHAPES
+        for alike, told in ((True, "alike"), (False, "anywhere"))
+    ),
+    ("ellipses, begun anywhere, pen without line weight", "ellipses", False, 0.0),
+    ("the same, 20 % more weight on what is nearest", "ellipses", False, 0.2),
+    ("hooks", "hooks", True, None),
+)
+"""Rows of the table: what is said, shape, begun alike, line weight."""
 
 
 def main(begin: int = SEED, count: int = COUNT, noise: float = 1.0) -> None:
     """Print the table."""
-    print(f"| wrong at {noise:g} px of tremor, facing | {' | '.join(FACING)} |")
-    print("| --- | " + " | ".join("---" for _ in FACING) + " |")
-    seeds = range(begin, begin + count)
-    for shape in SHAPES:
-        for alike, told in ((True, "begun alike"), (False, "begun anywhere")):
-            cells = [
-                np.mean(
-                    [
-                        is_wrong(loop(shape, facing, random), noise, alike, random)
-                        for random in map(np.random.default_rng, seeds)
-                    ]
-                )
-                for facing in FACING
-            ]
-            print(f"| {shape}, {told} | " + " | ".join(f"{100 * c:.0f} %" for c in cells) + " |",
-                  flush=True)  # fmt: skip
-    cells = [
-        np.mean(
-            [
-                is_wrong(hook(facing, random), noise, True, random, closed=False)
-                for random in map(np.random.default_rng, seeds)
-            ]
-        )
-        for facing in FACING
-    ]
-    print("| hooks | " + " | ".join(f"{100 * c:.0f} %" for c in cells) + " |")
+    print(f"| wrong, and of these untold, at {noise:g} px, facing | {' | '.join(FACING)} | "
+          "wrong and untold | right and told |")  # fmt: skip
+    print("| --- | " + " | ".join("---" for _ in FACING) + " | --- | --- |")
+    every: list[Outcome] = []
+    for said, shape, alike, weight in ROWS:
+        cells, found = [], []
+        for facing in FACING:
+            drawings = []
+            for seed in range(begin, begin + count):
+                random = np.random.default_rng(seed)
+                hooks = shape == "hooks"
+                side = hook(facing, random) if hooks else loop(shape, facing, random)
+                drawings.append(outcome(side, noise, alike, random, not hooks, weight))
+            cells.append(f"{_share(wrong(drawings))}, {_share(untold(drawings))}")
+            found += drawings
+        every += found
+        print(_row(said, cells, found), flush=True)
+    print(_row("all", ["" for _ in FACING], every))
+
+
+def wrong(drawings: list[Outcome]) -> float:
+    """Return the share that is wrong."""
+    return float(np.mean([each.wrong for each in drawings]))
+
+
+def untold(drawings: list[Outcome]) -> float:
+    """Return the share that is wrong without a warning."""
+    return float(np.mean([each.wrong and not each.told for each in drawings]))
+
+
+def _row(said: str, cells: list[str], found: list[Outcome]) -> str:
+    told = float(np.mean([each.told and not each.wrong for each in found]))
+    return f"| {said} | {' | '.join(cells)} | {_share(untold(found))} | {_share(told)} |"
+
+
+def _share(value: float) -> str:
+    return f"{100 * value:.0f} %"
 
 
 if __name__ == "__main__":

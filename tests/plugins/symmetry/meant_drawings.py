@@ -225,3 +225,26 @@ def frame(noise: float, random: np.random.Generator) -> tuple[list[Meant], list[
         both = stroke(side, view, noise, random), stroke(side * MIRROR, view, noise, random)
         others.append(Meant("pair", side, both))
     return crosses, others
+
+
+def bicycle(noise: float, random: np.random.Generator) -> tuple[list[Stroke], list[int]]:
+    """A bicycle's frame in one view, and how many strokes each of its curves has.
+
+    Four straight tubes in the plane, straight stays and a bent fork on both sides, the bar across.
+    """
+    view = s.camera(random.uniform(30, 55), random.uniform(10, 25), pixels=800.0)
+
+    def tube(one: tuple[float, ...], two: tuple[float, ...]) -> Array:
+        way = np.subtract(two, one) + random.uniform(-2, 2, 3) * (1, 0, 1)
+        return np.array(one) + np.outer(SHARE, way)
+
+    fork = CubicSpline((0, 1, 2), ((50, 5, 22), (56, 6, -6), (66, 6, -26)))(2 * SHARE)
+    bar = np.column_stack((42 - 8 * (2 * SHARE - 1) ** 2, 38 * (2 * SHARE - 1), 48 + 0 * SHARE))
+    curves = [
+        tube((-10, 0, -28), (48, 0, 28)), tube((-22, 0, 30), (46, 0, 34)),
+        tube((-10, 0, -28), (-24, 0, 38)), tube((44, 0, 44), (48, 0, 24)),
+    ]  # fmt: skip
+    for side in (fork, tube((-10, 4, -28), (-66, 7, -26)), tube((-23, 3, 30), (-66, 7, -26))):
+        curves += [side, side * MIRROR]
+    drawn = [stroke(curve, view, noise, random) for curve in (*curves, bar)]
+    return drawn, [1, 1, 1, 1, 2, 2, 2, 1]

@@ -17,6 +17,7 @@ from bozzetto_symmetry.modeler import Symmetry
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, add_strokes
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
+from tests.plugins.symmetry import meant_drawings as m
 from tests.plugins.symmetry import scenes as s
 
 VIEW = s.camera(35, 20)
@@ -53,6 +54,27 @@ def test_two_sides_wait_until_their_partners_come() -> None:
         assert reading(state, number) == "pair"
         made = trace_of(state.curves[number], state)
         assert np.median(s.distances(made.points, side)) < 2e-3 * s.DIAGONAL
+
+
+@pytest.mark.slow
+def test_straight_tubes_in_the_plane_take_no_part_of_other_lines_for_their_other_side() -> None:
+    right = 0
+    for seed in range(301, 306):
+        drawn, counts = m.bicycle(1.0, np.random.default_rng(seed))
+        state = add_drawing(SymmetryState(), drawn)
+        right += [len(curve.strokes) for curve in state.curves] == counts
+    assert right >= 3  # elsewhere a stay ends where the mirror image of the top tube would
+
+
+@pytest.mark.parametrize("share", [1.0, 0.6])
+@pytest.mark.parametrize("azimuth", [40, 50])
+def test_straight_sides_pair_whole_and_not_in_part(share: float, azimuth: float) -> None:
+    line = np.array((-60.0, 30.0, -20.0)) + np.outer(m.SHARE, (110.0, 8.0, 45.0))
+    view = s.camera(azimuth, 20, pixels=800.0)
+    rest = round(share * len(line))
+    state = add_strokes(SymmetryState(), (stroke(line, view),))
+    state = add_strokes(state, (stroke((line * MIRROR)[:rest], view, noise=1.0),))
+    assert len(state.curves) == (1 if share == 1.0 else 2)
 
 
 def test_ink_along_the_chosen_curve_is_more_of_it() -> None:

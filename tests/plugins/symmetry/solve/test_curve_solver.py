@@ -16,7 +16,8 @@ from bozzetto_symmetry.interpretation import pair, self_symmetric
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing
 from bozzetto_symmetry.solve import curve_solver
-from bozzetto_symmetry.solve.curve_solver import EITHER, UNDECIDED, Trace, trace_of
+from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
+from bozzetto_symmetry.solve.notices import EITHER, UNDECIDED_LOOPS
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import figures_loops, meant_drawings
 from tests.plugins.symmetry import scenes as s
@@ -141,5 +142,6 @@ def test_loops_that_fit_either_way_are_told_and_the_other_one_is_offered() -> No
         pairs = [each.cost for each in trace.views[0].reader.read("pair", state.bounds)]
         told.append(EITHER in trace.warnings)
         if trace.reading == "pair":
-            assert told[-1] == (len(pairs) > 1 and pairs[1] < UNDECIDED * pairs[0])
+            assert told[-1] == (len(pairs) > 1 and pairs[1] < UNDECIDED_LOOPS + pairs[0])
+            assert trace.ghost is not None or not told[-1]
     assert any(told)
