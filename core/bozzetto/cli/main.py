@@ -177,10 +177,10 @@ def _parser() -> argparse.ArgumentParser:
         nargs="?",
         choices=ACTIONS,
         default="list",
-        help="list: what is installed and why something cannot be used (so without an action); check: "
-        "try one with everything that a plugin is asked, which takes from seconds to minutes; "
-        "enable, disable: the switches of the window; new: write a package to begin with into this "
-        "folder",
+        help="list: what is installed, and why something cannot be used (so without an action); "
+        "check: try one with everything that a plugin is asked, which takes seconds to minutes; "
+        "enable, disable: the switches of the window; new: write a package to begin with into "
+        "this folder",
     )
     plugins.add_argument(
         "package",

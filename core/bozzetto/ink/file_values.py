@@ -53,7 +53,7 @@ def a_list(value: object, where: str, most: int) -> Sequence[Any]:
         raise UserError(f"“{where}” is missing, or no list […].")
     if len(value) > most:
         entries = "entry" if most == 1 else "entries"
-        raise UserError(f"“{where}” has {len(value):,} entries; {most:,} {entries} at most fit there.")
+        raise UserError(f"“{where}” has {len(value):,} entries; write {most:,} {entries} at most.")
     return value
 
 

@@ -164,9 +164,7 @@ def _check_hooks(package: str, manifest: Manifest) -> list[Finding]:
     return findings
 
 
-def _check_modeler(
-    package: str, modeler_id: str, begins: Callable[[str], None]
-) -> list[Finding]:
+def _check_modeler(package: str, modeler_id: str, begins: Callable[[str], None]) -> list[Finding]:
     from bozzetto.testing.checks import CHECKS
     from bozzetto.testing.spelling import check_spelling
     from bozzetto.testing.subject import Subject

@@ -33,5 +33,5 @@ def test_what_is_no_number_within_bounds_is_told_as_a_rule(value):
 @pytest.mark.parametrize(("most", "told"), [(1, "1 entry at most"), (2, "2 entries at most")])
 def test_a_list_that_is_too_long_tells_how_long_it_is(most, told):
     assert a_list([0] * most, "rows", most) == [0] * most
-    with pytest.raises(UserError, match=f"“rows” has 3 entries; {told}"):
+    with pytest.raises(UserError, match=f"“rows” has 3 entries; write {told}"):
         a_list([0] * 3, "rows", most)
