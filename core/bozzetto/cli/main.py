@@ -172,7 +172,16 @@ def _parser() -> argparse.ArgumentParser:
     plugins = commands.add_parser(
         "plugins", help="list the plugins, switch one on or off, check one, or begin a new one"
     )
-    plugins.add_argument("action", nargs="?", choices=ACTIONS, default="list")
+    plugins.add_argument(
+        "action",
+        nargs="?",
+        choices=ACTIONS,
+        default="list",
+        help="list: what is installed, and why something cannot be used (so without an action); "
+        "check: try one with everything that a plugin is asked, which takes seconds to minutes; "
+        "enable, disable: the switches of the window; new: write a package to begin with into "
+        "this folder",
+    )
     plugins.add_argument(
         "package",
         nargs="?",

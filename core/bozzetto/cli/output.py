@@ -29,6 +29,12 @@ def warn(messages: Iterable[str]) -> None:
         print(f"warning: {' '.join(message.split())}", file=sys.stderr)
 
 
+def say_on_screen(step: str) -> None:
+    """Say what long work does now, a line each, to a person: not where the output is kept."""
+    if sys.stderr.isatty():
+        print(f"{step} …", file=sys.stderr, flush=True)
+
+
 def fault_message(fault: Exception) -> str:
     """Return a plugin's fault in one line."""
     return f"{fault} Its author can find the place with “bozzetto -v …”."

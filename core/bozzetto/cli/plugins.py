@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bozzetto.cli.output import EXIT_ERROR
+from bozzetto.cli.output import EXIT_ERROR, say_on_screen
 from bozzetto.errors import UserError
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def _check(package: str) -> int:
 
     path = Path(package)
     is_file = path.is_file()
-    findings = check_file(path) if is_file else check_package(package)
+    findings = check_file(path) if is_file else check_package(package, say_on_screen)
     for finding in findings:
         print(finding)
     if not findings:

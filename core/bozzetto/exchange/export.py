@@ -387,6 +387,8 @@ def _check(shapes: Shapes, chosen: Format) -> None:
         wanted = " or ".join(WORDS.get(kind, kind) for kind in chosen.holds)
         useful = [f.endings[0] for f in writers(*kinds)] if kinds else []
         advice = f" Use one of {', '.join(useful)}." if useful else " Draw some first."
+        if chosen.draws and useful:
+            advice += " Or write its edges as the view shows them: Outlines (--drawing outlines)."
         raise UserError(f"{chosen.title} holds {wanted}, and there are none.{advice}")
 
 

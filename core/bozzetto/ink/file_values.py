@@ -16,13 +16,13 @@ MOST_POINTS: Final = 20_000
 """Points of one curve."""
 
 SPACE: Final = ("xyz", 1e6)
-"""Names of coordinates in space, and the largest one, mm."""
+"""For `a_point` and `point_rows`: names of coordinates in space, and the largest one, mm."""
 
 PLANE: Final = ("xy", 1e6)
-"""The same in a plane."""
+"""For `a_point` and `point_rows`: names of coordinates in a plane, and the largest one, mm."""
 
 PIXELS: Final = ("uv", 1e8)
-"""The same in a picture, px."""
+"""For `a_point` and `point_rows`: names of coordinates in a picture, and the largest one, px."""
 
 Coordinates = tuple[str, float]
 """Names of coordinates, and the largest one."""
@@ -52,7 +52,8 @@ def a_list(value: object, where: str, most: int) -> Sequence[Any]:
     if not isinstance(value, list | tuple):
         raise UserError(f"“{where}” is missing, or no list […].")
     if len(value) > most:
-        raise UserError(f"“{where}” has more than {most} entries.")
+        entries = "entry" if most == 1 else "entries"
+        raise UserError(f"“{where}” has {len(value):,} entries; write {most:,} {entries} at most.")
     return value
 
 
@@ -66,7 +67,7 @@ def a_number(value: object, where: str, least: float, most: float) -> float:
     """
     if isinstance(value, int | float) and not isinstance(value, bool) and least <= value <= most:
         return float(value)  # a NaN is in no range
-    raise UserError(f"“{where}” is a number from {least:g} to {most:g}.")
+    raise UserError(f"“{where}” must be a number from {least:g} to {most:g}.")
 
 
 def point_rows(value: object, where: str, coordinates: Coordinates) -> Array:
@@ -98,7 +99,16 @@ def point_rows(value: object, where: str, coordinates: Coordinates) -> Array:
 
 
 def a_point(value: object, where: str, coordinates: Coordinates = SPACE) -> Array:
-    """Return a point, (3,) in space.
+    """Return a point, (3,) in space, or (2,) with `PLANE` or `PIXELS`.
+
+    Parameters
+    ----------
+    value : object
+        A list of numbers.
+    where : str
+        The place in the file.
+    coordinates : (str, float)
+        `SPACE`, `PLANE` or `PIXELS`.
 
     Raises
     ------
@@ -110,7 +120,7 @@ def a_point(value: object, where: str, coordinates: Coordinates = SPACE) -> Arra
 
 def _point(value: object, where: str, coordinates: Coordinates) -> list[float]:
     names, farthest = coordinates
-    row = a_list(value, where, len(names))
+    row = a_list(value, where, MOST_POINTS)
     if len(row) != len(names):
-        raise UserError(f"“{where}” is a point [{', '.join(names)}].")
+        raise UserError(f"“{where}” must be a point [{', '.join(names)}].")
     return [a_number(part, where, -farthest, farthest) for part in row]

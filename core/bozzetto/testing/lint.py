@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,7 +40,11 @@ class Finding:
         return f"{'error' if self.serious else 'note'}: {self.where}: {self.message}"
 
 
-def check_package(package: str) -> list[Finding]:
+def _nobody(_: str) -> None:
+    pass
+
+
+def check_package(package: str, begins: Callable[[str], None] = _nobody) -> list[Finding]:
     """Check a plugin: manifest, icons, import, hooks, modelers, and the whole contract.
 
     Parameters
@@ -48,6 +52,9 @@ def check_package(package: str) -> list[Finding]:
     package : str
         Import name; it need not be installed with an entry point. The id of an installed
         plugin does as well.
+    begins : callable
+        Told what is tried next, such as "author.thing, ranges (13 of 26)": some of it takes minutes
+        where a solve takes a second.
 
     Returns
     -------
@@ -72,7 +79,7 @@ def check_package(package: str) -> list[Finding]:
     findings += _check_classes(package)
     findings += _check_hooks(package, manifest)
     for entry in manifest.modelers:
-        findings += _check_modeler(package, entry.id)
+        findings += _check_modeler(package, entry.id, begins)
     return findings
 
 
@@ -157,7 +164,7 @@ def _check_hooks(package: str, manifest: Manifest) -> list[Finding]:
     return findings
 
 
-def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
+def _check_modeler(package: str, modeler_id: str, begins: Callable[[str], None]) -> list[Finding]:
     from bozzetto.testing.checks import CHECKS
     from bozzetto.testing.spelling import check_spelling
     from bozzetto.testing.subject import Subject
@@ -174,9 +181,10 @@ def _check_modeler(package: str, modeler_id: str) -> list[Finding]:
     findings = _check_icons(folder, icons)
     subject = Subject(modeler_id, (package,))
     told_by: dict[tuple[bool, str], list[str]] = {}
-    for check in CHECKS:
+    for number, check in enumerate(CHECKS, start=1):
         if check.run is check_spelling and _check_classes(package):
             continue  # told already
+        begins(f"{modeler_id}, {check.name} ({number} of {len(CHECKS)})")
         try:
             check.run(subject)
         except (UserError, Unfinished) as problem:

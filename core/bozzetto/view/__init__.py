@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from bozzetto.view.navigation import turn as turn
     from bozzetto.view.navigation import with_kind as with_kind
     from bozzetto.view.rotations import triple as triple
+    from bozzetto.view.standard_views import STANDARD_VIEWS as STANDARD_VIEWS
+    from bozzetto.view.standard_views import look_along as look_along
     from bozzetto.view.standard_views import standard_view as standard_view
 else:
     __getattr__, __all__ = lazy_names(
@@ -23,6 +25,6 @@ else:
             "bozzetto.view.eye_fixed_motion": "FOV_LIMITS",
             "bozzetto.view.navigation": "fit_points turn with_kind",
             "bozzetto.view.rotations": "triple",
-            "bozzetto.view.standard_views": "standard_view",
+            "bozzetto.view.standard_views": "STANDARD_VIEWS look_along standard_view",
         },
     )

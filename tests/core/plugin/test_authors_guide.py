@@ -28,6 +28,18 @@ def test_printed_files_are_the_examples(name):
     assert (EXAMPLE / name).read_text("utf-8") == FILES[name]
 
 
+def test_code_imports_from_doors_alone():
+    """What the guide and both examples import is promised by the toolkit's table of doors."""
+    toolkit = (ROOT / "docs" / "toolkit.md").read_text("utf-8")
+    doors = set(re.findall(r"^\| `([\w.]+)` \| ", toolkit.partition("## All names")[0], re.M))
+    assert "bozzetto.geometry.patches" in doors
+    doors |= {"bozzetto.plugin", "bozzetto.testing"}
+    sources = [path.read_text("utf-8") for path in EXAMPLE.parent.rglob("*.py")]
+    for code in (*PIECES, *sources):
+        for name in re.findall(r"^\s*from (bozzetto(?:_app)?(?:\.\w+)*) import", code, re.M):
+            assert name in doors, name
+
+
 def test_every_source_file_is_printed():
     sources = {
         path.relative_to(EXAMPLE).as_posix()

@@ -133,6 +133,27 @@ def test_the_id_of_an_installed_plugin_does_as_well(monkeypatch):
     assert check_package("bozzetto.mesh") == check_package("bozzetto_mesh") == []
 
 
+def test_a_person_sees_which_check_is_at_work(faulty, monkeypatch):
+    from bozzetto.testing import checks
+
+    chosen = [entry for entry in checks.CHECKS if entry.name in ("announced", "empty")]
+    monkeypatch.setattr(checks, "CHECKS", chosen)
+    told = []
+    assert check_package(faulty.package, told.append) == []
+    assert told == ["faulty.modeler, announced (1 of 2)", "faulty.modeler, empty (2 of 2)"]
+
+
+@pytest.mark.parametrize("is_a_person", [True, False])
+def test_progress_goes_to_a_screen_and_not_into_a_file(is_a_person, capsys, monkeypatch):
+    from bozzetto.cli.output import say_on_screen
+
+    monkeypatch.setattr("sys.stderr.isatty", lambda: is_a_person)
+    say_on_screen("author.thing, ranges (13 of 26)")
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err == ("author.thing, ranges (13 of 26) …\n" if is_a_person else "")
+
+
 def test_a_panel_that_is_announced_and_missing_is_found(make_package, faulty, monkeypatch):
     from bozzetto.testing import checks
 

@@ -258,6 +258,8 @@ class Registry:
     def upgrade(self, modeler_id: str, state: dict[str, Any], version: int) -> dict[str, Any]:
         """Return the stored form of an older state in today's shape; unchanged if nobody knows it.
 
+        The stored form becomes the plugin's own, which may change what is in it.
+
         Raises
         ------
         UserError, PluginFault
@@ -267,7 +269,9 @@ class Registry:
             modeler = self.modeler(modeler_id)
         except UserError:
             return state
-        upgraded = self.guard.call(modeler_id, "upgrade", modeler.upgrade, dict(state), version)
+        upgraded = self.guard.call(
+            modeler_id, "upgrade", lambda version: modeler.upgrade(dict(state), version), version
+        )
         if not isinstance(upgraded, dict):
             raise self.guard.blame(
                 modeler_id, f"upgrade gave {type(upgraded).__name__} where a dict belongs"

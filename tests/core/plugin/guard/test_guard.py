@@ -264,6 +264,25 @@ def test_a_failing_upgrade_leaves_the_object_closed_and_the_document_open(drawn,
     assert report.warnings
 
 
+def test_an_upgrade_that_changes_its_dict_and_fails_costs_nothing(drawn, faulty, tmp_path):
+    from zipfile import ZipFile
+
+    from bozzetto.document.storage.bozz_file import read_document, write_document
+
+    def misdeed(state, version):
+        state.clear()
+        raise ValueError("half done")
+
+    old = drawn.document.with_model(replace(drawn.model, state_version=1))
+    write_document(old, tmp_path / "old.bozz")
+    faulty.misdeeds["upgrade"] = misdeed
+    document, _ = read_document(tmp_path / "old.bozz", drawn.registry)
+    write_document(document, tmp_path / "again.bozz")
+    before, after = ZipFile(tmp_path / "old.bozz"), ZipFile(tmp_path / "again.bozz")
+    (name,) = [entry for entry in before.namelist() if entry.endswith("state.json")]
+    assert after.read(name) == before.read(name)
+
+
 def overwrite(target, **values):
     for name, value in values.items():
         object.__setattr__(target, name, value)
@@ -282,7 +301,6 @@ MUTATIONS = {
     "shapes": lambda state, result: overwrite(state, strokes=Strokes()),
     "report": lambda state, result, job: overwrite(state, table=()),
     "read_drawing": lambda drawing, context, job: drawing.facts["marks"].append(3),
-    "upgrade": lambda state, version: state.update(size=3.0),
     "create": spoil_context,
 }
 

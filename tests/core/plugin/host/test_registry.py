@@ -238,6 +238,16 @@ def test_state_types_and_upgrades(make_package):
     assert stored == {"number": 1}
 
 
+def test_an_upgrade_may_change_the_stored_form_that_it_gets(make_package):
+    body = 'state["number"] = state.pop("count"); state["rows"][0].append(2); return state'
+    source = WORKING.replace('return {**state, "from": version}', body)
+    package = make_package(source)
+    registry = Registry(extra=[package])
+    stored = {"count": 1, "rows": [[1]]}
+    assert registry.upgrade(f"{package}.modeler", stored, 1) == {"number": 1, "rows": [[1, 2]]}
+    assert status(registry, package) == "loaded"
+
+
 def test_names_are_resolved(make_package):
     one, two = make_package(WORKING), make_package(WORKING)
     registry = Registry(extra=[one, two])
