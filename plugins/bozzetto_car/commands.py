@@ -84,5 +84,12 @@ def _is_shaped(state: CarState) -> bool:
 
 
 def _template(state: CarState, context: Context) -> bytes:
-    network = body_in_work(state).network
-    return template_file(state.template_source, network, context.file, state.without)
+    network, source = body_in_work(state).network, state.template_source
+    return template_file(source, network, context.file, state.without, _remedy(state))
+
+
+def _remedy(state: CarState) -> str:
+    """Return what to do about a body that folds: there may be nothing to undo."""
+    if state.edits:
+        return "Undo the last edit there, or move its nodes apart."
+    return "Drag the marks there apart, or its nodes."

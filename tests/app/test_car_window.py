@@ -12,6 +12,7 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
 
 from bozzetto.scene.display_list import Handle, Image, Label, Lines
+from bozzetto_car.state import CarState
 from tests.app.tablet import Stylus
 
 GALLERY = Path(__file__).parents[2] / "docs" / "gallery" / "car"
@@ -277,3 +278,20 @@ def test_the_panel_of_a_car_gives_its_room_back(make_window, settle, qtbot):
     window.session.files.new()
     settle(window.session, window.keeper)
     qtbot.waitUntil(lambda: window._ends() == pytest.approx(before, abs=3))
+
+
+def test_a_dropped_template_file_begins_a_car_with_it(window, settle, tmp_path):
+    told = json.loads(CarState().template_source)
+    told.update(id="wedge", title="Wedge")
+    (tmp_path / "wedge.json").write_text(json.dumps(told), "utf-8")
+    drop(window, tmp_path / "wedge.json", settle)
+    (model,) = window.session.drawing.document
+    assert (state(window).template, json.loads(state(window).own)) == ("own", told)
+    assert shown(window, "body")
+    told["insets"]["headlamp"]["kind"] = "fog"
+    (tmp_path / "wrong.json").write_text(json.dumps(told), "utf-8")
+    notices = []
+    window.session.notices.noticed.connect(lambda notice: notices.append(notice.text))
+    drop(window, tmp_path / "wrong.json", settle)
+    assert list(window.session.drawing.document) == [model], "nothing half-read"
+    assert any("insets, headlamp" in words for words in notices)

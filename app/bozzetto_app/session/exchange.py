@@ -245,7 +245,7 @@ class Exchange(QObject):
             self._pictures.take_file(path)
             return
         bench, drawing, active = self._workbench, self._drawing, self._toolbox.modeler
-        context, history = self._context.now(), drawing.history
+        context, history, document = self._context.now(), drawing.history, drawing.document
 
         def work(job: Job) -> tuple[Model, bool, Camera | None, Notice | None]:
             from bozzetto.exchange.formats import find, readers
@@ -266,6 +266,8 @@ class Exchange(QObject):
                 raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
             here = context if facts_only else replace(context, camera=ink.camera)
             model = bench.sources.from_drawing(modeler, ink, {}, here, job)
+            if facts_only:
+                model = bench.sources.beside(model, document, job)
             view = None if facts_only else ink.camera
             said = Notice("error", " ".join(ink.left_out)) if ink.left_out else None
             return model, bool(ink.pictures), view, said

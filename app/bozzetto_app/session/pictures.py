@@ -166,7 +166,8 @@ class PictureInput(QObject):
 
         def work(job: Job, document: Document) -> tuple[Model | None, Model] | None:
             if base is None:
-                return None, bench.sources.from_picture(modeler, picture, {}, context)
+                made = bench.sources.from_picture(modeler, picture, {}, context)
+                return None, bench.sources.beside(made, document, job)
             known = next((model for model in document if model.id == base), None)
             if known is None:
                 return None

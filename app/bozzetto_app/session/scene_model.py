@@ -59,6 +59,7 @@ class SceneModel(QObject):
         self._has_ghosts = True
         self.preview = Scene()
         self._advice = Scene()
+        self._alone = ""
         drawing.models_changed.connect(self._models_changed)
         selection.changed.connect(self._refresh)
         toolbox.tool_changed.connect(self._tool_changed)
@@ -91,14 +92,30 @@ class SceneModel(QObject):
         """Return whether the active tool and the view style let a layer be seen."""
         if layer.name == GHOST_LAYER and not self._view.show_ghost_ink:
             return False
-        in_hand = layer.tool == self._toolbox.tool and layer.owner == self._selection.id
-        return in_hand or not layer.tool
+        chosen = layer.owner == self._selection.id
+        if (layer.chosen or layer.tool) and not chosen:
+            return False
+        return layer.tool in ("", self._toolbox.tool) and not self._is_in_the_way(layer)
+
+    def _is_in_the_way(self, layer: Layer) -> bool:
+        """Return whether it is of another model of the modeler of the one that is shown alone."""
+        if not self._alone or layer.owner in ("", self._alone):
+            return False
+        modelers = {model.id: model.modeler for model in self._drawing.document}
+        return modelers.get(layer.owner) == modelers.get(self._alone)
 
     def show_preview(self, scene: Scene) -> None:
         """Show a preview until another replaces it; an empty scene removes it."""
         if scene.layers or self.preview.layers:
             self.preview = scene
             self.live_changed.emit()
+
+    def show_alone(self, model_id: str) -> None:
+        """Hide the other models of a modeler while a picture of one is looked at; "" for none."""
+        if model_id != self._alone:
+            self._alone = model_id
+            if len(self._drawing.document) > 1:
+                self._refresh()
 
     def show_advice(self, scene: Scene) -> None:
         """Show the layers that belong to the view of this moment."""

@@ -278,6 +278,8 @@ class ViewAdviser(QObject):
     def _take(self, advice: ViewAdvice | None) -> None:
         if advice is not None or self.advice is not None:
             self.advice = advice
+            alone = self.about if self._is_pinned else None
+            self._scene.show_alone("" if alone is None else alone.id)
             self._scene.show_advice(Scene() if advice is None else advice.scene)
             self.changed.emit()
 

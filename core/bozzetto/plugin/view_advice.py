@@ -29,7 +29,8 @@ class ViewAdvice:
     pinned : bool
         The view stands where a picture was drawn from. Moving and zooming then turn the
         camera about its eye and change its opening angle, so that the picture and what is
-        laid over it stay together; turning the view leaves the place as usual.
+        laid over it stay together; turning the view leaves the place as usual. Other objects of
+        the modeler are not shown meanwhile: they would stand before the picture.
     follow : bool
         What the view showed has another camera now: the view goes to `better` at once, unless a
         hand is turning it.

@@ -204,6 +204,8 @@ class Layer:
     tool : str
         Id of the tool that it belongs to: it is there only while that tool is in the hand and
         its model is selected. "" is there always.
+    chosen : bool
+        Whether it is there only while its model is selected, such as a picture to work on.
     revision : int
         Fresh for every layer made; equal revisions mean equal content, so a viewport may
         keep what it has uploaded.
@@ -213,6 +215,7 @@ class Layer:
     items: tuple[Item, ...] = ()
     owner: str = ""
     tool: str = ""
+    chosen: bool = False
     revision: int = field(default_factory=lambda: next(_revisions))
 
 
@@ -255,6 +258,7 @@ class Scene:
                     tuple(_moved(i, placement) for i in layer.items),
                     layer.owner,
                     layer.tool,
+                    layer.chosen,
                 )
                 for layer in self.layers
             )

@@ -153,5 +153,5 @@ def without_handles(scene: Scene) -> Scene:
         if len(items) == len(layer.items):
             kept.append(layer)
         elif any(isinstance(item, Shaded) for item in items):
-            kept.append(Layer(layer.name, items, layer.owner, layer.tool))
+            kept.append(Layer(layer.name, items, layer.owner, layer.tool, layer.chosen))
     return Scene(tuple(kept))

@@ -118,6 +118,7 @@ def thickness_view(
             tuple(one for item in layer.items for one in shown.get(id(item), (item,))),
             layer.owner,
             layer.tool,
+            layer.chosen,
         )
         if any(id(item) in shown for item in layer.items)
         else layer

@@ -21,6 +21,7 @@ from bozzetto.exchange.svg.writer import is_plan
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cautions import Caution
 from bozzetto.view.page import framing, page_view
+from bozzetto.workbench.placed import told_apart
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Document, Model
@@ -133,7 +134,7 @@ def unusable(bench: Workbench, model: Model) -> LeftOut | None:
 
 
 def object_shapes(bench: Workbench, models: Iterable[Model], job: Job) -> ObjectShapes:
-    """Return the shapes of objects, in the world.
+    """Return the shapes of objects, in the world, and no two objects' parts with one name.
 
     Objects whose plugin cannot be used and empty ones do not keep the others back.
 
@@ -144,7 +145,7 @@ def object_shapes(bench: Workbench, models: Iterable[Model], job: Job) -> Object
     PluginFault
         If its plugin fails.
     """
-    shapes = Shapes()
+    rows: list[tuple[str, Shapes]] = []
     left_out: list[LeftOut] = []
     cautions: list[tuple[str, Caution]] = []
     for model in models:
@@ -157,7 +158,8 @@ def object_shapes(bench: Workbench, models: Iterable[Model], job: Job) -> Object
         if not made:
             what, advice = f"“{model.name}”", "draw more of it, then export"
             left_out.append(LeftOut(what, (model.name,), "it has no shape yet", advice))
-        shapes += made
+        rows.append((model.name, made))
+    shapes = sum(told_apart(rows), Shapes())
     return ObjectShapes(shapes, tuple(left_out), tuple(cautions))
 
 

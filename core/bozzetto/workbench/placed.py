@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
+from itertools import count
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -44,6 +45,52 @@ def _tinted(scene: Scene, color: tuple[int, int, int]) -> Scene:
 def shapes_in_world(shapes: Shapes, model: Model) -> Shapes:
     """Return a modeler's shapes in the world: named, in the model's colour, placed."""
     return _placed(_named(shapes, model), model)
+
+
+def told_apart(rows: Sequence[tuple[str, Shapes]]) -> list[Shapes]:
+    """Return the shapes of objects so that no part has the name of another object's part.
+
+    Where two objects have parts of one name, such as two cars, all their parts are named with
+    their object, and objects of one name are numbered. Anything else stays as it is.
+
+    Parameters
+    ----------
+    rows : sequence of (str, Shapes)
+        The name of each object, and its shapes.
+    """
+    owners: dict[str, set[int]] = {}
+    for number, (_, shapes) in enumerate(rows):
+        for name in _names(shapes):
+            owners.setdefault(name, set()).add(number)
+    mixed = {number for some in owners.values() if len(some) > 1 for number in some}
+    taken = {name for name, some in owners.items() if not some <= mixed}
+    made = []
+    for number, (name, shapes) in enumerate(rows):
+        if number in mixed:
+            labels = (name if at == 1 else f"{name} {at}" for at in count(1))
+            renamed = (_renamed(shapes, name, label) for label in labels)
+            shapes = next(tried for tried in renamed if not _names(tried) & taken)
+            taken |= _names(shapes)
+        made.append(shapes)
+    return made
+
+
+def _names(shapes: Shapes) -> set[str]:
+    return {part.name for entry in fields(shapes) for part in getattr(shapes, entry.name)}
+
+
+def _renamed(shapes: Shapes, owner: str, label: str) -> Shapes:
+    """Return shapes with an object's label; parts that are named after it are not named twice."""
+
+    def renamed(part: Any) -> Any:
+        after = part.name == owner or part.name.startswith(f"{owner} ")
+        name = label + part.name.removeprefix(owner) if after else f"{label}: {part.name}"
+        return replace(part, name=name)
+
+    rows = {
+        entry.name: tuple(map(renamed, getattr(shapes, entry.name))) for entry in fields(shapes)
+    }
+    return replace(shapes, **rows)
 
 
 def _placed(answer: Answer, model: Model) -> Answer:

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
+
+from bozzetto.document.links import resolved
 from bozzetto.errors import UserError
+from bozzetto.geometry.placement import Placement
+from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.workbench.links import with_state
 
 if TYPE_CHECKING:
-    from bozzetto.document.model import Model
+    from bozzetto.document.model import Document, Model
     from bozzetto.exchange.reading import MeshFile
     from bozzetto.geometry.shapes import Shapes
     from bozzetto.images.stored_picture import Picture
@@ -18,6 +24,14 @@ if TYPE_CHECKING:
     from bozzetto.plugin.context import Context
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
+
+Box = NDArray[np.float64]
+"""Least and largest corner, (2, 3), mm; NaN where there is nothing."""
+
+NOWHERE: Final = np.full((2, 3), np.nan)
+
+GAP: Final = 0.4
+"""Room between a new object and what it is placed beside, in widths of the new one."""
 
 
 class ModelSources:
@@ -236,3 +250,66 @@ class ModelSources:
         model = self._bench.create(modeler_id, context, name=picture.name)
         model = self.with_picture(model, picture, context)
         return self._bench.set_parameters(model, values) if values else model
+
+    def beside(self, model: Model, document: Document, job: Job) -> Model:
+        """Place a new model that nobody drew in its place beside all that is visible.
+
+        It goes along the horizontal axis along which it is narrower, so that two cars stand side
+        by side. A model that shows no surface yet, such as a sketch without marks, counts as
+        large as one that has just begun; one that has none then, and the first of all, stay.
+
+        Parameters
+        ----------
+        model : Model
+            The new model, which is in no document yet.
+        document : Document
+            What is there.
+        job : Job
+            Solves the new model.
+        """
+        others = [other for other in resolved(document).values() if other.visible]
+        there = _around(
+            [self._extent(other, self._bench.best_result(other), job) for other in others]
+        )
+        own = self._extent(model, self._solved(model, job), job)
+        if not np.isfinite([there, own]).all():
+            return model
+        widths = own[1] - own[0]
+        axis = int(np.argmin(widths[:2]))
+        offset = np.zeros(3)
+        offset[axis] = there[1, axis] - own[0, axis] + GAP * widths[axis]
+        x, y, z = offset.tolist()
+        return replace(model, placement=Placement(offset=(x, y, z)))
+
+    def _extent(self, model: Model, result: Any, job: Job) -> Box:
+        """Return the box of the surfaces that a model shows, or would if it had just begun."""
+        from bozzetto.plugin.context import Context
+
+        if self._bench.is_foreign(model):
+            return NOWHERE
+        shown = _extent_of(self._bench.model_scene(model, result))
+        if np.isfinite(shown).all():
+            return shown
+        begun = replace(model, state=self._bench.create(model.modeler, Context()).state)
+        return _extent_of(self._bench.model_scene(begun, self._solved(begun, job)))
+
+    def _solved(self, model: Model, job: Job) -> Any:
+        try:
+            return self._bench.solve(model, job)
+        except UserError:
+            return None
+
+
+def _around(boxes: Iterable[Box]) -> Box:
+    """Return the box around boxes, those without extent left out; NaN around none."""
+    found = np.array([box for box in boxes if np.isfinite(box).all()] or [NOWHERE])
+    return np.array([found[:, 0].min(axis=0), found[:, 1].max(axis=0)])
+
+
+def _extent_of(scene: Scene) -> Box:
+    """Return the box of the surfaces of a scene, (2, 3); NaN where there are none."""
+    surfaces = (
+        replace(layer, items=tuple(i for i in layer.items if isinstance(i, Shaded)))
+        for layer in scene.layers
+    )
+    return Scene(tuple(surfaces)).bounds()

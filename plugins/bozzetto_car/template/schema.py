@@ -112,6 +112,7 @@ _SECTIONS: Final[Mapping[str, tuple[Any, Any]]] = {
     "patches": (Label, tuple[Name, Name, Name, Name]),
     "chains": (Label, ChainRecord),
     "soundness": (Text, Text),
+    "insets": (Label, InsetRecord),
 }
 """The objects of a file: types of their keys and values, to read them entry by entry."""
 
@@ -137,7 +138,8 @@ def read_records(data: bytes) -> Records:
         if key not in top:
             raise FormatError(f"“{key}” is missing from the template.")
     for key, (names, values) in _SECTIONS.items():
-        _check_section(top[key], key, names, values)
+        if key in top:
+            _check_section(top[key], key, names, values)
     records: Records = _as(top, Records, "the template")
     return records
 

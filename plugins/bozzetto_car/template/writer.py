@@ -36,7 +36,13 @@ MOST_TOLD: Final = 2
 """Number of faults that a refusal names."""
 
 
-def template_file(source: str, network: Network, name: str, without: Collection[str] = ()) -> bytes:
+def template_file(
+    source: str,
+    network: Network,
+    name: str,
+    without: Collection[str] = (),
+    remedy: str = "Move its nodes apart.",
+) -> bytes:
     """Return the file of a template that is a given car.
 
     Parameters
@@ -49,6 +55,8 @@ def template_file(source: str, network: Network, name: str, without: Collection[
         Title of the new template. Its id is made of it.
     without : collection of str
         Names of the soundness rules that were switched off for this car: it has them no more.
+    remedy : str
+        What to do, in a sentence, where no template can be like this car.
 
     Returns
     -------
@@ -77,20 +85,17 @@ def template_file(source: str, network: Network, name: str, without: Collection[
     kept = (rule for rule in template.rules if rule.name not in without)
     told["soundness"] = {rule.name: _eased(rule, network.positions, right) for rule in kept}
     written = (json.dumps(told, indent=1, ensure_ascii=False) + "\n").encode()
-    _refuse_unsound(written)
+    _refuse_unsound(written, remedy)
     return written
 
 
-def _refuse_unsound(written: bytes) -> None:
+def _refuse_unsound(written: bytes, remedy: str) -> None:
     try:
         read_template(written)
     except UserError as problem:
         words = problem.message.partition("cannot be used. ")[2] or problem.message
         told = " ".join(re.split(r"(?<=\.) (?=[A-Z])", words)[:MOST_TOLD])
-        raise UserError(
-            f"This car cannot become a template: {told} Undo the last edit there, or move its "
-            "nodes apart."
-        ) from problem
+        raise UserError(f"This car cannot become a template: {told} {remedy}") from problem
 
 
 def _label(title: str) -> str:

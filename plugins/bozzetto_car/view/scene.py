@@ -54,7 +54,7 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
     """Return the scene of a solved car; only the sketch while its camera is not known."""
     if body is None:
         return Scene()
-    layers = [Layer("sketch", tuple(_picture(state.sketch, body)))]
+    layers = [Layer("sketch", tuple(_picture(state.sketch, body)), chosen=True)]
     if is_shown(state, body):
         layers += body_layers(state, body)
     layers.append(Layer("styling", styling_items(state, body)))

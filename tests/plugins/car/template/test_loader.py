@@ -108,6 +108,11 @@ def node(told: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
+def lamp(told: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = told["insets"]["headlamp"]
+    return found
+
+
 WRONG: list[tuple[Edit, str]] = [
     (lambda t: t.pop("order"), "“order” is missing"),
     (lambda t: t.pop("format"), "“format” must be"),
@@ -144,6 +149,23 @@ WRONG: list[tuple[Edit, str]] = [
     (lambda t: t["chains"]["sill"].update(smooth=[]), "chains, sill"),
     (lambda t: t["chains"]["sill"].update(smooth=["Q1"]), "chains, sill: .* Q1"),
     (lambda t: t["soundness"].update({"It flies": "C9.z >= 100"}), "soundness, “It flies”"),
+    (lambda t: lamp(t).update(patch="mast"), "insets, headlamp: .* no patch mast without"),
+    (lambda t: lamp(t).update(patch="windscreen"), "insets, headlamp: .* windscreen without"),
+    (lambda t: lamp(t).update(kind="fog"), "insets, headlamp.*kind"),
+    (lambda t: lamp(t).update(u=[0.9, 0.7]), "insets, headlamp: .* smaller number first"),
+    (lambda t: lamp(t).update(u=[0.7, 0.7]), "insets, headlamp: it has no size"),
+    (lambda t: lamp(t).update(u=[0.7, 1.0]), "insets, headlamp: it reaches over an edge"),
+    (lambda t: lamp(t).update(v=[-0.1, 0.5]), "insets, headlamp"),
+    (lambda t: lamp(t).update(v=[0.5]), "insets, headlamp"),
+    (lambda t: lamp(t).update(glow=1), "insets, headlamp.*glow"),
+    (lambda t: lamp(t).pop("u"), "insets, headlamp.*u"),
+    (lambda t: t["insets"].update(fog=lamp(t)), "insets, fog: it lies over headlamp"),
+    (lambda t: t.update(insets=["headlamp"]), "insets: an object"),
+    (lambda t: t.update(shut_lines="C1-S1"), "shut_lines"),
+    (lambda t: t["shut_lines"].append(7), "shut_lines"),
+    (lambda t: t["shut_lines"].append("C1"), "shut_lines, C1"),
+    (lambda t: t["shut_lines"].append("C1-Q1"), "shut_lines, C1-Q1: .* Q1"),
+    (lambda t: t["shut_lines"].append("C1-B5"), "shut_lines, C1-B5"),
     (lambda t: t["order"].append("S1"), "order: “S1” should be"),
     (lambda t: t["order"].append("S1.left"), "order: “S1.left” should be"),
     (lambda t: t["order"].append("C1.near"), "order: “C1.near” should be"),

@@ -122,6 +122,16 @@ def test_a_car_that_folds_is_refused_and_says_where() -> None:
         save(folded)
 
 
+def test_a_fold_that_no_edit_made_is_not_blamed_on_the_last_edit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    folded = replace(CarState(), edits=(MovedNode(node="S3.R", by=(1800.0, 0.0, 0.0)),))
+    body = body_of(folded)
+    monkeypatch.setattr("bozzetto_car.commands.body_in_work", lambda state: body)
+    with pytest.raises(UserError, match=r"cannot become a template: .* Drag the marks there apart"):
+        save(CarState(length=4700.0))
+
+
 def test_nothing_is_saved_before_the_camera_is_known() -> None:
     state = marked(0)
     (sketch,) = state.sketches
