@@ -34,8 +34,9 @@ drawing of ten."""
 
 PRICE: Final = (0.12, 0.5)
 """Price of leaving weight unexplained that another matching explains, px over the logarithm of the
-odds, and at most. Of hands of which half draw with a weight of 15 % and half without, it speaks
-four times as often for the sense that is meant as against it, and 0.4 px are worth such odds."""
+odds, and at most. Of hands of which half draw with a weight of 15 % and half without, a steeper
+price spoke four times as often for the sense that is meant as against it; this one is lower, for
+the sake of hands without."""
 
 
 def weight_prices(
