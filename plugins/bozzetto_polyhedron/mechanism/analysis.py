@@ -49,7 +49,7 @@ def mobility_of(assembly: Assembly, motion: Motion) -> Mobility:
     rank = int((values > RANK * values.max(initial=0.0)).sum())
     motions = np.zeros((len(vectors) - rank, 6 * count))
     motions[:, free] = vectors[rank:]
-    return Mobility(len(motions), len(matrix) - rank, motions.reshape(-1, count, 6))
+    return Mobility(len(motions), len(matrix) - rank, motions.reshape(len(motions), count, 6))
 
 
 @dataclass(frozen=True, eq=False)

@@ -149,15 +149,19 @@ def same_but_ids(one, other):
     return one == other or (isinstance(one, float) and np.isclose(one, other, rtol=1e-9))
 
 
-def test_ctrl_c_in_a_report_leaves_nothing_behind(tmp_path, monkeypatch, capfd):
+def test_ctrl_c_in_a_report_leaves_nothing_behind(tmp_path, monkeypatch, capfd, request):
     looks = []
 
     def report(self, state, result, job):
-        while True:
-            job.checkpoint(0.5, "for ever")
+        for _ in range(1000):
+            job.checkpoint(0.5, "for long")
             looks.append(1)
             os.kill(os.getpid(), signal.SIGINT)
+        return {}
 
+    # Earlier tests of this process may have left the handler of a window.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
     monkeypatch.setattr(Silhouette, "report", report)
     monkeypatch.chdir(tmp_path)
     ring = '<svg xmlns="http://www.w3.org/2000/svg"><circle cx="50" cy="50" r="40"/></svg>'

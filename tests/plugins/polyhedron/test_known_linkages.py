@@ -10,7 +10,7 @@ import pytest
 from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.mechanism.stepper import Stepper
 from bozzetto_polyhedron.model.fittings import Pin, Trace
-from bozzetto_polyhedron.model.state import Body
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.moving import moving
 from bozzetto_polyhedron.solve.paths import path_of
 from bozzetto_polyhedron.view.fittings import seen_ends
@@ -125,3 +125,10 @@ def test_every_joint_of_the_robot_arm_has_its_motor():
     assert mobility_of(machine.assembly, machine.rest).degrees == 0
     line = path(played(state, 2.0))
     assert np.ptp(line, axis=0).min() > 30.0
+
+
+def test_what_has_no_pieces_has_no_freedoms() -> None:
+    """As where all that moved was deleted, and only a spring or a trace is left."""
+    machine = moving(PolyhedronState()).machine
+    found = mobility_of(machine.assembly, machine.rest)
+    assert (found.degrees, found.redundant, found.motions.shape) == (0, 0, (0, 0, 6))

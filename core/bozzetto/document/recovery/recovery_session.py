@@ -96,7 +96,10 @@ class RecoverySession:
     @property
     def is_gone(self) -> bool:
         """Whether the folder was deleted or its disk taken away: nothing is kept there then."""
-        return not self.folder.is_dir()
+        try:
+            return not self.folder.is_dir()
+        except OSError:  # nobody knows; the next write says what is wrong
+            return False
 
     def sync(self) -> None:
         """Bring all that was recorded to the disk before going on."""
