@@ -8,6 +8,7 @@ import struct
 import subprocess
 import sys
 import textwrap
+import zipfile
 
 import numpy as np
 import pytest
@@ -98,8 +99,14 @@ def seeds(tmp_path_factory):
     faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     places = [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]]
     solid = Solid(Mesh(places, faces, colors=np.arange(16).reshape(4, 4)), "a", (1, 2, 3))
-    for ending in ("stl", "glb", "obj", "ply"):
+    for ending in ("stl", "glb", "obj", "ply", "3mf"):
         export(Shapes(solids=(solid, solid)), folder / f"a.{ending}")
+    with (
+        zipfile.ZipFile(folder / "a.3mf") as packed,
+        zipfile.ZipFile(folder / "b.3mf", "w") as plain,  # where damage reaches the text
+    ):
+        for name in packed.namelist():
+            plain.writestr(name, packed.read(name))
     stroke = Stroke(
         [1, 2, 3], [4, 5, 6], Camera(), pressure=[0, 0.5, 1], t=[0, 1, 2], twist=[1, 2, 3]
     )

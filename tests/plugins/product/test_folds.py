@@ -37,7 +37,7 @@ def test_creases_that_nobody_asked_for_are_told(handset):
     state = with_patches_found(ProductState(nodes=tuple(curves), joints=tuple(joints)))
     modeler = ProductModeler()
     result = modeler.solve(state, Job())
-    told = [one for one in modeler.report(state, result)["warnings"] if "creases at" in one]
+    told = [one for one in modeler.report(state, result, Job())["warnings"] if "creases at" in one]
     creased = [one for one in result.filled if one.creased]
     assert len(told) == len(creased) > 0
     for sentence, one in zip(told, creased, strict=True):

@@ -21,7 +21,7 @@ def solved(short, scale=1.0, mirror=1.0):
         one["points"] = (np.array(one["points"]) * [mirror, 1.0, 1.0]).tolist()
     modeler, state = ProductModeler(), product_of_network(facts)
     result = modeler.solve(state, Job())
-    return modeler.report(state, result), scene_of(state, result)
+    return modeler.report(state, result, Job()), scene_of(state, result)
 
 
 @pytest.mark.parametrize("mirror", [1.0, -1.0])

@@ -73,7 +73,7 @@ def test_told_angles_are_those_measured_on_the_exact_faces(mouse, change):
 
 def test_smooth_edges_of_a_sound_network_are_smooth(mouse):
     product = modeler.ProductModeler()
-    edges = product.report(mouse, product.solve(mouse, Job()))["edges"]
+    edges = product.report(mouse, product.solve(mouse, Job()), Job())["edges"]
     smooth = [edge["angle_deg"] for edge in edges if edge["smooth"]]
     assert len(smooth) == 17
     assert max(smooth) < 0.05
