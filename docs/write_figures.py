@@ -55,7 +55,7 @@ def written(page: str, names: Sequence[str] = ()) -> str:
     """Return a page with its figures made anew: those of the modules named, or else all."""
 
     def made(found: re.Match[str]) -> str:
-        if names and not any(found["command"].endswith(f".{name}") for name in names):
+        if names and found["command"].split()[1].rpartition(".")[2] not in names:
             return found[0]
         return f"{found[1]}\n{output_of(found['command'])}\n\n{found[3]}"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import re
 from pathlib import Path
 
@@ -41,3 +42,15 @@ def test_every_link_to_a_heading_leads_to_one(page):
         if target.suffix == ".md" and name not in headings(target)
     ]
     assert not missing
+
+
+@pytest.mark.parametrize(("names", "made"), [((), "ab"), (("figures_a",), "a"), (("a",), "")])
+def test_tables_are_made_anew_whatever_their_commands_are_given(monkeypatch, names, made):
+    spec = importlib.util.spec_from_file_location("write_figures", ROOT / "docs/write_figures.py")
+    writer = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(writer)
+    monkeypatch.setattr(writer, "output_of", lambda command: command.split()[1][-1])
+    block = "<!-- figures: python -m tests.x.figures_{} -->\n\nold\n\n<!-- /figures -->\n"
+    page = block.format("a 1200") + block.format("b")
+    assert "".join(re.findall(r"^[ab]$", writer.written(page, names), re.M)) == made
+    assert writer.written(page, names).count("old") == 2 - len(made)
