@@ -11,13 +11,15 @@ import posixpath
 import zipfile
 from array import array
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.errors import FormatError
+from bozzetto.damaged_files import as_format_errors
+from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import checked_mesh, is_degenerate
 from bozzetto.exchange.reading import Reading
@@ -99,7 +101,9 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     reading = reading or Reading()
     if not data.startswith(b"PK"):
         raise FormatError("This is not a 3MF file.")
-    with zipfile.ZipFile(io.BytesIO(data)) as zipped:
+    with as_format_errors(), _unpacking():
+        zipped = zipfile.ZipFile(io.BytesIO(data))
+    with as_format_errors(), zipped:
         names = {"/" + name.lstrip("/"): name for name in zipped.namelist()}
         at_most(len(names), 100 * MAX_MODELS, "entries")
         package = _Package()
@@ -109,9 +113,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
             path = waiting.pop()
             if path not in names:
                 raise FormatError(f"Its part “{path[:80]}” is missing. Save it again.")
-            size = zipped.getinfo(names[path]).file_size
-            at_most(size, MAX_MODEL_BYTES, "bytes in a model")
-            _ModelReader(package, path, top=path == first).read(zipped.read(names[path]))
+            _ModelReader(package, path, top=path == first).read(_unpacked(zipped, names[path]))
             named = {key[0] for one in package.objects.values() for key, _ in one.components}
             named |= {key[0] for key, _ in package.items}
             waiting += sorted(named - models)
@@ -125,6 +127,21 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     return Shapes(surfaces=tuple(parts))
 
 
+@contextmanager
+def _unpacking() -> Iterator[None]:
+    try:
+        yield
+    except (RuntimeError, ValueError, OSError) as error:  # locked, or packed in an unknown way
+        raise FormatError(f"It cannot be unpacked: {words_of(error)}. Save it again.") from error
+
+
+def _unpacked(zipped: zipfile.ZipFile, name: str) -> bytes:
+    """Return the content of an entry, if it is not too large."""
+    at_most(zipped.getinfo(name).file_size, MAX_MODEL_BYTES, "bytes in a model")
+    with _unpacking():
+        return zipped.read(name)
+
+
 def _start_of(zipped: zipfile.ZipFile, names: dict[str, str]) -> str:
     """Return the path of the model that the package begins with."""
     found: list[str] = []
@@ -134,7 +151,7 @@ def _start_of(zipped: zipfile.ZipFile, names: dict[str, str]) -> str:
             found.append("/" + attributes.get("Target", "").lstrip("/"))
 
     if "/_rels/.rels" in names:
-        parse_events(zipped.read(names["/_rels/.rels"]), start)
+        parse_events(_unpacked(zipped, names["/_rels/.rels"]), start)
     start_of = found[0] if found else MODEL
     if start_of not in names:
         raise FormatError("There is no model in this 3MF file. Export it again.")
