@@ -40,6 +40,7 @@ def next_object(window, settle):
     """As the status line says: Enter, where no ink waits."""
     window.activateWindow()
     window.canvas.setFocus()
+    assert QTest.qWaitForWindowActive(window)  # on X it takes a moment, and keys before are lost
     QTest.keyClick(window.canvas, Qt.Key.Key_Return)
     settle(window.session, window.keeper)
 

@@ -264,9 +264,10 @@ def _described(text: bytes) -> Gltf:
         raise FormatError(f"Its description cannot be understood: {words_of(error)}.") from error
     missing = [name for name in gltf.extensions_required if not name.startswith(HARMLESS)]
     if missing:
+        packed = all("compression" in name for name in missing)
         raise FormatError(
             f"It needs {', '.join(missing)[:200]}, which cannot be read. Export it again "
-            "without that extension."
+            f"without {'compression' if packed else 'that extension'}."
         )
     return gltf
 
