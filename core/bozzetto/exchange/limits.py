@@ -55,6 +55,9 @@ MAX_INK_BYTES: Final = 1 << 27
 MAX_VERTICES: Final = 20_000_000
 MAX_FACES: Final = 40_000_000
 
+MAX_PARTS: Final = 20_000
+"""Parts, groups and copies of parts of one file: an assembly of as many screws has not more."""
+
 MAX_STROKES: Final = 200_000
 MAX_STEPS: Final = 200_000
 """Limit of steps, the same as of strokes: most steps draw one."""

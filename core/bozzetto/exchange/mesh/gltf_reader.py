@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.color import linear_to_srgb
-from bozzetto.exchange.limits import MAX_FACES, MAX_MESH_BYTES, MAX_VERTICES, at_most
+from bozzetto.exchange.limits import MAX_FACES, MAX_MESH_BYTES, MAX_PARTS, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.gltf_pictures import Pictures, linked_bytes
 from bozzetto.exchange.mesh.gltf_scene import (
     AXES,
@@ -47,9 +47,6 @@ from bozzetto.json_size import MAX_VALUES, json_values
 
 STRIP: Final = 5
 FAN: Final = 6
-
-MAX_PARTS: Final = 20_000
-"""Primitives that are shown; an assembly of as many screws has not more."""
 
 HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform", "KHR_technique", "KHR_lights_")
 """Beginnings of extensions that change the looks only, never the geometry."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
-from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
+from bozzetto.exchange.limits import MAX_FACES, MAX_PARTS, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.obj_materials import PLAIN, Look, materials_of
 from bozzetto.exchange.mesh.obj_writer import files_beside as files_beside
 from bozzetto.exchange.mesh.obj_writer import write_shapes as write_shapes
@@ -29,9 +29,6 @@ BELONGS: Final = {b"o": "part", b"g": "group", b"usemtl": "material"}
 
 THIN: Final = frozenset((b"l", b"p", b"curv", b"curv2", b"surf"))
 """Words of what has no faces of its own."""
-
-MAX_PARTS: Final = 20_000
-"""Parts and groups that are told apart; an assembly of as many screws has not more."""
 
 MAX_NAME: Final = 200
 """Bytes of a name."""

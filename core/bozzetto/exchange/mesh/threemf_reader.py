@@ -20,7 +20,7 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, words_of
-from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, MAX_VERTICES, at_most
+from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, MAX_PARTS, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import checked_mesh, is_degenerate
 from bozzetto.exchange.reading import Reading
 from bozzetto.exchange.safe_xml import parse_events
@@ -38,9 +38,6 @@ MILLIMETRES_OF: Final = {
 
 PLACED: Final = frozenset({"model", "surface"})
 """Types of objects that are shapes; the others are supports and helpers of a slicer."""
-
-MAX_PARTS: Final = 20_000
-"""Meshes that are placed: what is put together of parts may name the same part many times."""
 
 MAX_MODEL_BYTES: Final = 400 << 20
 """Largest model, unpacked: some four million triangles."""
