@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from PySide6.QtCore import QObject
 
-from bozzetto.view.navigation import fit_points
+from bozzetto.view.navigation import fit_points, with_kind
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.session.view_state import FIRST_VIEW
 
@@ -177,11 +177,14 @@ class Framing(QObject):
         self._session.view.set_camera(camera)
 
     def _moved(self) -> None:
-        """Keep framing when the sheet has another size; any other view is the person's choice."""
+        """Keep framing when the sheet has another size or its camera is of another kind.
+
+        A modeler asks for the other kind by itself; any other view is the person's choice.
+        """
         now, known = self._session.view.camera, self._camera
         if known is None or now == known:
             return
-        if now != known.with_viewport(*now.viewport):
+        if not same_view(now, with_kind(known.with_viewport(*now.viewport), now.kind)):
             self.end()
             return
         self._camera, self._steps = now, STEPS

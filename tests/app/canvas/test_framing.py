@@ -125,6 +125,22 @@ def test_a_document_opens_in_its_own_view_if_it_is_seen_there(make_window, settl
         assert (session.view.camera == own) == (name == "seen")
 
 
+def test_another_kind_of_camera_is_no_other_view(make_window, settle, tmp_path):
+    """A modeler asks for it by itself while the shapes of an opened document still arrive."""
+    window = make_window()
+    session = window.session
+    write_document(replace(draw_sample(window, settle), camera=None), tmp_path / "drawn.bozz")
+    session.drawing.history.mark_saved(session.drawing.document)
+    window.open(tmp_path / "drawn.bozz")
+    settle(session, window.keeper)
+    for kind, width in (("orthographic", 560), ("perspective", 480)):
+        session.view.set_camera(navigation.with_kind(session.view.camera, kind))
+        window.resize(width, 900)
+        settle(session, window.keeper)
+        assert session.view.camera.kind == kind
+        assert sees_all(window), kind
+
+
 def test_the_view_is_left_alone_once_the_person_has_looked_elsewhere(make_window, settle, tmp_path):
     window = make_window()
     session = window.session

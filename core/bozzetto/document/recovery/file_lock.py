@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import getpass
 import os
 import socket
 import time
@@ -307,6 +306,8 @@ def _clock(seconds: float) -> str:
 
 
 def _user() -> str:
+    import getpass  # brings the terminal's modules with it: not for every start
+
     try:
         return getpass.getuser()
     except (OSError, KeyError):  # no such name on this system
