@@ -144,7 +144,7 @@ class HandoverDialog(Page):
         self.scale.edited.connect(self._change)
         self._add_row(tr("Handover", "Scale"), self.scale)
         self.triangles = NumberField(
-            tr("Handover", "Most triangles"),
+            tr("Handover", "Triangle budget"),
             self,
             minimum=0.0,
             maximum=MOST_TRIANGLES,
@@ -154,9 +154,9 @@ class HandoverDialog(Page):
         )
         self.triangles.set_silently(_number(self._kept.value(f"{KEPT}triangles", 0), 0.0))
         self.triangles.edited.connect(self._change)
-        self._add_row(tr("Handover", "Most triangles"), self.triangles)
+        self._add_row(tr("Handover", "Triangle budget"), self.triangles)
         self.levels = self._toggle(tr("Handover", "Coarser levels (LOD)"), "levels")
-        self.uvs = self._toggle(tr("Handover", "Places for a picture (UVs)"), "uvs")
+        self.uvs = self._toggle(tr("Handover", "Texture coordinates (UVs)"), "uvs")
         self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
         kinds = [
             ("curves", tr("Handover", "Curves")),
@@ -233,7 +233,7 @@ class HandoverDialog(Page):
         elif self.names == ():
             self.state.setText(tr("Handover", "Choose an object."))
         else:
-            self.state.setText(tr("Handover", "Looking what it will be…"))
+            self.state.setText(tr("Handover", "Measuring what will be written…"))
             self._pause.start()
 
     def _look(self) -> None:

@@ -1,4 +1,4 @@
-"""Places for a picture: charts that cover each other nowhere, and what the files say of them."""
+"""Texture coordinates: charts that cover each other nowhere, and what the files say of them."""
 
 from __future__ import annotations
 
