@@ -146,6 +146,29 @@ def test_loose_curves_are_told(tmp_path):
     assert "Left out: a curve" in read.left_out[0]
 
 
+def test_parts_that_lie_in_other_files_are_named(tmp_path):
+    """An assembly of CATIA or Creo with external references has products, and no faces."""
+    places = np.array([[0, 0, 0], [30, 0, 0], [30, 20, 0], [0, 20, 0]], float)
+    curve = Curve(3, np.array([0, 0, 0, 0, 1, 1, 1, 1.0]), places)
+    export(Shapes(curves=(curve,)), tmp_path / "only.step")
+    export(Shapes(curves=(curve,)), tmp_path / "none.step")
+    written(solids()["box"][0], tmp_path / "also.step")
+    names = "".join(
+        f"#{90000 + n}=DOCUMENT_FILE('{name}','','',$,'',$) ;\n"
+        for n, name in enumerate(("LEG.stp", "seat.STEP", "LEG.stp", "manual.pdf"))
+    ).encode()
+    for name in ("only", "also"):
+        data = (tmp_path / f"{name}.step").read_bytes()
+        before, _, after = data.rpartition(b"ENDSEC;")
+        (tmp_path / f"{name}.step").write_bytes(before + names + b"ENDSEC;" + after)
+    said = "in other files (LEG.stp, seat.STEP). Open those"
+    assert said in outcome(tmp_path / "only.step")
+    assert "other files" not in outcome(tmp_path / "none.step")
+    read = read_mesh_file(tmp_path / "also.step", trusted=True)
+    assert len(read.shapes.solids) == 1
+    assert any(said in words for words in read.left_out)
+
+
 def test_curves_alone_are_refused(tmp_path):
     places = np.array([[0, 0, 0], [30, 0, 0], [30, 20, 0], [0, 20, 0]], float)
     curve = Curve(3, np.array([0, 0, 0, 0, 1, 1, 1, 1.0]), places)

@@ -6,6 +6,7 @@ The files are made here from bytes; where vertices belong is computed from the w
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 
@@ -351,3 +352,52 @@ def test_a_picture_of_another_program_comes_along_and_a_repeated_one_is_laid_onc
     assert (part.texture.pixels[..., 2] == 0).all()
     np.testing.assert_array_equal(part.texture.pixels[..., 0], original[..., 0])
     assert (part.texture.pixels[..., 1] <= original[..., 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("moved", "where"),
+    [
+        # The tip of the arrow in Khronos's TextureTransformTest lies at (88, 88) of 128 pixels,
+        # and has to be seen where the surface has these places.
+        ({"offset": [0.5, 0.0]}, (0.1875, 0.6875)),
+        ({"rotation": np.pi / 8}, (0.372, 0.898)),
+        ({"scale": [1.5, 1.5]}, (0.4583, 0.4583)),
+        ({"texCoord": 1, "scale": [2.0, 1.0]}, (0.34375, 0.6875)),
+    ],
+)
+def test_pictures_lie_as_their_transform_says(tmp_path, moved, where):
+    from PIL import Image
+
+    maker, _ = character()
+    stream = io.BytesIO()
+    Image.fromarray(np.zeros((8, 8, 3), np.uint8)).save(stream, "PNG")
+    uri = "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()
+    document = maker.document
+    document["images"], document["textures"] = [{"uri": uri}], [{"source": 0}]
+    link = {"index": 0, "extensions": {"KHR_texture_transform": moved}}
+    document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": link}}]
+    primitive = document["meshes"][0]["primitives"][0]
+    primitive["material"] = 0
+    count = len(tube().vertices)
+    rows = {"TEXCOORD_0": np.zeros((count, 2)), "TEXCOORD_1": np.zeros((count, 2))}
+    rows[f"TEXCOORD_{moved.get('texCoord', 0)}"][:] = where
+    for name, places in rows.items():
+        primitive["attributes"][name] = maker.put(places, "<f4", "VEC2")
+    part = only(read(maker, tmp_path))
+    np.testing.assert_allclose(part.texture.corners, 0.6875, atol=1e-3)
+
+
+@pytest.mark.parametrize("moved", [{"offset": 3}, {"scale": [1e300, 1e300]}, {"rotation": "a"}])
+def test_a_transform_that_is_none_costs_the_picture_only(tmp_path, moved):
+    maker, _ = character()
+    document = maker.document
+    document["images"], document["textures"] = [{"uri": "data:;base64,"}], [{"source": 0}]
+    link = {"index": 0, "extensions": {"KHR_texture_transform": moved}}
+    document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": link}}]
+    primitive = document["meshes"][0]["primitives"][0]
+    primitive["material"] = 0
+    places = np.full((len(tube().vertices), 2), 0.5)
+    primitive["attributes"]["TEXCOORD_0"] = maker.put(places, "<f4", "VEC2")
+    file = read(maker, tmp_path)
+    assert only(file).texture is None
+    assert "the picture of a material" in " ".join(file.left_out)

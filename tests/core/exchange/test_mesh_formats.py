@@ -253,6 +253,22 @@ def test_ply_in_every_order_with_unknown_properties(tmp_path, order, mixed):
     assert mesh.colors[0].tolist() == [1, 0, 1, 255]
 
 
+@pytest.mark.parametrize("newline", [b"\r", b"\r\n"])
+@pytest.mark.parametrize("first", [b"\n", b"\r"])
+def test_a_ply_header_with_carriage_returns(tmp_path, newline, first):
+    """Rhino writes them alone; the first number may begin with either byte."""
+    corners = b"".join(struct.pack("<3f", *p) for p in box().vertices.tolist())
+    corners = first + corners[1:]
+    faces = b"".join(struct.pack("<B3I", 3, *f) for f in box().faces.tolist())
+    header = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(box().vertices)}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element face {len(box().faces)}\nproperty list uchar uint vertex_index\nend_header\n"
+    )
+    data = header.encode().replace(b"\n", newline) + corners + faces
+    assert volume(written(tmp_path, "a.ply", data).solids[0].mesh) == pytest.approx(6000, rel=1e-5)
+
+
 def glb(document, blob=b""):
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)

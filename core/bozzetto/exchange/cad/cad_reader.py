@@ -8,6 +8,7 @@ alike on both sides, so that closed bodies stay closed.
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -33,6 +34,14 @@ SAME: Final = 2.0**-22
 """Places that are nearer than this share of the size are one: what float32 can tell apart."""
 
 MAX_BODIES: Final = 20_000
+
+OTHER_FILE: Final = re.compile(
+    rb"DOCUMENT_FILE\s?\(\s?'([^']{1,120}\.(?:stp|step))'", re.IGNORECASE
+)
+"""A part of an assembly that a STEP file only names (ISO 10303-203, external references)."""
+
+NAMED: Final = 4
+"""Files that a sentence names."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +103,14 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     if lines:
         what = "a curve" if lines == 1 else f"{lines} curves"
         reading.tell(f"Left out: {what}; save curves as DXF or SVG to draw with them.")
+    elsewhere = list(dict.fromkeys(OTHER_FILE.findall(data))) if step else []
+    if elsewhere:
+        names = ", ".join(name.decode("latin-1") for name in elsewhere[:NAMED])
+        more = ", …" if len(elsewhere) > NAMED else ""
+        reading.tell(
+            f"Left out: the parts of this assembly that lie in other files ({names}{more}). Open "
+            "those, or save the assembly as one file."
+        )
     if not found:
         raise FormatError(" ".join(("There are no faces in this file.", *reading.left_out)))
     off = f"{OFF * size:.2g} mm"

@@ -7,6 +7,7 @@ import binascii
 from dataclasses import dataclass, field
 from urllib.parse import unquote
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,7 +21,9 @@ from bozzetto.exchange.mesh.gltf_scene import (
     ImageRecord,
     Material,
     Primitive,
+    TextureLink,
     TextureRecord,
+    TextureTransform,
     item,
 )
 from bozzetto.exchange.mesh.gltf_values import Blobs, values_of, view_bytes
@@ -67,15 +70,11 @@ class Pictures:
         if link is None:
             return None
         try:
-            name = f"TEXCOORD_{link.tex_coord}"
+            moved = _transform_of(link)
+            name = f"TEXCOORD_{link.tex_coord if moved.tex_coord is None else moved.tex_coord}"
             if name not in primitive.attributes:
                 raise FormatError("Its places on the surface are not in the file.")
-            if "KHR_texture_transform" in link.extensions:
-                self.reading.tell(
-                    "Left out of the glTF file: how pictures are shifted and scaled on a surface. "
-                    "Apply that in the program that made it."
-                )
-            places = values_of(self.gltf, self.blobs, primitive.attributes[name], 2)
+            places = _moved(values_of(self.gltf, self.blobs, primitive.attributes[name], 2), moved)
             if not np.isfinite(places).all() or np.abs(places).max(initial=0.0) > 1e6:
                 raise FormatError("Its places on the surface are not finite.")
             source = item(self.gltf.textures, link.index, "texture")
@@ -127,6 +126,27 @@ class Pictures:
         if image.uri is None:
             raise FormatError("It is not in the file.")
         return linked_bytes(image.uri, self.reading, "picture")
+
+
+def _transform_of(link: TextureLink) -> TextureTransform:
+    raw = link.extensions.get("KHR_texture_transform")
+    if raw is None:
+        return TextureTransform()
+    try:
+        return msgspec.json.decode(raw, type=TextureTransform)
+    except msgspec.MsgspecError as error:
+        raise FormatError(f"How it lies on the surface cannot be understood: {error}.") from None
+
+
+def _moved(places: NDArray[np.float64], by: TextureTransform) -> NDArray[np.float64]:
+    """Return places (n, 2) as they lie in the picture.
+
+    They are turned as the Khronos sample viewer and three.js do, for both of which v points down.
+    """
+    cos, sin = np.cos(by.rotation), np.sin(by.rotation)
+    with np.errstate(over="ignore", invalid="ignore"):
+        turned: NDArray[np.float64] = (places * by.scale) @ np.array([(cos, -sin), (sin, cos)])
+        return turned + by.offset
 
 
 def linked_bytes(uri: str, reading: Reading, kind: str) -> bytes:

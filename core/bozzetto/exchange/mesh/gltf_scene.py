@@ -134,6 +134,18 @@ class TextureLink(Record):
     extensions: dict[str, msgspec.Raw] = {}
 
 
+class TextureTransform(Record):
+    """Where a picture lies on a surface (KHR_texture_transform).
+
+    Its places are scaled, turned (radians) and shifted, in this order.
+    """
+
+    offset: tuple[float, float] = (0.0, 0.0)
+    rotation: float = 0.0
+    scale: tuple[float, float] = (1.0, 1.0)
+    tex_coord: int | None = None
+
+
 class TextureRecord(Record):
     """A picture, and how it is laid on; of that we keep nothing."""
 

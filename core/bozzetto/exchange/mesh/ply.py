@@ -124,7 +124,8 @@ def read_shapes(data: bytes) -> Shapes:
 def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
     """Return byte order, elements and what follows the header."""
     end = data.find(b"end_header", 0, MAX_HEADER)
-    line_end = data.find(b"\n", end)
+    # Rhino ends its lines with a carriage return alone, and the numbers may begin with a 10.
+    line_end = data.find(b"\n" if b"\n" in data[: max(end, 0)] else b"\r", end)
     if data[:3] != b"ply" or end < 0 or line_end < 0:
         raise FormatError("This is not a PLY file, or it is cut short.")
     order: str | None = None
