@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto.errors import FormatError
 from bozzetto.exchange.import_file import read_mesh_file
 from tests.blender import asked
 from tests.core.exchange.test_mesh_formats import volume
@@ -92,7 +91,16 @@ def test_objects_come_as_they_stand(tmp_path, ending, wanted):
     assert any("other forms" in line for line in found.left_out) == (wanted == "keys")
 
 
-def test_compressed_meshes_say_how_to_write_them(tmp_path):
-    asked(WRITE, tmp_path / "a.glb", "draco")
-    with pytest.raises(FormatError, match="without compression"):
-        read_mesh_file(tmp_path / "a.glb")
+def test_compressed_meshes_come_as_the_others(tmp_path):
+    pytest.importorskip("DracoPy", reason="the extra “draco” is not installed")
+    places = asked(WRITE, tmp_path / "a.glb", "draco")
+    assert b"KHR_draco_mesh_compression" in (tmp_path / "a.glb").read_bytes()
+    parts = {part.name: part for part in read_mesh_file(tmp_path / "a.glb").shapes.solids}
+    assert parts.keys() == places.keys()
+    for name, (low, high) in places.items():
+        vertices, size = parts[name].mesh.vertices, np.subtract(high, low).max()
+        # Blender keeps 14 of the bits of places.
+        np.testing.assert_allclose(vertices.min(axis=0), low, atol=size / 2**13)
+        np.testing.assert_allclose(vertices.max(axis=0), high, atol=size / 2**13)
+    groups = [(one.name, one.count, one.finish) for one in parts["Two"].groups]
+    assert groups == [("Red", 6, "matt"), ("Chrome", 6, "metal")]

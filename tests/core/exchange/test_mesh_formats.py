@@ -401,7 +401,7 @@ def broken(change):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda d: d.update(extensionsRequired=["KHR_draco_mesh_compression"]), "draco"),
+        (lambda d: d.update(extensionsRequired=["EXT_meshopt_compression"]), "without compression"),
         (lambda d: d["buffers"][0].update(uri="data.bin"), "not there"),
         (lambda d: d["accessors"][0].update(count=5), "cut short"),
         (lambda d: d["accessors"][0].update(count=-1), "below zero"),

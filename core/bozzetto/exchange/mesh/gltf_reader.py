@@ -1,7 +1,7 @@
 """glTF 2.0, read: what is shown, every node at its place, with its bones, pictures and motions.
 
 From `.glb` and `.gltf`. Buffers are in the file, in links that hold them (``data:``), or beside it.
-Compression extensions are not read.
+Meshes may be compressed by Draco; other compression is not read.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.color import linear_to_srgb
 from bozzetto.exchange.limits import MAX_FACES, MAX_MESH_BYTES, MAX_PARTS, MAX_VERTICES, at_most
+from bozzetto.exchange.mesh.gltf_draco import DRACO, unpack
 from bozzetto.exchange.mesh.gltf_pictures import Pictures, linked_bytes
 from bozzetto.exchange.mesh.gltf_scene import (
     AXES,
@@ -71,6 +72,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     gltf, blob = _opened(data)
     blobs = _buffers(gltf, blob, reading)
     _check_sum(gltf)
+    unpack(gltf, blobs)
     surfaces: list[Surface] = []
     bodies = Skins(gltf, blobs, reading)
     pictures = Pictures(gltf, blobs, reading)
@@ -259,7 +261,9 @@ def _described(text: bytes) -> Gltf:
         gltf = msgspec.json.decode(text, type=Gltf)
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise FormatError(f"Its description cannot be understood: {words_of(error)}.") from error
-    missing = [name for name in gltf.extensions_required if not name.startswith(HARMLESS)]
+    missing = [
+        name for name in gltf.extensions_required if name != DRACO and not name.startswith(HARMLESS)
+    ]
     if missing:
         packed = all("compression" in name for name in missing)
         raise FormatError(

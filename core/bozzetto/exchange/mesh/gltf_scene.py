@@ -101,6 +101,7 @@ class Primitive(Record):
     material: int | None = None
     mode: int = TRIANGLES
     targets: list[msgspec.Raw] = []
+    extensions: dict[str, msgspec.Raw] = {}
 
 
 class MeshRecord(Record):
