@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from bozzetto.errors import UserError
 from bozzetto.ink import PIXELS, Stroke, Strokes, a_list, a_number, a_point, an_object, point_rows
+from bozzetto.plugin import Job
 from bozzetto.scene import Picture
 from bozzetto_car.body.build import body_of
 from bozzetto_car.camera.sketch_camera import upright_camera
@@ -57,7 +58,9 @@ def car_of_template(facts: Mapping[str, Any]) -> CarState:
     return CarState(own=source, template="own")
 
 
-def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) -> CarState:
+def car_from_facts(
+    facts: Mapping[str, Any], pictures: Mapping[str, Picture], job: Job | None = None
+) -> CarState:
     """Return the car of a file.
 
     Parameters
@@ -71,6 +74,8 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
         ``{"view", "points", "name"}``.
     pictures : mapping of str to Picture
         Pictures by the names of their files.
+    job : Job, optional
+        Asked before each styling curve: for the first one the car is solved.
 
     Raises
     ------
@@ -93,7 +98,10 @@ def car_from_facts(facts: Mapping[str, Any], pictures: Mapping[str, Picture]) ->
         edits += _strokes(view.get("strokes", {}), state.sketches[-1], f"{where}.strokes")
     state = replace(state, edits=tuple(edits), selected=state.sketches[0].id)
     state = _dimensioned(state, facts.get("dimensions", {}))
-    for number, value in enumerate(a_list(facts.get("styling", []), "styling", MOST_NAMES)):
+    job = job or Job()
+    curves = a_list(facts.get("styling", []), "styling", MOST_NAMES)
+    for number, value in enumerate(curves):
+        job.checkpoint(number / len(curves), "Styling curves")
         state = _styled(state, an_object(value, f"styling[{number}]"), f"styling[{number}]")
     return state
 

@@ -67,11 +67,7 @@ class Car(PartsModeler[CarState, Body]):
     @override
     def create(self, context: Context) -> CarState:
         """Return the template as it stands, or the car of a file's marks or template."""
-        if is_car_file(context.facts):
-            return car_from_facts(context.facts, context.pictures)
-        if is_template_file(context.facts):
-            return car_of_template(context.facts)
-        return CarState()
+        return _car_of(context, Job())
 
     @override
     def tools(self) -> Sequence[Tool[CarState]]:
@@ -99,7 +95,7 @@ class Car(PartsModeler[CarState, Body]):
         """
         if not (is_car_file(context.facts) or is_template_file(context.facts)):
             raise UserError(NO_MARKS)
-        return self.create(context)
+        return _car_of(context, job)
 
     @override
     def add_picture(self, state: CarState, picture: Picture, context: Context) -> CarState:
@@ -179,3 +175,11 @@ class Car(PartsModeler[CarState, Body]):
         """Return the state with other parts; where none is chosen, no tangents are revealed."""
         revealed = state.revealed if selected else ""
         return replace(state, nodes=nodes, selected=selected, revealed=revealed)
+
+
+def _car_of(context: Context, job: Job) -> CarState:
+    if is_car_file(context.facts):
+        return car_from_facts(context.facts, context.pictures, job)
+    if is_template_file(context.facts):
+        return car_of_template(context.facts)
+    return CarState()

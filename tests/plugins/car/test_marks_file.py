@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bozzetto.errors import UserError
+from bozzetto.errors import Cancelled, UserError
+from bozzetto.plugin import Job
 from bozzetto.scene import Picture
 from bozzetto_car.body.build import body_of
 from bozzetto_car.marks_file import car_from_facts
@@ -165,3 +166,14 @@ def test_marks_in_units_a_thousand_times_finer_make_the_same_car() -> None:
         view["marks"] = {k: [1000 * u, 1000 * v] for k, (u, v) in view["marks"].items()}
     one, other = (body_of(car_from_facts(told_, {})).network for told_ in (file, fine))
     assert np.abs(one.positions - other.positions).max() < 0.01
+
+
+def test_styling_curves_of_a_file_can_be_stopped_between() -> None:
+    """Thirty of them take seconds on a busy machine: nobody waits for a file that is closed."""
+    file = told("hatchback")
+    file["styling"] = [file["styling"][0]] * 30
+    asked: list[float] = []
+    job = Job(cancelled=lambda: len(asked) >= 2, progress=lambda share, step: asked.append(share))
+    with pytest.raises(Cancelled):
+        car_from_facts(file, {}, job)
+    assert len(asked) == 2
