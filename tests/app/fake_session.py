@@ -292,7 +292,7 @@ class Shapes(Part):
 class Objects(Part):
     recorded = (
         "end_drag rename set_visible set_locked set_color delete duplicate move_to "
-        "set_underlay_opacity set_underlay_visible delete_underlay"
+        "set_underlay_opacity set_underlay_visible delete_underlay set_placement"
     )
 
     @property
@@ -306,7 +306,9 @@ class Objects(Part):
 
 
 class Parts(Part):
-    recorded = "select rename set_visible delete duplicate move group ungroup delete_several"
+    recorded = (
+        "select rename set_visible delete duplicate move group ungroup delete_several set_value"
+    )
 
     def of(self, model_id: str) -> PartTree | None:
         return self.session.trees.get(model_id)

@@ -331,7 +331,10 @@ class Canvas(QWidget):
 
     def _show_next_place(self) -> None:
         """Mark where the next step is done, while the pen is up."""
-        place = self._session.hints.step.place
+        step, session = self._session.hints.step, self._session
+        place = step.place
+        if step.on_picture and not session.advice.holds_eye(session.view.camera):
+            place = None
         if place is None or self.hand.machine.mode not in (Mode.IDLE, Mode.NAVIGATING):
             self.overlay.mark_next(None)
             return
@@ -342,6 +345,7 @@ class Canvas(QWidget):
     def _show_advice(self) -> None:
         advising = self._session.advice
         self._show_words()
+        self._show_next_place()
         self.viewports.show_advice()
         self.hand.hovering.scene_or_view_changed()
         model = self._session.selection.model if self._pictured else None
