@@ -12,6 +12,7 @@ from PySide6.QtTest import QTest
 from bozzetto.plugin.job import Job
 from bozzetto.view import Camera
 from bozzetto.workbench.export_document import object_shapes
+from bozzetto_app.canvas.overlay.cube_geometry import seen_faces
 from bozzetto_app.panels.objects.part_row import PartRow
 from bozzetto_app.panels.properties.place_form import PlaceForm
 from tests.app.test_car_window import (
@@ -218,6 +219,33 @@ def test_a_template_is_chosen_by_its_picture(window, settle, qtbot):
     mark(window, "C1", FIRST["marks"]["C1"], settle)
     qtbot.waitUntil(lambda: not panel.busy, timeout=20_000)
     assert not panel.templates.isVisible(), "then the room is for the points"
+
+
+@pytest.mark.parametrize(
+    ("name", "outward"),
+    [
+        ("front", (-1.0, 0.0, 0.0)),
+        ("back", (1.0, 0.0, 0.0)),
+        ("left", (0.0, -1.0, 0.0)),
+        ("right", (0.0, 1.0, 0.0)),
+    ],
+)
+def test_views_are_named_from_the_cars_own_sides(window, settle, qtbot, name, outward):
+    """The nose is at x = 0 and the car's right is y: so says its page."""
+    session, views = window.session, window.canvas.views
+    drop(window, picture_of(FIRST), settle)
+    views.look(name)
+    qtbot.waitUntil(lambda: not window.canvas.motion.is_running, timeout=3000)
+    forward = session.view.camera.axes[2]
+    assert forward == pytest.approx(-np.array(outward), abs=1e-9)
+    (seen,) = seen_faces(session.view.camera)
+    assert window.canvas.cube.label_of(seen.face) == name, "the cube says the same"
+
+    # A car that was turned has its nose elsewhere: then sides are the world's.
+    model = session.selection.model
+    session.objects.set_placement(model.id, model.placement.headed(90.0))
+    assert not views.sides
+    assert window.canvas.cube.label_of(seen.face) == seen.face.name
 
 
 def typed(field, text):

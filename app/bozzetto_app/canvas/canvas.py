@@ -168,6 +168,12 @@ class Canvas(QWidget):
         self.hand.menu_released.connect(lambda flicked: self.menu.lift(flicked=flicked))
         self.cube.direction_chosen.connect(self.views.look_from)
         self.cube.turned.connect(self.views.turn)
+        for signal in (
+            session.toolbox.modeler_changed,
+            session.selection.changed,
+            session.drawing.changed,
+        ):
+            signal.connect(self._name_sides)
         self.cube.home_chosen.connect(self.views.fit)
         self.cube.projection_chosen.connect(self.views.toggle_projection)
         self.light.turn_chosen.connect(self.views.turn_to_better)
@@ -178,6 +184,7 @@ class Canvas(QWidget):
         self.set_palette(palette)
         self.viewports.show_all()
         self._show_camera()
+        self._name_sides()
         self._show_scene()
         self._show_pending()
         self.installEventFilter(self)
@@ -304,6 +311,9 @@ class Canvas(QWidget):
             cast_rays(scene, camera.rays([(0.0, 0.0)]))
 
         self._sorting.submit(Request(work, _ignore, _raise))
+
+    def _name_sides(self) -> None:
+        self.cube.name_sides(self.views.sides)
 
     def _show_camera(self) -> None:
         self.viewports.show_camera()

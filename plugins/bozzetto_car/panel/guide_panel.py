@@ -25,11 +25,12 @@ from bozzetto.plugin import PanelHost, override
 from bozzetto_app.toolkit import PanelWorker
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.node_chart import NodeChart
-from bozzetto_car.panel.template_chooser import TemplateChooser
+from bozzetto_car.panel.template_pictures import TemplatePictures
 from bozzetto_car.panel.turning_car import TurningCar
 from bozzetto_car.panel.view_model import Guide, guide_of
 from bozzetto_car.panel.widgets import Fold, Progress, SketchButton, label
 from bozzetto_car.state import CarState
+from bozzetto_car.template.loader import TEMPLATES
 
 PATIENCE: Final = 60
 """Time from a change to the update of the panel, ms: the program solves the car first, and its
@@ -130,7 +131,7 @@ class GuidePanel(QScrollArea):
         self.rules.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.rules.setMinimumHeight(220)
         self.rules.itemChanged.connect(self._switch)
-        self.templates = TemplateChooser(inside)
+        self.templates = TemplatePictures(inside)
         self.templates.chosen.connect(self._choose_template)
         self._kinds = Fold("Template", self.templates, inside, is_open=True)
         column.insertWidget(0, self._kinds)
@@ -227,8 +228,9 @@ class GuidePanel(QScrollArea):
 
     def _choose_template(self, name: str) -> None:
         state = self._host.state
+        kind = next(one for one in TEMPLATES if one == name)
         if isinstance(state, CarState):
-            self._host.change(replace(state, template=name), "Template")
+            self._host.change(replace(state, template=kind), "Template")
 
     def _choose_sketch(self, key: str) -> None:
         self._change(lambda state: replace(state, selected=key, asked=""), "Choose a sketch")

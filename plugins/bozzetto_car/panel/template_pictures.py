@@ -28,7 +28,7 @@ POSE: Final = Pose(62.0, 14.0)
 Role = QPalette.ColorRole
 
 
-class TemplateChooser(QWidget):
+class TemplatePictures(QWidget):
     """A row with a picture of each bundled template.
 
     Signals
@@ -136,8 +136,10 @@ class PictureButton(QAbstractButton):
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.setPen(QPen(role(self, Role.Link if self.hasFocus() else Role.Accent), 1.0))
             painter.drawRoundedRect(ground, 4.0, 4.0)
-        left = 0.5 * (self.width() - SIZE[0])
-        painter.drawImage(QRectF(left, 4.0, *SIZE), self._image)
+        wide = min(float(SIZE[0]), self.width() - 6.0)
+        high = wide * SIZE[1] / SIZE[0]
+        left, top = 0.5 * (self.width() - wide), 4.0 + 0.5 * (SIZE[1] - high)
+        painter.drawImage(QRectF(left, top, wide, high), self._image)
         painter.setPen(role(self, Role.WindowText))
         below = self.rect().adjusted(2, SIZE[1] + 4, -2, -2)
         words = painter.fontMetrics().elidedText(
