@@ -32,7 +32,6 @@ from bozzetto_car.solver.initial_cameras import (
     view_of,
 )
 from bozzetto_car.solver.prior import Cost
-from bozzetto_car.solver.shrinkage import moderated
 from bozzetto_car.state import TRACE, CarState, Sketch
 from bozzetto_car.template.loader import bundled, read_template
 from bozzetto_car.template.model import Template
@@ -225,9 +224,6 @@ def _solved_as_placed(
     judged = judge_marks(template, views, were_aside)
     views = [view.only(flags) for view, flags in zip(views, judged.counted, strict=True)]
     if state.cost != "paper":
-        if len(views) == 1:  # several sketches tell the shape, and contradict what one hand did
-            exact = min(1.0, (1.0 - state.trace) / (1.0 - TRACE))
-            views = [moderated(template, views[0], judged.hand, exact)]
         pairs = zip(solid, views, strict=True)
         views = [_resumed(placed[key], view, before) for key, view in pairs]
         # Who wants the marks traced more exactly than by default wants their noise, too.
