@@ -8,7 +8,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
 from bozzetto_car.body.build import body_in_work
 from bozzetto_car.marking.commands import marking_commands
-from bozzetto_car.marking.edit_marks import with_sides_exchanged
+from bozzetto_car.marking.edit_marks import unlocked_sketch, with_sides_exchanged
 from bozzetto_car.state import CarState, Treatment
 from bozzetto_car.template.writer import template_file
 
@@ -56,7 +56,7 @@ def _exchanged(state: CarState, context: Context) -> CarState:
     sketch = state.sketch
     if sketch is None or not sketch.marks:
         raise UserError("There are no marks to exchange. Choose a sketch that has some.")
-    return state.with_node(with_sides_exchanged(sketch))
+    return state.with_node(with_sides_exchanged(unlocked_sketch(state)))
 
 
 def _anneal(state: CarState, context: Context) -> CarState:

@@ -175,6 +175,10 @@ class Sketch(Part):
         Parameter("Strength", 0.0, 1.0, step=0.05, help="Opacity of the picture on the sheet."),
     ] = 0.8
 
+    locked: Annotated[
+        bool, Parameter("Locked", help="The marks on this sketch cannot be set, moved or erased.")
+    ] = False
+
     @property
     def size(self) -> tuple[float, float]:
         """Width and height of the picture, px."""

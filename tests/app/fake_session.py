@@ -10,6 +10,7 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Document, Model, Underlay
+from bozzetto.errors import UserError
 from bozzetto.parameters import Parameter, set_parameters
 from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.host.registry import ModelerInfo, PluginInfo
@@ -292,7 +293,7 @@ class Shapes(Part):
 class Objects(Part):
     recorded = (
         "end_drag rename set_visible set_locked set_color delete duplicate move_to "
-        "set_underlay_opacity set_underlay_visible delete_underlay"
+        "set_underlay_opacity set_underlay_visible delete_underlay set_placement"
     )
 
     @property
@@ -306,7 +307,9 @@ class Objects(Part):
 
 
 class Parts(Part):
-    recorded = "select rename set_visible delete duplicate move group ungroup delete_several"
+    recorded = (
+        "select rename set_visible delete duplicate move group ungroup delete_several set_value"
+    )
 
     def of(self, model_id: str) -> PartTree | None:
         return self.session.trees.get(model_id)
@@ -346,6 +349,13 @@ PARTS = {
 """By the names that they have in a session."""
 
 
+class _NoPlugins:
+    """A registry without any plugin."""
+
+    def info(self, modeler: str) -> ModelerInfo:
+        raise UserError(f"There is no modeler called {modeler}.")
+
+
 class EmptySession(QObject):
     """A session with nothing on its sheet, and three tools without a modeler."""
 
@@ -355,6 +365,7 @@ class EmptySession(QObject):
     def __init__(self) -> None:
         super().__init__()
         self.calls = calls = _Calls()
+        self.registry: Any = _NoPlugins()
         self.view = ViewState()
         self.view.camera = Camera()
         self.view.show_grid = False

@@ -12,11 +12,15 @@ from PySide6.QtTest import QTest
 from bozzetto.plugin.job import Job
 from bozzetto.view import Camera
 from bozzetto.workbench.export_document import object_shapes
+from bozzetto_app.canvas.overlay.cube_geometry import seen_faces
+from bozzetto_app.panels.objects.part_row import PartRow
+from bozzetto_app.panels.properties.place_form import PlaceForm
 from tests.app.test_car_window import (
     FIRST,
     GALLERY,
     corners,
     drop,
+    guide,
     mark,
     near_first,
     picture_of,
@@ -93,6 +97,162 @@ def test_a_second_sketch_after_enter_begins_a_car_beside_the_first(window, settl
     assert ((seen >= -1.0) & (seen <= np.array(window.session.view.camera.viewport) + 1.0)).all()
     walk_around(window, settle)
     assert not owners(window, "sketch")
+
+
+def test_two_cars_are_put_in_their_places_by_hand(window, settle):
+    """Typed in the form; the drag of a field is one step; sketch and marks go along."""
+    session = window.session
+    drop(window, picture_of(FIRST), settle)
+    mark(window, "C1", FIRST["marks"]["C1"], settle)
+    next_object(window, settle)
+    drop(window, picture_of(OTHER), settle)
+    one, two = session.drawing.document.models
+    before = two.placement
+    choose(window, 1, settle)
+    place = window.findChild(PlaceForm)
+    deep = place.axes[1]
+    assert deep.value() == pytest.approx(before.offset[1], abs=1e-6), "it shows where it stands"
+
+    steps = session.drawing.history.position
+    typed(deep, "4000")
+    typed(place.turn, "90")
+    rest(window, settle)
+    moved = session.drawing.document.model(two.id).placement
+    assert moved.offset == (before.offset[0], 4000.0, before.offset[2])
+    assert moved.rotation == (0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    assert session.drawing.document.model(one.id) is one, "the other stays"
+    assert session.drawing.history.position == steps + 2
+    window.canvas.views.turn_to_better()
+    rest(window, settle)
+    assert session.advice.advice.pinned, "its sketch is seen from where it stands now"
+    assert owners(window, "sketch") == [two.id]
+
+    for value in (4100.0, 4200.0, 4300.0):
+        deep.edited.emit(value, True)
+    deep.drag_ended.emit()
+    rest(window, settle)
+    assert session.drawing.document.model(two.id).placement.offset[1] == 4300.0
+    assert session.drawing.history.position == steps + 3
+    for _ in range(3):
+        session.drawing.undo()
+    assert session.drawing.document.model(two.id).placement == before
+    rest(window, settle)
+    assert deep.value() == pytest.approx(before.offset[1], abs=1e-6)
+
+    session.objects.set_locked(two.id, True)
+    assert not place.isEnabled()
+
+
+def test_a_second_sketch_of_a_car_works_like_the_first(window, settle):
+    """It is marked at once; who meant another car is told what to press."""
+    session = window.session
+    drop(window, picture_of(FIRST), settle)
+    mark(window, "C1", FIRST["marks"]["C1"], settle)
+    said = []
+    session.notices.noticed.connect(lambda notice: said.append(notice.text))
+    drop(window, picture_of(OTHER), settle)
+    rest(window, settle)
+    (model,) = session.drawing.document.models
+    assert len(model.state.sketches) == 2
+    assert model.state.sketch is model.state.sketches[1]
+    assert session.toolbox.tool == "mark"
+    assert session.advice.advice.pinned
+    assert "front wheel" in session.hints.step.sentence
+    assert any(model.name in words and "Enter" in words for words in said)
+
+
+def test_the_ring_of_the_next_point_is_drawn_through_the_sketch_only(window, settle):
+    session, overlay = window.session, window.canvas.overlay
+    drop(window, picture_of(FIRST), settle)
+    marks = FIRST["marks"]
+    side = "R" if "S1.R" in marks else "L"
+    for node in (f"WF.{side}", f"WR.{side}", *near_first(marks)[:5]):
+        mark(window, node, marks[node], settle)
+    rest(window, settle)
+    assert session.hints.step.place is not None
+    assert overlay.next_place is not None
+    walk_around(window, settle)
+    assert overlay.next_place is None, "from elsewhere it would ring a place in the air"
+    window.canvas.views.turn_to_better()
+    rest(window, settle)
+    assert overlay.next_place is not None
+
+
+def test_the_row_of_a_sketch_has_opacity_lock_and_eye(window, settle):
+    session = window.session
+    drop(window, picture_of(FIRST), settle)
+    (row,) = window.findChildren(PartRow)
+    steps = session.drawing.history.position
+    for value in (0.7, 0.5, 0.3):
+        row.opacity.slid.emit(value, True)
+    row.opacity.drag_ended.emit()
+    rest(window, settle)
+    assert state(window).sketch.opacity == 0.3
+    assert session.drawing.history.position == steps + 1, "a drag is one step"
+    row.lock.click()
+    rest(window, settle)
+    assert state(window).sketch.locked
+    assert "Unlock" in row.lock.accessibleName()
+    mark(window, "C1", FIRST["marks"]["C1"], settle)
+    assert not state(window).sketch.marks, "a locked sketch keeps its marks"
+    row.lock.click()
+    rest(window, settle)
+    mark(window, "C1", FIRST["marks"]["C1"], settle)
+    assert len(state(window).sketch.marks) == 1
+    row.eye.click()
+    rest(window, settle)
+    assert not state(window).sketch.visible
+
+
+def test_a_template_is_chosen_by_its_picture(window, settle, qtbot):
+    drop(window, picture_of(FIRST), settle)
+    panel = guide(window)
+    qtbot.waitUntil(lambda: not panel.busy, timeout=20_000)
+    assert panel.templates.isVisible()
+    buttons = panel.templates.buttons
+    assert [name for name, button in buttons.items() if button.isChecked()] == ["sedan"]
+    buttons["minivan"].click()
+    rest(window, settle)
+    assert state(window).template == "minivan"
+    qtbot.waitUntil(lambda: not panel.busy, timeout=20_000)
+    assert [name for name, button in buttons.items() if button.isChecked()] == ["minivan"]
+    mark(window, "C1", FIRST["marks"]["C1"], settle)
+    qtbot.waitUntil(lambda: not panel.busy, timeout=20_000)
+    assert not panel.templates.isVisible(), "then the room is for the points"
+
+
+@pytest.mark.parametrize(
+    ("name", "outward"),
+    [
+        ("front", (-1.0, 0.0, 0.0)),
+        ("back", (1.0, 0.0, 0.0)),
+        ("left", (0.0, -1.0, 0.0)),
+        ("right", (0.0, 1.0, 0.0)),
+    ],
+)
+def test_views_are_named_from_the_cars_own_sides(window, settle, qtbot, name, outward):
+    """The nose is at x = 0 and the car's right is y: so says its page."""
+    session, views = window.session, window.canvas.views
+    drop(window, picture_of(FIRST), settle)
+    views.look(name)
+    qtbot.waitUntil(lambda: not window.canvas.motion.is_running, timeout=3000)
+    forward = session.view.camera.axes[2]
+    assert forward == pytest.approx(-np.array(outward), abs=1e-9)
+    (seen,) = seen_faces(session.view.camera)
+    assert window.canvas.cube.label_of(seen.face) == name, "the cube says the same"
+
+    # A car that was turned has its nose elsewhere: then sides are the world's.
+    model = session.selection.model
+    session.objects.set_placement(model.id, model.placement.headed(90.0))
+    assert not views.sides
+    assert window.canvas.cube.label_of(seen.face) == seen.face.name
+
+
+def typed(field, text):
+    field.setFocus()
+    field.selectAll()
+    QTest.keyClicks(field, text)
+    QTest.keyClick(field, Qt.Key.Key_Return)
 
 
 @pytest.mark.slow

@@ -168,6 +168,12 @@ class Canvas(QWidget):
         self.hand.menu_released.connect(lambda flicked: self.menu.lift(flicked=flicked))
         self.cube.direction_chosen.connect(self.views.look_from)
         self.cube.turned.connect(self.views.turn)
+        for signal in (
+            session.toolbox.modeler_changed,
+            session.selection.changed,
+            session.drawing.changed,
+        ):
+            signal.connect(self._name_sides)
         self.cube.home_chosen.connect(self.views.fit)
         self.cube.projection_chosen.connect(self.views.toggle_projection)
         self.light.turn_chosen.connect(self.views.turn_to_better)
@@ -178,6 +184,7 @@ class Canvas(QWidget):
         self.set_palette(palette)
         self.viewports.show_all()
         self._show_camera()
+        self._name_sides()
         self._show_scene()
         self._show_pending()
         self.installEventFilter(self)
@@ -305,6 +312,9 @@ class Canvas(QWidget):
 
         self._sorting.submit(Request(work, _ignore, _raise))
 
+    def _name_sides(self) -> None:
+        self.cube.name_sides(self.views.sides)
+
     def _show_camera(self) -> None:
         self.viewports.show_camera()
         self.cube.set_camera(self._session.view.camera)
@@ -331,7 +341,10 @@ class Canvas(QWidget):
 
     def _show_next_place(self) -> None:
         """Mark where the next step is done, while the pen is up."""
-        place = self._session.hints.step.place
+        step, session = self._session.hints.step, self._session
+        place = step.place
+        if step.on_picture and not session.advice.holds_eye(session.view.camera):
+            place = None
         if place is None or self.hand.machine.mode not in (Mode.IDLE, Mode.NAVIGATING):
             self.overlay.mark_next(None)
             return
@@ -342,6 +355,7 @@ class Canvas(QWidget):
     def _show_advice(self) -> None:
         advising = self._session.advice
         self._show_words()
+        self._show_next_place()
         self.viewports.show_advice()
         self.hand.hovering.scene_or_view_changed()
         model = self._session.selection.model if self._pictured else None

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from bozzetto.errors import UserError
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import with_kind
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
 
 __all__ = ["ViewChanges"]
+
+NO_TURN = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+"""The rotation of an object that stands as it was made."""
 
 
 class ViewChanges:
@@ -51,7 +56,25 @@ class ViewChanges:
     def look(self, name: str) -> None:
         """Go to a standard view by its name: "front", "three-quarter" and so on."""
         self._motion.finish()
-        self.animate_to(standard_view(self._own_view(), name))
+        side = self.sides.get(name, name)
+        self.animate_to(standard_view(self._own_view(), side))
+
+    @property
+    def sides(self) -> Mapping[str, str]:
+        """The object's own names of sides with the world's; empty where both are the same.
+
+        They are those of what the active modeler makes, as long as it stands as it was made.
+        """
+        session = self._session
+        model, modeler = session.selection.model, session.toolbox.modeler
+        if model is not None:
+            if model.placement.rotation != NO_TURN:
+                return {}
+            modeler = model.modeler
+        try:
+            return session.registry.info(modeler).sides if modeler else {}
+        except UserError:
+            return {}  # its plugin is not here
 
     def toggle_projection(self) -> None:
         """Change between perspective and parallel projection."""

@@ -110,9 +110,10 @@ class ObjectEdits:
 
     # -- objects --
 
-    def set_placement(self, model_id: str, placement: Placement) -> None:
-        """Move a model."""
-        self.edit(edit.place_model, model_id, placement)
+    def set_placement(self, model_id: str, placement: Placement, *, dragging: bool = False) -> None:
+        """Move a model; the drag of a field is one step."""
+        key = f"place {model_id}" if dragging else None
+        self.edit(edit.place_model, model_id, placement, merge_key=key)
 
     def rename(self, model_id: str, name: str) -> None:
         """Give a model another name."""

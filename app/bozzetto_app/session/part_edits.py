@@ -219,16 +219,25 @@ class ObjectParts:
     def set_parameter(self, name: str, value: object, *, dragging: bool = False) -> None:
         """Change a parameter of the chosen part; the drag of a slider is one step."""
         model, part = self._selection.model, self.chosen
-        if model is None or part is None:
+        if model is not None and part is not None:
+            self.set_value(model.id, part.id, name, value, dragging=dragging)
+
+    def set_value(
+        self, model_id: str, part_id: str, name: str, value: object, *, dragging: bool = False
+    ) -> None:
+        """Change a parameter of any part; the drag of a slider is one step."""
+        tree = self.of(model_id)
+        part = None if tree is None else tree.part(part_id)
+        if part is None:
             return
         labels = {field.name: field.parameter.label for field, _ in fields_of(part)}
 
         def change(edits: PartEdits, model: Model) -> PartEdit:
-            changed = edits.set(model, part.id, {name: value}).model
+            changed = edits.set(model, part_id, {name: value}).model
             return PartEdit(changed, labels.get(name, name))
 
-        key = f"part {model.id} {part.id} {name}" if dragging else None
-        self._edit(model.id, change, key)
+        key = f"part {model_id} {part_id} {name}" if dragging else None
+        self._edit(model_id, change, key)
 
     def _edit(
         self,

@@ -187,6 +187,13 @@ class PictureInput(QObject):
                     "Session",
                     "Sketch added. With Shift, a dropped picture lies under the sheet instead.",
                 )
+                if before is None
+                else tr(
+                    "Session",
+                    "Sketch added to “{name}”. For another object take it back with Ctrl+Z, press "
+                    "Enter, and drop it again.",
+                    name=model.name,
+                )
             )
 
         self._edits.submit(

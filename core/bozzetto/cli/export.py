@@ -14,6 +14,7 @@ from bozzetto.cli.output import (
     write_outputs,
     write_report,
 )
+from bozzetto.cli.placing import placed
 from bozzetto.errors import UserError
 
 
@@ -26,7 +27,7 @@ def export(options: argparse.Namespace) -> int:
     refuse_overwriting([options.document], outputs, options.report)
     handover = handover_of(options)
     bench = workbench()
-    document = open_document(bench, options.document)
+    document = placed(open_document(bench, options.document), options.place)
     if options.command_id:
         models, _ = chosen_models(document, options.object)
         able = [one for one in models if _has_command(bench, one, options.command_id)]

@@ -31,6 +31,7 @@ from bozzetto.cli.output import (
     workbench,
     write_output,
 )
+from bozzetto.cli.placing import add_place, placed
 from bozzetto.cli.plugins import ACTIONS
 from bozzetto.cli.plugins import plugins as run_plugins
 from bozzetto.cli.simulate import add_simulate
@@ -131,6 +132,7 @@ def _parser() -> argparse.ArgumentParser:
     export.add_argument("--object", action="append", metavar="NAME", help="only these objects")
     export.add_argument("--view", metavar="NAME", help=VIEW_HELP)
     export.add_argument("--report", type=Path, metavar="R.json", help="write what is in the file")
+    add_place(export)
     _add_command(export)
     add_handover(export)
     export.set_defaults(run=run_export)
@@ -153,6 +155,7 @@ def _parser() -> argparse.ArgumentParser:
         help="turn it once around in N pictures: a .gif, or a row of .png files",
     )
     render.add_argument("--seconds", type=float, default=4.0, help="of one turn; default 4")
+    add_place(render)
     _add_trust(render)
     render.set_defaults(run=_render)
 
@@ -226,7 +229,7 @@ def _render(options: argparse.Namespace) -> int:
         raise UserError("A picture is written as PNG. Let its name end in .png.")
     width, height = picture_size(options.size)
     bench = workbench()
-    document = _document_of(bench, options.input, options.trust_file)
+    document = placed(_document_of(bench, options.input, options.trust_file), options.place)
     unseen = (unusable(bench, model) for model in document if model.visible)
     warn(problem.sentence("picture") for problem in unseen if problem is not None)
     palette = DARK if options.theme == "dark" else LIGHT

@@ -52,6 +52,39 @@ class Placement:
         """Whether left and right are exchanged (triangles must be turned over)."""
         return float(np.linalg.det(np.reshape(self.rotation, (3, 3)))) < 0
 
+    @property
+    def heading(self) -> float:
+        """The angle by which it turns about z, degrees, above −180 to 180; see `headed`."""
+        rows = np.reshape(self.rotation, (3, 3))
+        x, y = rows[0, 0], rows[1, 0]
+        if np.hypot(x, y) < UNIT_TOLERANCE:  # its own x stands upright: where does its y point?
+            x, y = rows[1, 1], -rows[0, 1]
+        angle = float(np.degrees(np.arctan2(y, x)))
+        return 180.0 if angle == -180.0 else angle + 0.0
+
+    def headed(self, heading: float) -> Placement:
+        """Return it turned about z, in its place, to another heading in degrees.
+
+        Raises
+        ------
+        UserError
+            If the heading is not finite.
+        """
+        if not np.isfinite(heading):
+            raise UserError("A placement needs a finite angle.")
+        by = (heading - self.heading) % 360.0
+        if by == 0.0:
+            return self
+        # Quarter turns are exact: what stood along an axis stands along one again.
+        quarters = {90.0: (0.0, 1.0), 180.0: (-1.0, 0.0), 270.0: (0.0, -1.0)}
+        c, s = quarters.get(by, (np.cos(np.radians(by)), np.sin(np.radians(by))))
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        rows = turn @ np.reshape(self.rotation, (3, 3))
+        # Many small turns, one after the other, must not add up to what is no rotation.
+        left, _, right = np.linalg.svd(rows)
+        exact = rows if by in quarters else left @ right
+        return Placement(tuple(float(v) + 0.0 for v in exact.ravel()), self.scale, self.offset)
+
     def points(self, points: ArrayLike) -> NDArray[np.float64]:
         """Move points, shape (n, 3), mm."""
         rows = np.reshape(self.rotation, (3, 3))

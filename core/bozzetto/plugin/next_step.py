@@ -23,9 +23,13 @@ class NextStep:
         tool rail points at it. "" where the tool stays.
     panel : bool
         Whether it is done in the plugin's own panel, which is then shown.
+    on_picture : bool
+        Whether the place lies on a picture that the view has to look through; it is marked only
+        while the view is pinned there (`ViewAdvice.pinned`), for elsewhere it means nothing.
     """
 
     sentence: str
     place: tuple[float, float, float] | None = None
     tool: str = ""
     panel: bool = False
+    on_picture: bool = False

@@ -28,6 +28,20 @@ def sketch_in_work(state: CarState) -> Sketch:
     return sketch
 
 
+def unlocked_sketch(state: CarState) -> Sketch:
+    """Return the sketch that is marked, to change its marks.
+
+    Raises
+    ------
+    UserError
+        If the car has no sketch, or it is locked.
+    """
+    sketch = sketch_in_work(state)
+    if sketch.locked:
+        raise UserError(f"“{sketch.name}” is locked. Unlock it in the object list to mark it.")
+    return sketch
+
+
 def set_mark(
     state: CarState, node: str, place: tuple[float, float], template: Template
 ) -> CarState:
@@ -43,8 +57,13 @@ def set_mark(
         Pixels of the picture; places beside it are allowed.
     template : Template
         The template of the car; its wheels tell the sides.
+
+    Raises
+    ------
+    UserError
+        If there is no sketch, or it is locked.
     """
-    sketch = sketch_in_work(state)
+    sketch = unlocked_sketch(state)
     mark = Mark(node, float(place[0]), float(place[1]))
     marks = tuple(mark if old.node == node else old for old in sketch.marks)
     if sketch.mark_of(node) is None:
@@ -87,7 +106,7 @@ def with_sides_exchanged(sketch: Sketch) -> Sketch:
 
 def without_marks(state: CarState, nodes: Collection[str]) -> CarState:
     """Return the state without some marks of the sketch in work."""
-    sketch = sketch_in_work(state)
+    sketch = unlocked_sketch(state)
     left = tuple(mark for mark in sketch.marks if mark.node not in nodes)
     return state.with_node(replace(sketch, marks=left))
 

@@ -25,10 +25,12 @@ from bozzetto.plugin import PanelHost, override
 from bozzetto_app.toolkit import PanelWorker
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.node_chart import NodeChart
+from bozzetto_car.panel.template_pictures import TemplatePictures
 from bozzetto_car.panel.turning_car import TurningCar
 from bozzetto_car.panel.view_model import Guide, guide_of
 from bozzetto_car.panel.widgets import Fold, Progress, SketchButton, label
 from bozzetto_car.state import CarState
+from bozzetto_car.template.loader import TEMPLATES
 
 PATIENCE: Final = 60
 """Time from a change to the update of the panel, ms: the program solves the car first, and its
@@ -79,7 +81,7 @@ class GuidePanel(QScrollArea):
     @property
     def busy(self) -> bool:
         """Whether the panel does not show the newest state yet."""
-        return self._soon.isActive() or self._work.busy
+        return self._soon.isActive() or self._work.busy or self.templates.busy
 
     @override
     def sizeHint(self) -> QSize:
@@ -129,6 +131,10 @@ class GuidePanel(QScrollArea):
         self.rules.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.rules.setMinimumHeight(220)
         self.rules.itemChanged.connect(self._switch)
+        self.templates = TemplatePictures(inside)
+        self.templates.chosen.connect(self._choose_template)
+        self._kinds = Fold("Template", self.templates, inside, is_open=True)
+        column.insertWidget(0, self._kinds)
         column.addWidget(Fold("Sketches", self._rows, inside, is_open=True))
         column.addWidget(Fold("Dimensions as found", found, inside, is_open=False))
         column.addWidget(Fold("Soundness", self.rules, inside, is_open=False))
@@ -160,7 +166,11 @@ class GuidePanel(QScrollArea):
             self._work.ask(lambda: guide_of(state), lambda guide: self._show(state, guide))
 
     def _show(self, state: CarState, guide: Guide) -> None:
+        begins, began = not guide.count, self._guide is None or not self._guide.count
+        if self._guide is None or begins != began:
+            self._kinds.heading.setChecked(begins)  # then the room is for the points
         self._state, self._guide = state, guide
+        self.templates.show_template(state.template)
         self.car.show_node(guide.template, guide.asked)
         self.title.setText(guide.title)
         self.title.setVisible(bool(guide.title))
@@ -215,6 +225,12 @@ class GuidePanel(QScrollArea):
 
     def _choose(self, node: str) -> None:
         self._change(lambda state: with_asked(state, node), "Choose a point")
+
+    def _choose_template(self, name: str) -> None:
+        state = self._host.state
+        kind = next(one for one in TEMPLATES if one == name)
+        if isinstance(state, CarState):
+            self._host.change(replace(state, template=kind), "Template")
 
     def _choose_sketch(self, key: str) -> None:
         self._change(lambda state: replace(state, selected=key, asked=""), "Choose a sketch")

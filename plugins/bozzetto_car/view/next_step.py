@@ -27,4 +27,5 @@ def next_mark_step(state: CarState) -> NextStep:
         at = sketch_cameras_of(state)[placed.sketch.id].lifted(asked.place[None])
         place = triple(at) if np.isfinite(at).all() else None
     is_first = placed is not None and not placed.sketch.marks
-    return NextStep(next_mark_in_words(state, solved), place, panel=is_first)
+    words = next_mark_in_words(state, solved)
+    return NextStep(words, place, panel=is_first, on_picture=place is not None)

@@ -86,6 +86,7 @@ def test_manifest_keys_are_explained(tmp_path):
         "listed": "false",
         "abilities": '["panel", "read_shapes"]',
         "facts": '"template"',
+        "sides": '{ front = "left", left = "front" }',
     }
     assert keys == values.keys()
     top = ("id", "title", "version", "summary", "api", "checks_files")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
@@ -21,7 +22,13 @@ from PySide6.QtWidgets import QAbstractButton, QWidget
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.view.camera import Camera, Point
 from bozzetto.view.navigation import orbit
-from bozzetto_app.canvas.overlay.cube_geometry import SeenFace, direction_at, patch, seen_faces
+from bozzetto_app.canvas.overlay.cube_geometry import (
+    Face,
+    SeenFace,
+    direction_at,
+    patch,
+    seen_faces,
+)
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.colors import mixed, tones_of
 from bozzetto_app.style.icons import paint_icon
@@ -122,6 +129,7 @@ class ViewCube(QWidget):
         self.setFixedSize(SIZE, SIZE + GAP + BUTTON)
         self._palette: Palette = LIGHT
         self._camera = Camera()
+        self._names: Mapping[str, str] = {}
         self._hot: Point | None = None
         self._pressed: tuple[QPointF, Camera] | None = None
         self._dragging = False
@@ -141,6 +149,17 @@ class ViewCube(QWidget):
             button.colors = palette
             button.update()
         self.update()
+
+    def name_sides(self, sides: Mapping[str, str]) -> None:
+        """Call sides as an object does: its own names, and the world's for each."""
+        named = {world: own for own, world in sides.items()}
+        if named != self._names:
+            self._names = named
+            self.update(0, 0, SIZE, SIZE)
+
+    def label_of(self, face: Face) -> str:
+        """Return the name by which a face is called now."""
+        return self._names.get(face.name, face.name)
 
     def set_camera(self, camera: Camera) -> None:
         """Turn with a camera."""
@@ -241,7 +260,7 @@ class ViewCube(QWidget):
         font.setPixelSize(LABEL_PIXELS)
         font.setWeight(QFont.Weight.DemiBold)
         path = QPainterPath()
-        path.addText(0, 0, font, _label(seen.face.name))
+        path.addText(0, 0, font, _label(self.label_of(seen.face)))
         box = path.boundingRect()
         fit = min(1.0, 1.66 * HALF_EDGE / max(box.width(), 1.0)) / HALF_EDGE
         # Letters are drawn in pixels, y down; a face has half edges, v up.

@@ -263,7 +263,10 @@ class ObjectsPanel(QWidget):
         if model_id in self._unfolded:
             return self._unfolded[model_id]
         tree = self._session.parts.of(model_id) if model_id == self._session.selection.id else None
-        return tree is not None and len(tree.parts) > 1
+        # An only part says no more than its object does, unless it is a picture.
+        return tree is not None and (
+            len(tree.parts) > 1 or any(hasattr(part, "opacity") for part in tree.parts)
+        )
 
     def _current(self) -> Entry:
         row = self.list.currentRow()

@@ -11,12 +11,14 @@ from PySide6.QtWidgets import QApplication, QFrame, QLabel, QScrollArea, QVBoxLa
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.panels.properties.drag_pace import DragPace
+from bozzetto_app.panels.properties.place_form import PlaceForm
 from bozzetto_app.panels.properties.report import Figures
 from bozzetto_app.settings import settings
 from bozzetto_app.widgets.section import Section, hairline
 from bozzetto_app.widgets.tab_order import put_in_tab_order
 
 if TYPE_CHECKING:
+    from bozzetto.geometry.placement import Placement
     from bozzetto.parameters import Field
     from bozzetto_app.panels.properties.parameter_row import ParameterRow
     from bozzetto_app.session.session import Session
@@ -50,6 +52,13 @@ class ParametersPanel(QScrollArea):
         self._part_section: Section | None = None
         self._fields: tuple[object, ...] = ()
         self._owner: tuple[str | None, str] = (None, "")
+        self.place = PlaceForm()
+        pace = DragPace(self._put, self.place)
+        self.place.placed.connect(pace.change)
+        self.place.drag_ended.connect(pace.end)
+        self.place.drag_ended.connect(session.objects.end_drag)
+        self._place_pace = pace
+        self._place_section = _section(tr("Parameters", "Place"), self.place, "panels/place", False)
         self._figures = Figures()
         self._figures_section = Section(tr("Parameters", "Figures"), self._figures)
         self._line = hairline()
@@ -58,7 +67,10 @@ class ParametersPanel(QScrollArea):
         self._column = QVBoxLayout(page)
         self._column.setContentsMargins(12, 8, 12, 12)
         self._column.setSpacing(8)
-        for widget in (self._empty, self._locked, self._form, self._line, self._figures_section):
+        for widget in (
+            self._empty, self._locked, self._form, self._place_section, self._line,
+            self._figures_section,
+        ):  # fmt: skip
             self._column.addWidget(widget)
         self._column.addStretch(1)
         self.setWidget(page)
@@ -98,7 +110,7 @@ class ParametersPanel(QScrollArea):
         chosen = (session.selection.id, "" if part is None else part.id)
         fields = (*(field for field, _ in own), "", *(field for field, _ in inner))
         if chosen != self._owner:
-            for pace in self._paces:
+            for pace in (*self._paces, self._place_pace):
                 pace.forget()
         if fields != self._fields or (chosen != self._owner and self._is_in_use()):
             self._fields = fields
@@ -106,6 +118,9 @@ class ParametersPanel(QScrollArea):
         self._owner = chosen
         if self._part_section is not None and part is not None:
             self._part_section.rename(part.name)
+        model = session.selection.model
+        if model is not None:
+            self.place.show_placement(model.placement)
         dragging = session.drawing.is_dragging
         for owner, found in (("", own), ("part", inner)):
             for field, value in found:
@@ -120,6 +135,8 @@ class ParametersPanel(QScrollArea):
         )
         self._locked.setVisible(locked)
         self._form.setEnabled(not locked)
+        self._place_section.setVisible(model is not None)
+        self.place.setEnabled(not locked)
         self._empty.setText(
             tr("Parameters", "Draw or choose an object to see its parameters.")
             if session.selection.id is None
@@ -162,7 +179,7 @@ class ParametersPanel(QScrollArea):
             self._part_section = _section(part.name, inner, "panels/part", True)
             column.addWidget(self._part_section)
         self._column.replaceWidget(old, self._form)
-        put_in_tab_order(self, (self._form, self._figures_section))
+        put_in_tab_order(self, (self._form, self._place_section, self._figures_section))
         old.hide()
         old.deleteLater()
 
@@ -194,6 +211,11 @@ class ParametersPanel(QScrollArea):
             column.addWidget(_section(words, advanced, "panels/advanced", False))
         else:
             advanced.deleteLater()
+
+    def _put(self, placement: Placement, going: bool) -> None:
+        model_id = self._session.selection.id
+        if model_id is not None:
+            self._session.objects.set_placement(model_id, placement, dragging=going)
 
     def _show_report(self) -> None:
         solver, part = self._session.solver, self._session.parts.chosen

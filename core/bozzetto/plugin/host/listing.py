@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -82,6 +83,8 @@ class ModelerInfo:
         Place in the row of modelers, small first.
     facts : tuple of str
         The keys by which its files are told from others.
+    sides : mapping of str to str
+        Its own names of sides, and the world's for each; see `ModelerEntry`.
     """
 
     id: str
@@ -96,3 +99,4 @@ class ModelerInfo:
     listed: bool = True
     order: int = 50
     facts: tuple[str, ...] = ()
+    sides: Mapping[str, str] = field(default_factory=dict)

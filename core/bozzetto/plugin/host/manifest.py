@@ -23,7 +23,8 @@ from __future__ import annotations
 import importlib.util
 import re
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any, Literal
 
@@ -54,6 +55,9 @@ Key = Annotated[str, msgspec.Meta(max_length=80)]
 ID_PATTERN = r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)+$"
 Id = Annotated[str, msgspec.Meta(pattern=ID_PATTERN, max_length=80)]
 
+Side = Literal["front", "back", "left", "right"]
+"""A side of what stands upright."""
+
 _REGEX_WORDS = re.compile(r"`str` matching regex '.*'(?= - at )")
 ID_IN_WORDS = "an id such as author.name: lower-case letters, digits, “_”, and a dot at least"
 
@@ -77,6 +81,7 @@ class _ModelerTable(msgspec.Struct, frozen=True):
     listed: bool = True
     facts: Key | Annotated[list[Key], msgspec.Meta(max_length=MOST_KEYS)] = ""
     order: int = 50
+    sides: dict[Side, Side] = {}
 
 
 class _PluginTable(msgspec.Struct, frozen=True):
@@ -124,6 +129,9 @@ class ModelerEntry:
     facts : tuple of str
         The keys by which its files are told from others: a JSON file without strokes that has
         one of them at the top is read by this modeler, whichever is in the hand.
+    sides : mapping of str to str
+        Where what it makes has its own front, back, left and right: each name stands for the side
+        of the world that is called so. Empty where they are the world's.
     """
 
     id: str
@@ -135,6 +143,7 @@ class ModelerEntry:
     listed: bool = True
     order: int = 50
     facts: tuple[str, ...] = ()
+    sides: Mapping[Side, Side] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -235,6 +244,11 @@ def _entry(table: _ModelerTable) -> ModelerEntry:
         _check_inside(sample.file, "sample", (".json", ".svg", ".inkml"))
         samples.append(Sample(sample.file, sample.title))
     _check_inside(table.icon, "icon", (".svg",))
+    if table.sides and set(table.sides) != set(table.sides.values()):
+        raise ManifestError(
+            f"In {MANIFEST}: the sides of {table.id} exchange {', '.join(table.sides)} for others. "
+            "Name each side once on the left and once on the right."
+        )
     keys = [table.facts] if isinstance(table.facts, str) else table.facts
     told = {"samples": tuple(samples), "facts": tuple(key for key in keys if key)}
     return ModelerEntry(**asdict(table) | told)

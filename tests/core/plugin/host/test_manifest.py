@@ -161,3 +161,18 @@ def test_ranges_mean_what_packaging_says(parts, major, minor):
     wanted = ",".join(parts)
     said = SpecifierSet(wanted).contains(Version(f"{major}.{minor}"))
     assert api_accepts(wanted, (major, minor)) == said
+
+
+def test_own_sides_are_each_named_once(tmp_path):
+    def said(sides):
+        (tmp_path / "plugin.toml").write_text(
+            'id = "a.b"\ntitle = "T"\nversion = "1"\napi = ">=2,<3"\n[[modeler]]\nid = "a.b"\n'
+            f'title = "T"\nicon = "i.svg"\nhint = "H"\nsides = {sides}\n'
+        )
+        return read_manifest(tmp_path).modelers[0].sides
+
+    assert said('{ front = "left", left = "front" }') == {"front": "left", "left": "front"}
+    with pytest.raises(ManifestError, match="once on the left and once on the right"):
+        said('{ front = "left" }')
+    with pytest.raises(ManifestError, match="sides"):
+        said('{ nose = "left", left = "nose" }')
