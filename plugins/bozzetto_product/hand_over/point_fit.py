@@ -34,8 +34,9 @@ def spline_through(points: Array, tolerance: float, fine: float | None = None) -
     """Fit a clamped cubic spline to a row of points: its ends are the first and last, exactly.
 
     The fewest control points of `COUNTS` that keep to the fine tolerance are taken; else the fewest
-    that keep to the other. Where the points are too few to tell so many, a fit may have hooks between
-    them, so the spline goes through all, as where every second one of few foretells the others.
+    that keep to the other. Where the points are too few to tell so many, a fit may have hooks
+    between them, so the spline goes through all, as where every second one of few foretells the
+    others.
 
     Parameters
     ----------

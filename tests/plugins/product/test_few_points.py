@@ -40,7 +40,7 @@ def test_open_ones(name, scale):
 @pytest.mark.parametrize("count", [9, 14, 25])
 def test_closed_ones(count):
     angles = 2.0 * np.pi * np.arange(count) / count
-    radii = np.sum([20.0, *(np.cos(k * angles) for k in (2, 3))], axis=0) if count > 9 else 20.0
+    radii = 20.0 + np.cos(2 * angles) + 2.0 * np.cos(3 * angles)
     ring = np.column_stack((radii * np.cos(angles), radii * np.sin(angles), 2 * np.sin(2 * angles)))
     spline = closed_spline_through(ring, 1e-7)
     chords = norms(np.diff(np.vstack((ring, ring[:1])), axis=0)).sum()
