@@ -96,7 +96,7 @@ def domain_of(lengths: Array, angles: Array, bends: Array) -> Domain:
     best_room = -np.inf
     for share in SOFTENINGS:
         made = _polygon(lengths, angles, share * bends)
-        centre, room = _centre(made)
+        centre, room = _centre(made, straight=not bends.any())
         if best is None or room > best_room:
             best, best_room = Domain(made[0::2], made[1::2], centre), room
         if room > 0.08 or not bends.any():
@@ -116,7 +116,21 @@ def regular_domain(count: int, lengths: Array) -> Domain:
 def _cut(corners: Array, lengths: Array) -> Domain:
     share = (lengths[:, 0] / lengths.sum(axis=1))[:, None]
     middles = (1.0 - share) * corners + share * np.roll(corners, -1, axis=0)
-    return Domain(corners, middles, corners.mean(axis=0))
+    return Domain(corners, middles, _middle(corners, middles, straight=True))
+
+
+def _middle(corners: Array, middles: Array, *, straight: bool) -> Array:
+    """Return the mean of the corners; of four straight sides, where lines between middles meet.
+
+    There what opposite sides have in common can be carried from one to the other
+    (`opposite_sides`).
+    """
+    if len(corners) == 4 and straight:
+        (a, b), way = middles[:2], middles[2:] - middles[:2]
+        angle = float(cross(way[0], way[1]))
+        if abs(angle) > 1e-6:
+            return np.asarray(a + float(cross(b - a, way[1])) / angle * way[0])
+    return np.asarray(corners.mean(axis=0))
 
 
 def _polygon(lengths: Array, angles: Array, bends: Array) -> Array:
@@ -150,12 +164,12 @@ def _turns(turns: Array, total: float) -> Array:
     return np.asarray(made * total / made.sum())
 
 
-def _centre(ring: Array) -> tuple[Array, float]:
+def _centre(ring: Array, *, straight: bool) -> tuple[Array, float]:
     """Return a place from which all of a polygon is seen, and its least room to any side's line.
 
     It is also beyond the lines that cut the corners off, from middle to middle, so that no
-    quadrangle is bent inward there. The mean of the corners is taken if it has enough room; else
-    the place with the most.
+    quadrangle is bent inward there. Their own middle is taken if it has enough room; else the place
+    with the most.
     """
     after = np.concatenate((np.roll(ring, -1, axis=0), ring[1::2]))
     start = np.concatenate((ring, np.roll(ring[1::2], 1, axis=0)))
@@ -165,7 +179,7 @@ def _centre(ring: Array) -> tuple[Array, float]:
     def room(places: Array) -> Array:
         return np.asarray(cross(way[None], places[:, None] - start[None]).min(axis=1))
 
-    mean = ring[0::2].mean(axis=0)
+    mean = _middle(ring[0::2], ring[1::2], straight=straight)
     here = float(room(mean[None])[0])
     if here > 0.25:
         return mean, here

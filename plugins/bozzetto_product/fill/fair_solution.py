@@ -26,7 +26,7 @@ from bozzetto_product.fill.patch_space import (
     PatchSpace,
     side_nodes,
 )
-from bozzetto_product.fill.quintic import DEGREE
+from bozzetto_product.fill.quintic import DEGREE, refinement
 
 TANGENCY: Final = 1e5
 """Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""
@@ -46,6 +46,10 @@ an S lose their shape where less is gained."""
 
 PLATE_HANDICAP: Final = 3.0
 """Factor on the variation of a plate: the rate of bending is the better start."""
+
+ROUGH: Final = 0.01
+"""Distance of sides from polynomials, as share of the size of a loop, from which curvature is not
+evened: the polynomials' own says little there."""
 
 RIDGE: Final = 1e-11
 """Share of the mean diagonal that is added to it, so that a matrix can be factored."""
@@ -99,6 +103,17 @@ class LoopSides:
         at = side_nodes()[0]
         rows = [[half.value(at, 1) for half in side.halves] for side in self.sides]
         return np.array(rows) / self.size
+
+    @cached_property
+    def rest(self) -> float:
+        """How far the sides are from their polynomials, share of the size; 0 if they are some."""
+        far = 0.0
+        for side in self.sides:
+            for half, polynomial in zip(side.halves, side.polynomials, strict=True):
+                if not half.is_polynomial:
+                    off = half.points - refinement(half.knots) @ polynomial
+                    far = max(far, float(np.linalg.norm(off, axis=1).max()))
+        return far / self.size
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,9 +208,10 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     least = (True, np.inf)
     for order, handicap in ((BENDING_RATE, 1.0), (PLATE, PLATE_HANDICAP)):
         made = scored(started(space, loop, order))
-        even = scored(evened(made))
-        if even.score < GAIN * made.score and not is_folded(even.nets):
-            made = even
+        if loop.rest < ROUGH:
+            even = scored(evened(made))
+            if even.score < GAIN * made.score and not is_folded(even.nets):
+                made = even
         judged = (is_folded(made.nets), handicap * made.score)
         if best is None or judged < least:
             best, least = made, judged

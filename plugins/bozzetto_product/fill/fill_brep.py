@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, BSplineSurface, Curve, Face, ParameterCurve, Trim
 from bozzetto_product.fill.half_sides import HalfSide, Side
-from bozzetto_product.fill.quintic import DEGREE
-
-KNOTS: Final = np.repeat((0.0, 1.0), DEGREE + 1)
-"""Knots with which a B-spline of six control points is one polynomial."""
 
 
 def brep_of(

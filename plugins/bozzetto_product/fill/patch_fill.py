@@ -11,13 +11,13 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry import Brep, Curve, Mesh
+from bozzetto.geometry import Brep, BSplineSurface, Curve, Mesh
 from bozzetto.plugin import override, remembered
 from bozzetto_product.fill.domain import Domain, domain_of
 from bozzetto_product.fill.exact_patches import exact_patches
 from bozzetto_product.fill.fair_solution import FairSolution, LoopSides, fairest
 from bozzetto_product.fill.fill import Fill
-from bozzetto_product.fill.fill_brep import KNOTS, brep_of
+from bozzetto_product.fill.fill_brep import brep_of
 from bozzetto_product.fill.fill_mesh import mesh_of, places_and_normals
 from bozzetto_product.fill.half_sides import HalfSide, Side
 from bozzetto_product.fill.patch_space import space_of
@@ -26,6 +26,9 @@ from bozzetto_product.network.net import Loop
 
 FOLD_GRID: Final = 9
 """Places along each direction of a patch at which folds are looked for."""
+
+FOLD_SHARES: Final = (0.1, 0.3, 0.5, 0.7, 0.9)
+"""Places within each span at which what looks like a fold is looked at again, as shares."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +62,11 @@ class PatchFill(Fill):
     @cached_property
     def spokes(self) -> tuple[Curve, ...]:
         """From the middle of each side to the centre."""
-        loop = self.solution.loop
-        nets = self.solution.nets[:, -1] * loop.size + loop.origin
         made = []
-        for k, side in enumerate(self.sides):
-            points = nets[k].copy()
+        for patch, side in zip(self.patches, self.sides, strict=True):
+            points = patch.control_points[-1].copy()
             points[0] = side.halves[0].points[-1]
-            made.append(Curve(DEGREE, KNOTS, points))
+            made.append(Curve(DEGREE, patch.knots_v, points))
         return tuple(made)
 
     @cached_property
@@ -91,15 +92,28 @@ class PatchFill(Fill):
     @override
     def folded(self) -> bool:
         """Whether normals of places beside one another point to opposite sides."""
-        at = np.linspace(0.03, 0.97, FOLD_GRID)
-        u, v = (x.ravel() for x in np.meshgrid(at, at, indexing="ij"))
-        for patch in self.patches:
-            _, normals = places_and_normals(patch, np.column_stack((u, v)))
-            normals = normals.reshape(FOLD_GRID, FOLD_GRID, 3)
-            along = (normals[1:] * normals[:-1]).sum(axis=-1).min()
-            if min(along, (normals[:, 1:] * normals[:, :-1]).sum(axis=-1).min()) < 0.0:
-                return True
-        return False
+        return any(
+            _turns_over(patch, ()) and _turns_over(patch, FOLD_SHARES) for patch in self.patches
+        )
+
+
+def _turns_over(patch: BSplineSurface, shares: Sequence[float]) -> bool:
+    """Whether normals beside one another on a grid point to opposite sides.
+
+    The grid has even places, and those at shares of the spans: a surface may turn by a right angle
+    within a span, as over an edge, and is not folded.
+    """
+    net = [np.linspace(0.03, 0.97, FOLD_GRID)] * 2
+    if shares:
+        for axis, knots in enumerate((patch.knots_u, patch.knots_v)):
+            spans = np.unique(knots)
+            finer = spans[:-1, None] + np.diff(spans)[:, None] * np.array(shares)
+            net[axis] = np.union1d(net[axis], np.clip(finer, 0.03, 0.97))
+    u, v = (x.ravel() for x in np.meshgrid(*net, indexing="ij"))
+    _, normals = places_and_normals(patch, np.column_stack((u, v)))
+    normals = normals.reshape(len(net[0]), len(net[1]), 3)
+    along = (normals[1:] * normals[:-1]).sum(axis=-1).min()
+    return bool(min(along, (normals[:, 1:] * normals[:, :-1]).sum(axis=-1).min()) < 0.0)
 
 
 def patch_fill(frame: LoopSides, loop: Loop, spacing: float, key: bytes) -> PatchFill:

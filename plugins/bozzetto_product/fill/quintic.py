@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, frozen
+from bozzetto.plugin import remembered
 
 DEGREE: Final = 5
 """The least degree that gave tangent planes to 0.05° and fair insides; six is no better."""
@@ -19,6 +20,10 @@ POINTS: Final = DEGREE + 1
 
 GAUSS_POINTS: Final = 7
 """Nodes of the quadrature along each direction of a patch."""
+
+
+NODES_PER_SPAN: Final = 8
+"""Gauss nodes on every span of a spline that is fitted."""
 
 
 @cache
@@ -60,6 +65,28 @@ def bernstein(at: ArrayLike, order: int = 0) -> Array:
         nought = np.zeros((len(rows), 1))
         rows = level * (np.hstack((nought, rows)) - np.hstack((rows, nought)))
     return np.asarray(rows)
+
+
+def spline_rows(knots: Array, at: Array, order: int = 0) -> Array:
+    """Return the values of all basis functions of degree five, or derivatives, (n, m)."""
+    from scipy.interpolate import BSpline
+
+    return np.asarray(BSpline(knots, np.eye(len(knots) - POINTS), DEGREE)(at, order))
+
+
+@remembered(limit=1000, key=lambda knots: knots.tobytes())
+def spline_fit(knots: Array) -> tuple[Array, Array]:
+    """Return places in knots' range, and what takes values there to the inner control values.
+
+    Those of the least-squares spline that is nought with slope nought at both ends.
+    """
+    nodes, weights = gauss(NODES_PER_SPAN)
+    spans = np.unique(knots)
+    width = np.diff(spans)
+    at = (spans[:-1, None] + width[:, None] * nodes).ravel()
+    size = np.sqrt((width[:, None] * weights).ravel())
+    inverse = np.asarray(np.linalg.pinv(size[:, None] * spline_rows(knots, at)[:, 2:-2]))
+    return at, inverse * size
 
 
 def refinement(knots: Array) -> Array:

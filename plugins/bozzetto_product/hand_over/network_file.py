@@ -142,8 +142,14 @@ def _rows(value: object, scale: float) -> dict[str, Array]:
         if unknown:
             raise UserError(f"{where} has a key “{unknown[0][:40]}”. Known are name, points.")
         name = curve.get("name", f"c{number + 1}")
-        if not isinstance(name, str) or not 1 <= len(name) <= 200 or "/" in name or " " in name:
-            raise UserError(f"{where}.name is a text without spaces and “/”.")
+        if not isinstance(name, str) or not 1 <= len(name) <= 200:
+            raise UserError(f"{where}.name is a text of 1 to 200 letters. Give it one, or none.")
+        if "/" in name or " " in name:
+            plain = "_".join(name.replace("/", " ").split())
+            raise UserError(
+                f"The name “{name[:80]}” has a blank or a “/”, which tell lists and pieces apart. "
+                f"Call the curve “{plain[:80] or 'c'}”, here and in loops."
+            )
         if name in rows:
             raise UserError(f"Two curves are called “{name}”. Give each its own name.")
         rows[name] = _points(curve.get("points"), f"{where}.points", scale)

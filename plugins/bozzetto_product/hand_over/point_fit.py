@@ -20,7 +20,8 @@ FOOT_STEPS: Final = 3
 """Newton steps to the foot of each point, which is near where it was in the round before."""
 
 SPARE: Final = 0.6
-"""Control points by points up to which a curve is fitted finely: more would follow each of them."""
+"""Control points by points up to which a curve is fitted: more would follow each of them, and turn
+as they like between."""
 
 MOST_THROUGH: Final = 40
 """Most points that a curve goes through where they are few and foretell one another."""
@@ -32,9 +33,10 @@ HOPELESS: Final = 6.0
 def spline_through(points: Array, tolerance: float, fine: float | None = None) -> Spline:
     """Fit a clamped cubic spline to a row of points: its ends are the first and last, exactly.
 
-    The fewest control points of `COUNTS` that keep to the fine tolerance are taken, where the
-    points are many enough to tell so much; else the fewest that keep to the other. Where none do,
-    and where points are few but every second one foretells the others, the spline goes through all.
+    The fewest control points of `COUNTS` that keep to the fine tolerance are taken; else the fewest
+    that keep to the other. Where the points are too few to tell so many, a fit may have hooks
+    between them, so the spline goes through all, as where every second one of few foretells the
+    others.
 
     Parameters
     ----------
@@ -53,11 +55,10 @@ def spline_through(points: Array, tolerance: float, fine: float | None = None) -
     finer = tolerance if fine is None else fine
     kept: Spline | None = None
     for count in COUNTS:
-        spare = count <= max(DEGREE + 1, SPARE * len(points))
-        if count > max(len(points), DEGREE + 1) or (kept is not None and not spare):
+        if count > max(DEGREE + 1, SPARE * len(points)):
             break
-        spline, worst = _fitted(points, along, count, finer if spare else tolerance)
-        if worst <= finer and (spare or finer == tolerance):
+        spline, worst = _fitted(points, along, count, finer)
+        if worst <= finer:
             return spline
         if worst <= tolerance and kept is None:
             kept = spline
@@ -130,23 +131,21 @@ def closed_spline_through(points: Array, tolerance: float, fine: float | None = 
     along = _shares(ring)[:-1]
     finer = tolerance if fine is None else fine
     kept: Spline | None = None
-    for count in (*COUNTS, len(points)):
-        spare = count <= max(6, SPARE * len(points))
-        if not 6 <= count <= len(points) or (kept is not None and not spare):
+    for count in COUNTS:
+        if not 6 <= count <= max(6, SPARE * len(points)):
             continue
         at = along
-        wanted = finer if spare else tolerance
         for _ in range(CORRECTIONS):
             basis = _closed_basis(at, count)
             found, *_ = np.linalg.lstsq(basis, points, rcond=None)
             spline = Spline.uniform(found, closed=True)
             at = spline.foot_points(points, at, steps=FOOT_STEPS)
             worst = float(np.linalg.norm(spline.value(at) - points, axis=1).max())
-            if worst <= wanted:
+            if worst <= finer:
                 return spline
             if worst <= tolerance and kept is None:
                 kept = spline
-            if worst > HOPELESS * wanted:
+            if worst > HOPELESS * finer:
                 break
     return _closed_interpolated(points, along) if kept is None else kept
 

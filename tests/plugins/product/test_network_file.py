@@ -236,3 +236,15 @@ def test_three_closed_circles_whose_seams_lie_on_crossings_are_a_ball() -> None:
     assert len(told["patches"]) == 8
     area = sum(patch["area_mm2"] for patch in told["patches"])
     assert area == pytest.approx(4.0 * np.pi * 30.0**2, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("Côté gauche / bas", "“Côté_gauche_bas”"), ("/", "“c”"), ("a b", "“a_b”")]
+)
+def test_a_name_with_blanks_is_told_with_one_that_goes(name, told):
+    facts = box()
+    facts["network"]["curves"][3]["name"] = name
+    with pytest.raises(UserError) as problem:
+        product_of_network(facts)
+    assert name in str(problem.value)
+    assert f"Call the curve {told}" in str(problem.value)

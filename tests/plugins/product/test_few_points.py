@@ -1,0 +1,55 @@
+"""Curves of few points, as files give them, do not turn back between the points."""
+
+import numpy as np
+import pytest
+
+from bozzetto.plugin import Job
+from bozzetto_product.hand_over.imported import product_of_network
+from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
+from bozzetto_product.modeler import ProductModeler
+from tests.plugins.product.drawn_networks import DRAWN
+from tests.plugins.product.figures_files import points_of
+from tests.plugins.product.test_rough_files import facts
+
+
+def norms(rows):
+    return np.linalg.norm(rows, axis=1)
+
+
+def length_of(spline):
+    return norms(np.diff(spline.sampled(800), axis=0)).sum()
+
+
+@pytest.mark.parametrize("scale", [1.0, 1000.0])
+@pytest.mark.parametrize("name", ["mouse", "mug", "handset"])
+def test_open_ones(name, scale):
+    """A fit of nearly as many control points as points had hooks of up to 150° at its ends."""
+    for curve in DRAWN[name]().built()[0]:
+        if curve.spline.closed:
+            continue
+        row = scale * curve.spline.sampled(25)
+        size = np.linalg.norm(np.ptp(row, axis=0))
+        for order in (row, row[::-1]):
+            spline = spline_through(order, 1e-4 * size, 1e-5 * size)
+            slopes = spline.derivative(np.array((0.0, 1.0)))
+            chords = np.array((order[1] - order[0], order[-1] - order[-2]))
+            assert ((slopes * chords).sum(axis=1) > 0.8 * norms(slopes) * norms(chords)).all()
+            assert length_of(spline) < 1.01 * scale * length_of(curve.spline)
+
+
+@pytest.mark.parametrize("count", [9, 14, 25])
+def test_closed_ones(count):
+    angles = 2.0 * np.pi * np.arange(count) / count
+    radii = 20.0 + np.cos(2 * angles) + 2.0 * np.cos(3 * angles)
+    ring = np.column_stack((radii * np.cos(angles), radii * np.sin(angles), 2 * np.sin(2 * angles)))
+    spline = closed_spline_through(ring, 1e-7)
+    chords = norms(np.diff(np.vstack((ring, ring[:1])), axis=0)).sum()
+    assert chords < length_of(spline) < 1.08 * chords
+
+
+@pytest.mark.slow
+def test_the_mouse_read_from_points_has_all_its_surfaces():
+    state = product_of_network(facts(points_of(DRAWN["mouse"]())))
+    result = ProductModeler().solve(state, Job())
+    assert len(result.patches) == 15
+    assert all(one.fill is not None and not one.creased for one in result.patches)
