@@ -247,6 +247,26 @@ def test_eraser_takes_a_stroke_before_and_after_the_turn(shell):
     assert len(shell.state.nodes[0].strokes) < 12
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_eraser_takes_the_line_that_it_crosses_and_no_other(shell, turned):
+    vertices = drawn(shell, "box", turned=turned)
+    before = shell.state.of_kind(Body)[0].strokes
+    places = VIEW.project(vertices)[0][OBJECTS["box"].edges]
+    middles = places.mean(1)
+    spans = places[:, 1] - places[:, 0]
+    lengths = np.linalg.norm(spans, axis=1)
+    across = np.column_stack((-spans[:, 1], spans[:, 0])) / lengths[:, None]
+    others = np.linalg.norm(middles[:, None] - middles, axis=2) + 1e9 * np.eye(len(middles))
+    chosen = int(others.min(1).argmax())
+    ends = middles[chosen] + np.outer((-12.0, 12.0), across[chosen])
+    shell.draw(Pen(VIEW, tool="eraser").along(ends))
+    left = shell.state.of_kind(Body)[0].strokes
+    gone = [k for k, stroke in enumerate(before) if stroke not in tuple(left)]
+    assert gone == [chosen]
+    with pytest.raises(UserError, match="no line under"):
+        shell.draw(Pen(VIEW, tool="eraser").along([(5.0, 5.0), (25.0, 5.0)]))
+
+
 def test_typed_dimension_is_kept_to_the_last_digits(shell):
     vertices = drawn(shell, "box", jitter=3.0, seed=7008)
     ends = VIEW.project(vertices)[0][OBJECTS["box"].edges[0]]
