@@ -24,10 +24,10 @@ Checkpoint = Callable[[float, str], None]
 DEAREST: Final = 8.0
 """Cost on the sheet that a change may add to be looked at in space."""
 
-MOST_OTHERS: Final = 4
+MOST_OTHERS: Final = 3
 """Changes that are looked at in space from one draft."""
 
-MOST_CHANGES: Final = 3
+MOST_CHANGES: Final = 2
 """Changes that are made one after the other."""
 
 LEAST_GAIN: Final = 1.0
