@@ -118,14 +118,6 @@ def house_with_hipped_roof(rng: Random) -> Manifold:
     return Manifold.hull_points([*corners, (w / 2, 0.28 * d, h + k), (w / 2, 0.72 * d, h + k)])
 
 
-def chair(rng: Random) -> Manifold:
-    w, d = rng.uniform((1.8, 1.8), (2.2, 2.2))
-    t = 0.42
-    made = box((w, d, 2.8)) - box((9, d - t, 9), (-1, -0.01, 1.5))
-    made -= box((w - 2 * t, 9, 1.1), (t, -1, -0.01))
-    return made - box((9, d - 2 * t, 1.1), (-1, t, -0.01))
-
-
 def bench(rng: Random) -> Manifold:
     w, d, h = rng.uniform((2.8, 1.0, 1.2), (3.4, 1.5, 1.6))
     t = 0.36
@@ -259,7 +251,7 @@ WORKSHOP: dict[str, Callable[[Random], Manifold]] = {
         h_profile, l_profile_with_cut_ends, u_profile_with_slots, pillow_block, stepped_shaft,
         square_shaft_with_flat, octagonal_shaft_with_collar, gusset, double_gusset,
         stairs_with_landing, stairs_round_a_corner, house_with_dormer, house_with_porch,
-        house_with_hipped_roof, chair, bench, drawer, cupboard,
+        house_with_hipped_roof, bench, drawer, cupboard,
         hexagonal_bolt, pyramid_on_cube, obelisk, chamfered_block,
         block_with_cut_corner, block_with_oblique_end, block_with_two_pockets,
         block_with_hexagonal_hole, block_with_step_hole, dovetail_slide, v_block_with_feet,
