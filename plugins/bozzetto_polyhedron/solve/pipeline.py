@@ -27,7 +27,7 @@ from bozzetto_polyhedron.solid.sheet import sheet_solid
 from bozzetto_polyhedron.solve.changes import after, changed_body
 from bozzetto_polyhedron.solve.choice import chosen_number
 from bozzetto_polyhedron.solve.corner_order import in_order
-from bozzetto_polyhedron.solve.doubtful_lines import decided
+from bozzetto_polyhedron.solve.line_readings import decided
 from bozzetto_polyhedron.solve.measured_edges import dimensions_of
 from bozzetto_polyhedron.solve.slanted_faces import slanted_faces
 

@@ -26,7 +26,7 @@ from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.hand_over import mesh_of
-from bozzetto_polyhedron.solve.doubtful_lines import decided
+from bozzetto_polyhedron.solve.line_readings import decided
 from tests.plugins.polyhedron.cad_parts import PARTS, part
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
 from tests.plugins.polyhedron.hand import SIZE, UNTIDY, Hand, strokes_of

@@ -16,7 +16,7 @@ from bozzetto_polyhedron.reconstruction.lifting import liftings
 from bozzetto_polyhedron.reconstruction.loose_loops import hanging_order
 from bozzetto_polyhedron.reconstruction.parallel_classes import LOOSE, parallel_classes
 from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
-from bozzetto_polyhedron.solve.doubtful_lines import decided
+from bozzetto_polyhedron.solve.line_readings import decided
 from tests.plugins.polyhedron.cad_parts import part
 from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
