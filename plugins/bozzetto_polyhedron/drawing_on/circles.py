@@ -41,6 +41,9 @@ OVAL: Final = 1.4
 """Largest ratio of the axes of what is drawn for a circle: people mistake how a face is turned, and
 who means an ellipse draws it longer."""
 
+ALL_ROUND: Final = 0.8 * TURN
+"""Angle by which ink must go round a circle: what leaves more open is not closed yet."""
+
 EDGE_ON: Final = 0.05
 """Cosine of the angle between line of sight and axis below which a plane shows no circle."""
 
@@ -115,7 +118,17 @@ def circle_on_face(body: PlanarBody, stroke: ArrayLike, camera: Camera) -> Circl
         return None
     normal = body.normals[hit[1]]
     found = _fitted(pixels, camera, normal, float(body.offsets[hit[1]]), hit[1], oval=True)
-    return found if found is not None and found.deviation < ROUND else None
+    if found is None or found.deviation >= ROUND or _turned(found, pixels, camera) < ALL_ROUND:
+        return None
+    return found
+
+
+def _turned(circle: Circle, pixels: Array, camera: Camera) -> float:
+    """Return the angle by which ink goes round a circle: a straight line is part of a wide one."""
+    points = camera.on_plane(pixels, circle.center, circle.axis)
+    x, y = ((points - circle.center) @ tangents(circle.axis).T).T
+    angles = np.unwrap(np.arctan2(y, x))
+    return float(abs(angles[-1] - angles[0]))
 
 
 def area_radius(radius: float) -> float:

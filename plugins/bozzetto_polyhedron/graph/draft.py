@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from bozzetto_polyhedron.graph.grouping import Members
@@ -121,6 +121,17 @@ class Draft:
             self.next_line += 1
             self.next_corner = max(self.next_corner, each.start + 1, each.stop + 1)
         self.dropped = (*self.dropped, *change.dropped)
+
+    def copied(self) -> Draft:
+        """Return a draft that can be changed by itself."""
+        return replace(
+            self,
+            lines=dict(self.lines),
+            sums=dict(self.sums),
+            degrees=dict(self.degrees),
+            costs=dict(self.costs),
+            pairs={pair: list(keys) for pair, keys in self.pairs.items()},
+        )
 
     def fits_now(self, change: Change) -> bool:
         """Whether all lines that the change removes are still there."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -74,6 +74,22 @@ def searched(
     )
     graph = searched_graph(draft, pieces, segments, size, origin)
     return LiveGraph(graph, tuple(strokes), pieces, segments, draft)
+
+
+def with_draft(live: LiveGraph, draft: Draft) -> LiveGraph:
+    """Return a graph of the same strokes whose lines meet as in another draft of theirs.
+
+    Parameters
+    ----------
+    live : LiveGraph
+        A graph with a draft.
+    draft : Draft
+        Of the same segments.
+    """
+    size = size_of(live.strokes)
+    segments, origin = normalized(live.pieces, size)
+    graph = searched_graph(draft, live.pieces, segments, size, origin)
+    return replace(live, graph=graph, draft=draft)
 
 
 def continued(

@@ -47,6 +47,45 @@ def second_readings(draft: Draft) -> list[Array]:
     return [np.array([places[corner] for corner in sorted(concerned)]).mean(0)]
 
 
+def other_drafts(draft: Draft, dearest: float, most: int) -> list[Draft]:
+    """Return what one change makes of a draft, where it joins lines otherwise and costs little.
+
+    Parameters
+    ----------
+    draft : Draft
+        Not changed.
+    dearest : float
+        Cost that a change may add.
+    most : int
+        Number of drafts, at most.
+
+    Returns
+    -------
+    list of Draft
+        The likeliest first; each joins other corners than the ones before it.
+    """
+    priced = [
+        (price, number, change)
+        for number, change in enumerate(steps(draft))
+        if not change.dropped
+        and _joins_otherwise(draft, change)
+        and (price := draft.price(change)) < dearest
+    ]
+    found: dict[tuple[tuple[int, int], ...], Draft] = {}
+    for _, _, change in sorted(priced, key=lambda each: each[:2]):
+        other = draft.copied()
+        other.apply(change)
+        found.setdefault(joined_pairs(other), other)
+        if len(found) == most:
+            break
+    return list(found.values())
+
+
+def joined_pairs(draft: Draft) -> tuple[tuple[int, int], ...]:
+    """Return which corners of a draft are joined, whatever the strokes between them."""
+    return tuple(sorted(each.pair for each in draft.lines.values()))
+
+
 def _joins_otherwise(draft: Draft, change: Change) -> bool:
     """Whether a change joins other corners, and leaves none with fewer than three lines."""
     gone = sorted(draft.lines[key].pair for key in change.removed)

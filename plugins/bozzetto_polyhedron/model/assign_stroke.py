@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,9 @@ BESIDE: Final = 0.1
 GROWING: Final = 0.5
 """The same, in heights of the canvas, for the body that is being drawn and was not turned yet: its
 next line may be the far side."""
+
+TOUCH: Final = 0.02
+"""Distance of two ends, in heights of the canvas, at which a stroke makes one drawing of two."""
 
 DOT: Final = 3.0
 """Extent of ink, px, below which it is no line."""
@@ -75,8 +79,49 @@ def _with_stroke(state: PolyhedronState, stroke: Stroke) -> PolyhedronState:
     for body in _candidates(state):
         own = into_drawing(stroke, body)
         if own is not None and _is_near(body, own, body.id == state.selected):
-            return state.with_node(with_stroke(body, own, stroke.camera))
+            body = with_stroke(body, own, stroke.camera)
+            return _with_what_it_touches(state.with_node(body), body, own)
     return new_body(state, [stroke])
+
+
+def _with_what_it_touches(state: PolyhedronState, body: Body, stroke: Stroke) -> PolyhedronState:
+    """Return the state with one body of all drawings of one sheet at which a stroke of one ends.
+
+    Lines of one drawing may begin far from one another. Only drawings that nobody turned yet are
+    joined; the one that was begun first stays, and is chosen.
+    """
+    numbers = [each.id for each in state.of_kind(Body)]
+    others = [each for each in state.shown(Body) if each.id != body.id and _is_begun(each)]
+    for other in others if _is_begun(body) else ():
+        strokes = [into_drawing(each, body) for each in other.strokes]
+        own = [each for each in strokes if each is not None]
+        if len(own) < len(strokes) or not _touches(stroke, own):
+            continue
+        first, second = sorted((body, other), key=lambda each: numbers.index(each.id))
+        moved = [into_drawing(each, first) for each in second.strokes]
+        ink = [*first.strokes, *(each for each in moved if each is not None)]
+        body = replace(first, strokes=Strokes(ink))
+        state = state.without_nodes(second.id).with_node(body)
+    return state
+
+
+def _is_begun(body: Body) -> bool:
+    """Whether a body is nothing but lines that nobody turned, moved or held yet."""
+    return (
+        body.choice is None
+        and body.moves == "whole"
+        and not body.anchors
+        and not body.guessed
+        and body.placement.is_identity
+    )
+
+
+def _touches(stroke: Stroke, others: Sequence[Stroke]) -> bool:
+    """Whether an end of a stroke is beside an end of another one."""
+    ends = stroke.points[[0, -1]]
+    places = np.concatenate([each.points[[0, -1]] for each in others])
+    apart = np.linalg.norm(ends[:, None] - places, axis=2)
+    return bool(apart.min() <= TOUCH * stroke.camera.viewport[1])
 
 
 def _candidates(state: PolyhedronState) -> list[Body]:

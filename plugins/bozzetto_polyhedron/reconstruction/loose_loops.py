@@ -135,6 +135,54 @@ def attached(
     return found
 
 
+def hanging_order(drawing: Drawing, parts: Sequence[Lifting]) -> list[Lifting]:
+    """Return parts so that each one can lie in faces of those before it.
+
+    The long shaft of a bolt lies in a face of its short head. So the body is the largest part of
+    those at which all others hang, directly or by others; where there is none, the largest part.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        In units of its own size.
+    parts : sequence of Lifting
+        The largest first.
+    """
+    around: dict[tuple[Ring, Ring], bool] = {}
+    holds = [
+        {
+            k
+            for k, other in enumerate(parts)
+            if other is not part and _may_hold(drawing, part, other, around)
+        }
+        for part in parts
+    ]
+    orders = [_reached(start, holds) for start in range(len(parts))]
+    if not orders:
+        return []
+    whole = next((each for each in orders if len(each) == len(parts)), orders[0])
+    return [parts[k] for k in (*whole, *(k for k in range(len(parts)) if k not in whole))]
+
+
+def _reached(start: int, holds: Sequence[set[int]]) -> list[int]:
+    """Return what hangs at a part, directly or by others; each after what holds it."""
+    order = [start]
+    while left := set().union(*(holds[k] for k in order)) - set(order):
+        order.append(min(left))
+    return order
+
+
+def _may_hold(
+    drawing: Drawing, part: Lifting, other: Lifting, around: dict[tuple[Ring, Ring], bool]
+) -> bool:
+    """Whether a face of a part appears around one of another part."""
+    return any(
+        _surrounds(drawing, outer[0], inner[0], around)
+        for outer in part.faces
+        for inner in other.faces
+    )
+
+
 def _ways(
     drawing: Drawing,
     classes: ParallelClasses,

@@ -15,7 +15,7 @@ from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
 from bozzetto_polyhedron.reconstruction.lone_parallels import without_lone_parallels
-from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached
+from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached, hanging_order
 from bozzetto_polyhedron.reconstruction.metric_upgrade import metric_maps, squared
 from bozzetto_polyhedron.reconstruction.orientation import open_lines
 from bozzetto_polyhedron.reconstruction.parallel_classes import (
@@ -97,19 +97,26 @@ def readings(
         if classes.labels.tobytes() in seen or not parts:
             continue
         seen.add(classes.labels.tobytes())
-        loose = [part for part in parts[1:] if len(part) > 2]
-        small = [liftings(drawing, classes, neighbors, part)[:1] for part in loose]
-        inner = [part for each in small for part in each]
-        for body in liftings(drawing, classes, neighbors, parts[0]):
+        lifted = [liftings(drawing, classes, neighbors, part) for part in parts if len(part) > 2]
+        first = [each[0] for each in lifted if each] if len(lifted) > 1 else []
+        inner = hanging_order(drawing, first)
+        for body in _bodies(lifted, inner):
             checkpoint(0.3 + 0.3 * strict, "readings")
-            own = _of_body(drawing, classes, body, inner, strict)
-            other = without_lone_parallels(drawing, classes, (body, *inner))
+            own = _of_body(drawing, classes, body, inner[1:], strict)
+            other = without_lone_parallels(drawing, classes, (body, *inner[1:]))
             if other is not None:
                 own = [replace(each, by_looks=True) for each in own]
                 freed = _of_body(drawing, other[0], other[1][0], other[1][1:], strict)
                 own += [replace(each, by_looks=False) for each in freed]
             found += own
     return distinct(drawing, sorted(found, key=lambda each: -each.score))
+
+
+def _bodies(lifted: Sequence[Sequence[Lifting]], inner: Sequence[Lifting]) -> Sequence[Lifting]:
+    """Return the ways to lift the part that all others hang at."""
+    if not inner:
+        return lifted[0] if lifted else ()
+    return next(each for each in lifted if each and each[0] is inner[0])
 
 
 def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:

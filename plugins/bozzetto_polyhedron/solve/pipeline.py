@@ -26,6 +26,8 @@ from bozzetto_polyhedron.solid.planar_body import PlanarBody, evened, on_axis_pl
 from bozzetto_polyhedron.solid.sheet import sheet_solid
 from bozzetto_polyhedron.solve.changes import after, changed_body
 from bozzetto_polyhedron.solve.choice import chosen_number
+from bozzetto_polyhedron.solve.corner_order import in_order
+from bozzetto_polyhedron.solve.line_readings import decided
 from bozzetto_polyhedron.solve.measured_edges import dimensions_of
 from bozzetto_polyhedron.solve.slanted_faces import slanted_faces
 
@@ -257,28 +259,8 @@ def graph_while_drawn(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
 
 @remembered(limit=64, key=_without_checkpoint)
 def _searched(strokes: Strokes, checkpoint: Checkpoint) -> LiveGraph:
-    return searched(strokes, checkpoint=checkpoint)
-
-
-def in_order(graph: LineGraph) -> LineGraph:
-    """Return a graph with corners from left to right, whatever the order of its strokes.
-
-    Searches for answers begin with numbers of corners: so they end alike, too.
-    """
-    if not len(graph.lines):
-        return graph
-    corners = np.lexsort(graph.places.round(6).T[::-1])
-    numbers = np.empty(len(corners), np.intp)
-    numbers[corners] = np.arange(len(corners))
-    lines = np.sort(numbers[graph.lines], axis=1)
-    rows = np.lexsort(lines.T[::-1])
-    return replace(
-        graph,
-        places=graph.places[corners],
-        lines=lines[rows],
-        light=graph.light[rows],
-        strokes=tuple(graph.strokes[row] for row in rows),
-    )
+    found = searched(strokes, checkpoint=checkpoint)
+    return decided(found, strokes[0].camera, checkpoint) if len(strokes) else found
 
 
 @remembered(limit=64, key=_without_checkpoint)

@@ -20,7 +20,7 @@ class DimensionTool(ErasingTool):
     title = "Dimension"
     icon = "icons/dimension.svg"
     group = "Sizes and angles"
-    hint = "Touch an edge of a solid, then type its length."
+    hint = "Touch an edge of a solid, then type its length under “Parameters”."
     gesture = "tap"
 
     @override
@@ -37,7 +37,7 @@ class DimensionTool(ErasingTool):
         if not state.of_kind(Body):
             return NextStep("Draw every edge of a solid first.", tool="draw")
         if state.chosen_of(Measure) is not None:
-            return NextStep("Type the length, or touch another edge.")
+            return NextStep("Type its length under “Parameters”, or touch another edge.")
         return NextStep(self.hint)
 
 

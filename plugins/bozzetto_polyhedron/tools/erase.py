@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -22,11 +23,17 @@ from bozzetto_polyhedron.solve.pipeline import solved
 from bozzetto_polyhedron.solve.spots import hung_on
 from bozzetto_polyhedron.view.fittings import seen_ends
 
+Takes = Callable[[Array, Array], bool]
+"""Whether a path, (n, 2) px, takes a line, (m, 2) px."""
+
 REACH: Final = 9.0
 """Half the width of the eraser, px."""
 
 MOST: Final = 0.35
 """Share of a stroke that must be rubbed over for it to go."""
+
+ENDS: Final = 0.08
+"""Share of a line at either end where a path that crosses it may mean another line there."""
 
 LOOKS: Final = 48
 """Places of a stroke that are looked at."""
@@ -47,7 +54,7 @@ class Erase(ErasingTool):
     id = "erase"
     title = "Erase"
     icon = "icons/erase.svg"
-    hint = "Rub along the lines that are to go."
+    hint = "Rub along the lines that are to go, or strike them out."
 
     @override
     def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
@@ -60,19 +67,34 @@ class Erase(ErasingTool):
 def erased(state: PolyhedronState, path: Stroke, sources: Sources = NOTHING) -> PolyhedronState:
     """Return the state without the strokes that a path was rubbed over.
 
+    Where it lies along none, those go that it crosses.
+
     Raises
     ------
     UserError
         If there is nothing under it.
     """
-    before = state
+    for takes in (_is_over, _crosses):
+        found = _without_taken(state, path, sources, takes)
+        if found is not state:
+            return found
+    raise UserError(
+        "There is no line under the eraser. Rub along the one that is to go, or across it."
+    )
+
+
+def _without_taken(
+    before: PolyhedronState, path: Stroke, sources: Sources, takes: Takes
+) -> PolyhedronState:
+    """Return the state without what a path takes: what was drawn on bodies, else their strokes."""
+    state = before
     for body in before.shown(Body):
         for change in before.changes_of(body):
-            state = _without_rubbed(state, before, body, change, path)
+            state = _without_rubbed(state, before, body, change, path, takes)
     if state is not before:
         return state
     for body in before.shown(Body):
-        rubbed = _rubbed(body, before, path)
+        rubbed = _rubbed(body, before, path, takes)
         kept = [stroke for k, stroke in enumerate(body.strokes) if k not in rubbed]
         if not kept:
             own = (*state.measures_of(body), *state.slants_of(body), *state.changes_of(body))
@@ -82,22 +104,24 @@ def erased(state: PolyhedronState, path: Stroke, sources: Sources = NOTHING) -> 
             state = state.without_nodes(body.id, *gone)
         elif rubbed:
             state = state.with_node(replace(body, strokes=Strokes(kept)))
-    state = _without_fittings(state, before, path, sources)
-    if state is before:
-        raise UserError("There is no line under the eraser. Rub along the one that is to go.")
-    return state
+    return _without_fittings(state, before, path, sources, takes)
 
 
 def _without_rubbed(
-    state: PolyhedronState, before: PolyhedronState, body: Body, change: Change, path: Stroke
+    state: PolyhedronState,
+    before: PolyhedronState,
+    body: Body,
+    change: Change,
+    path: Stroke,
+    takes: Takes,
 ) -> PolyhedronState:
-    """Return the state without the lines of a change that a path lies over."""
+    """Return the state without the lines of a change that a path takes."""
     rubbed = []
     for number, line in enumerate(change_lines(body, before, change)):
         if not len(line):
             continue
         places, _ = path.camera.project(line)
-        if np.isfinite(places).all() and _is_over(path.points, places):
+        if np.isfinite(places).all() and takes(path.points, places):
             rubbed.append(number)
     if not rubbed:
         return state
@@ -108,9 +132,13 @@ def _without_rubbed(
 
 
 def _without_fittings(
-    state: PolyhedronState, before: PolyhedronState, path: Stroke, sources: Sources
+    state: PolyhedronState,
+    before: PolyhedronState,
+    path: Stroke,
+    sources: Sources,
+    takes: Takes,
 ) -> PolyhedronState:
-    """Return the state without the fittings that a path was rubbed over."""
+    """Return the state without the fittings that a path takes."""
     if not before.fittings():
         return state
     made = moving(before, sources)
@@ -119,28 +147,43 @@ def _without_fittings(
         if ends is None:
             continue
         seen = path.camera.project(ends)[0]
-        if np.isfinite(seen).all() and _is_over(path.points, seen):
+        if np.isfinite(seen).all() and takes(path.points, seen):
             state = state.without_nodes(fitting.id)
     return state
 
 
-def _rubbed(body: Body, state: PolyhedronState, path: Stroke) -> set[int]:
-    """Return the numbers of the strokes of a body that a path lies over."""
+def _rubbed(body: Body, state: PolyhedronState, path: Stroke, takes: Takes) -> set[int]:
+    """Return the numbers of the strokes of a body that a path takes."""
     own = into_drawing(path, body)
     if own is not None:
         return {
-            number
-            for number, stroke in enumerate(body.strokes)
-            if _is_over(own.points, stroke.points)
+            number for number, stroke in enumerate(body.strokes) if takes(own.points, stroke.points)
         }
     found = solved(body, state)
     places = corner_places(body, found, path.camera)
     covered = [
         number
         for number, line in enumerate(found.graph.lines)
-        if np.isfinite(places[line]).all() and _is_over(path.points, places[line])
+        if np.isfinite(places[line]).all() and takes(path.points, places[line])
     ]
     return {stroke for number in covered for stroke in found.graph.strokes[number]}
+
+
+def _crosses(path: Array, line: Array) -> bool:
+    """Whether a path runs across a line, not at its ends."""
+    if len(path) < 2 or len(line) < 2:
+        return False
+    line = resample(line, count=LOOKS)
+    along, across = np.diff(line, axis=0)[None], np.diff(path, axis=0)[:, None]
+    apart = path[:-1, None] - line[None, :-1]
+    area = along[..., 0] * across[..., 1] - along[..., 1] * across[..., 0]
+    area = np.where(area == 0.0, np.inf, area)
+    at_line = (apart[..., 0] * across[..., 1] - apart[..., 1] * across[..., 0]) / area
+    at_path = (apart[..., 0] * along[..., 1] - apart[..., 1] * along[..., 0]) / area
+    met = (at_line >= 0.0) & (at_line < 1.0) & (at_path >= 0.0) & (at_path <= 1.0)
+    met &= np.isfinite(area)
+    shares = (np.arange(LOOKS - 1) + at_line) / (LOOKS - 1)
+    return bool((met & (shares > ENDS) & (shares < 1.0 - ENDS)).any())
 
 
 def _is_over(path: Array, line: Array) -> bool:

@@ -178,6 +178,42 @@ def test_two_bodies_side_by_side(shell):
     assert len(shell.shapes().breps) == 2
 
 
+def far_apart(strokes: list[Stroke]) -> list[Stroke]:
+    """Return strokes so that each one is drawn as far from all before it as can be."""
+    middles = np.array([stroke.points.mean(0) for stroke in strokes])
+    order = [int(middles[:, 0].argmin())]
+    while len(order) < len(strokes):
+        apart = np.linalg.norm(middles[:, None] - middles[order], axis=2).min(1)
+        order.append(int(apart.argmax()))
+    return [strokes[k] for k in order]
+
+
+def test_lines_that_begin_far_from_one_another_become_one_drawing(shell):
+    box = OBJECTS["box"]
+    vertices = fitted(box, 130.0) * (1.7, 1.0, 1.0)
+    strokes = far_apart(list(strokes_of(vertices, box.edges)))
+    shell.open(POLYHEDRON)
+    shell.camera = VIEW
+    shell.draw(*strokes[:2])
+    assert len(shell.state.of_kind(Body)) == 2
+    shell.draw(*strokes[2:])
+    assert [len(body.strokes) for body in shell.state.of_kind(Body)] == [12]
+    assert report(shell)["closed"]
+    shell.undo()
+    assert [len(body.strokes) for body in shell.state.of_kind(Body)] == [1, 1]
+
+
+def test_a_solid_beside_another_drawing_stays_when_a_line_ends_at_it(shell):
+    drawn(shell, "box")
+    ends = VIEW.project(fitted(OBJECTS["box"]))[0]
+    left = ends[ends[:, 0].argmin()]
+    low = left - np.array((380.0, 0.0))
+    shell.draw(Stroke(*np.linspace(low, low + np.array((0.0, 60.0)), 9).T, VIEW))
+    count = len(shell.state.of_kind(Body))
+    shell.draw(Stroke(*np.linspace(low, left, 9).T, VIEW))
+    assert len(shell.state.of_kind(Body)) == count
+
+
 def test_missing_edge_is_said_and_drawing_it_closes_the_solid(shell):
     solid, vertices = OBJECTS["box"], fitted(OBJECTS["box"])
     strokes = strokes_of(vertices, solid.edges)
@@ -209,6 +245,26 @@ def test_eraser_takes_a_stroke_before_and_after_the_turn(shell):
     seen = shell.camera.project(report(shell)["vertices"])[0][edge]
     shell.draw(Pen(shell.camera, tool="eraser").along(seen))
     assert len(shell.state.nodes[0].strokes) < 12
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_eraser_takes_the_line_that_it_crosses_and_no_other(shell, turned):
+    vertices = drawn(shell, "box", turned=turned)
+    before = shell.state.of_kind(Body)[0].strokes
+    places = VIEW.project(vertices)[0][OBJECTS["box"].edges]
+    middles = places.mean(1)
+    spans = places[:, 1] - places[:, 0]
+    lengths = np.linalg.norm(spans, axis=1)
+    across = np.column_stack((-spans[:, 1], spans[:, 0])) / lengths[:, None]
+    others = np.linalg.norm(middles[:, None] - middles, axis=2) + 1e9 * np.eye(len(middles))
+    chosen = int(others.min(1).argmax())
+    ends = middles[chosen] + np.outer((-12.0, 12.0), across[chosen])
+    shell.draw(Pen(VIEW, tool="eraser").along(ends))
+    left = shell.state.of_kind(Body)[0].strokes
+    gone = [k for k, stroke in enumerate(before) if stroke not in tuple(left)]
+    assert gone == [chosen]
+    with pytest.raises(UserError, match="no line under"):
+        shell.draw(Pen(VIEW, tool="eraser").along([(5.0, 5.0), (25.0, 5.0)]))
 
 
 def test_typed_dimension_is_kept_to_the_last_digits(shell):

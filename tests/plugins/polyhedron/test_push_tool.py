@@ -97,3 +97,15 @@ def test_a_file_and_the_ground_keep_the_loop(box):
     assert volume_of(body(box)) == before
     box.run("ground")
     assert volume_of(body(box)) == pytest.approx(before, rel=1e-9)
+
+
+@pytest.mark.parametrize("bow", [0.0, 1.5, 12.0, 40.0])
+def test_a_line_that_does_not_close_on_a_face_is_no_circle(box, bow):
+    corners = face_on_top(box)
+    places = box.camera.project(corners.mean(axis=0)[None])[0][0] + np.outer(
+        np.linspace(-40.0, 40.0, 30), (1.0, 0.4)
+    )
+    places[:, 1] += bow * np.sin(np.linspace(0.0, np.pi, 30))
+    with pytest.raises(UserError, match="close"):
+        box.draw(Pen(box.camera).along(places), tool="loop")
+    assert box.state.of_kind(Push) == ()

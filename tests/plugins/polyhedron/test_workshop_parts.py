@@ -1,0 +1,94 @@
+"""Parts of a workshop: what hangs at a smaller part, and lines that could meet otherwise."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bozzetto_polyhedron.graph.health import told
+from bozzetto_polyhedron.graph.live import LiveGraph, searched
+from bozzetto_polyhedron.reconstruction.answers import answers_of
+from bozzetto_polyhedron.reconstruction.drawing import drawing_of
+from bozzetto_polyhedron.reconstruction.lifting import liftings
+from bozzetto_polyhedron.reconstruction.loose_loops import hanging_order
+from bozzetto_polyhedron.reconstruction.parallel_classes import LOOSE, parallel_classes
+from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
+from bozzetto_polyhedron.solve.line_readings import decided
+from tests.plugins.polyhedron.cad_parts import part
+from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT
+from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
+from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
+from tests.plugins.polyhedron.objects import (
+    CAMERA,
+    View,
+    graph_of,
+    in_eye_frame,
+    is_right,
+    view,
+)
+from tests.plugins.polyhedron.workshop_parts import workshop_part
+
+HAND = Hand(retraced=0.15, split=0.1, overshot=0.3)
+
+
+def seen_part(name: str, seed: int) -> View:
+    solid = workshop_part(name, seed)
+    assert solid is not None
+    found = view(solid, seed)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_long_shaft_hangs_at_its_short_head(seed):
+    seen = seen_part("hexagonal bolt", seed)
+    graph, _ = graph_of(seen, 0.005, seed, marks=0.0)
+    first = answers_of(graph, CAMERA)[0]
+    rings = {frozenset(frozenset(ring) for ring in face) for face in first.faces}
+    assert rings == seen.solid.face_sets()
+    assert is_right(seen, in_eye_frame(first.vertices, CAMERA), 0.01, mirrored=False)
+
+
+@pytest.mark.parametrize("name", ["hexagonal bolt", "block with step hole", "cupboard"])
+def test_the_order_in_which_parts_are_found_does_not_matter(name):
+    seen = next(each for k in range(9) if (each := view(workshop_part(name, k), k)) is not None)
+    drawing = drawing_of(graph_of(seen, 0.0, 1)[0])
+    neighbors = neighbors_of(drawing.lines)
+    classes = parallel_classes(drawing, LOOSE)
+    parts = [liftings(drawing, classes, neighbors, each)[0] for each in components(neighbors)]
+    assert len(parts) > 1
+    bodies = {hanging_order(drawing, order)[0].corners for order in itertools.permutations(parts)}
+    assert len(bodies) == 1
+
+
+def doubtful(seed: int) -> tuple[LiveGraph, np.ndarray, list[tuple[int, int]]]:
+    """Return what the sheet tells of a boss on an octagon, where its corners are, and its edges."""
+    solid = part("octagon with boss", seed)
+    seen = view(solid, seed)
+    edges = [(int(a), int(b)) for a, b in solid.edges]
+    hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
+    strokes = strokes_of(seen.plane * UPRIGHT, edges, HAND, seed, hidden)
+    return searched(strokes), seen.plane * UPRIGHT * SIZE + 200.0, edges
+
+
+@pytest.mark.slow
+def test_the_better_solid_decides_between_lines_that_could_meet_in_two_ways():
+    live, places, edges = doubtful(301)
+    assert [each.what for each in live.graph.health] == ["second reading"]
+    assert not is_right_graph(live.graph, places, edges)
+    found = decided(live, CAMERA, lambda *_: None)
+    assert is_right_graph(found.graph, places, edges)
+    assert found.strokes is live.strokes
+
+
+@pytest.mark.slow
+def test_what_is_right_stays_and_a_graph_that_looks_wrong_is_left_alone():
+    live, places, edges = doubtful(300)
+    assert is_right_graph(live.graph, places, edges)
+    assert is_right_graph(decided(live, CAMERA, lambda *_: None).graph, places, edges)
+    for health in ((), (*live.graph.health, told(places[0], "loose end"))):
+        other = replace(live, graph=replace(live.graph, health=health))
+        assert decided(other, CAMERA, lambda *_: None) is other
