@@ -37,7 +37,7 @@ REACH: Final = 2.5
 """That length in widths of the gap."""
 
 CORNER: Final = np.deg2rad(50.0)
-"""A joint at which the ink turns by more is a corner: more than it bends on its way over the gap."""
+"""A joint at which the ink turns by more, and more than it bends on that way, is a corner."""
 
 MOST_TURN: Final = np.deg2rad(110.0)
 """Turn beyond which no smooth joint leads over a gap: it would be no function of the chord."""

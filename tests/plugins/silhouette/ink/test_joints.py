@@ -4,9 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
 
+from bozzetto.ink import resample
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes
-from tests.plugins.silhouette.ink.hand_drawn import SIZE, ellipse, polygon, turns, with_fold
+from tests.plugins.silhouette.ink.hand_drawn import (
+    SIZE,
+    by_a_fast_pen,
+    ellipse,
+    polygon,
+    turning,
+    turns,
+    with_fold,
+    with_folded_end,
+)
 
 SQUARE = np.array(((0.0, 0.0), (300.0, 0.0), (300.0, 260.0), (0.0, 260.0)))
 TRIANGLE = np.array(((0.0, 0.0), (300.0, 40.0), (120.0, 260.0)))
@@ -31,6 +42,48 @@ def test_a_fold_in_the_ink_leaves_none_either():
     for seed in range(62_000, 62_040):
         random = np.random.default_rng(seed)
         assert turns(ring_of(with_fold(random, ellipse(random, 0.5))))[0].max() < 30.0
+
+
+@pytest.mark.parametrize("start", [False, True])
+def test_an_end_that_goes_back_over_the_ink_leaves_none_either(start):
+    for seed in range(68_000, 68_040):
+        random = np.random.default_rng(seed)
+        line = with_folded_end(random, ellipse(random, 0.3), start=start)
+        assert turns(ring_of(line))[0].max() < 30.0
+
+
+def test_a_thin_limb_is_no_fold_in_the_ink():
+    """Its sides run closer than those of a fold may, and strokes meet on one of them."""
+    limb = np.array(((120.0, 0.0), (120.0, 90.0), (123.0, 90.0), (123.0, 0.0), (300.0, 0.0)))
+    body = np.array(((300.0, 0.0), (300.0, -200.0), (0.0, -200.0), (0.0, 0.0), (120.0, 0.0)))
+    outline = np.vstack((limb, body[1:]))
+    for first in (80.0, 85.0):  # begins on the left side of the limb, goes round its tip
+        one = resample(np.vstack(((120.0, first), outline[1:-1])), spacing=3.0)
+        other = resample(np.array(((0.0, 0.0), (120.0, 0.0), (120.0, first))), spacing=3.0)
+        ring = ring_of(one, other)
+        assert ring[:, 1].max() > 87.0
+        assert shapely.Polygon(ring).area == pytest.approx(60_270.0, rel=0.01)
+
+
+@pytest.mark.parametrize(("spacing", "jitter"), [(3.0, 0.5), (7.0, 1.4)])
+def test_ink_of_few_samples_is_calm(spacing, jitter):
+    """The same in shares of the size as 1 px of 600 at 6 px, and as 3 px at 14 px."""
+    unrest, sharpest = [], []
+    for seed in range(69_000, 69_030):
+        random = np.random.default_rng(seed)
+        ring = ring_of(by_a_fast_pen(random, ellipse(random, 0.0), spacing, jitter))
+        unrest.append(turning(ring))
+        sharpest.append(turns(ring)[0].max())
+    assert np.median(unrest) < 1.5
+    assert np.median(sharpest) < 20.0
+    assert np.mean(np.array(sharpest) > 30.0) <= 0.1
+
+
+def test_cogs_of_few_vertices_are_no_jitter():
+    angle = 2.0 * np.pi * np.arange(72) / 72
+    radius = 150.0 - 9.0 * (np.arange(72) % 2)
+    cogs = np.column_stack((radius * np.cos(angle), radius * np.sin(angle)))
+    assert turning(ring_of(cogs)) > 0.8 * turning(cogs)
 
 
 @pytest.mark.parametrize("corners", [SQUARE, TRIANGLE])
