@@ -6,6 +6,8 @@ corner. The window grows with the measured noise, and clean outlines are left al
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
@@ -34,6 +36,13 @@ WIDEST = 40
 
 SURE = 1.5
 """Standard deviations of the first fit by which a wider one may differ from it."""
+
+FACETS = 0.04
+"""Even steps longer than this show as facets, where the ink bends gently."""
+
+GENTLE = np.deg2rad(12.5)
+"""Median turn from step to step of ink that means a curve; a polygon of fewer than 29 sides turns
+more."""
 
 _HALF_WINDOW = (4, 14)
 """Bounds of the filter's half width, in samples."""
@@ -123,7 +132,7 @@ def filtered(ring: Array, noise: float | None = None) -> Array:
     for _ in range(_PASSES):
         size = noise_of(ring) if noise is None else noise
         if size < UNNOTICED or len(ring) < 24:
-            return ring
+            return _rounded(ring)
         # Heavy jitter makes the line much longer than the shape it stands for, and the
         # window so much narrower on it: measure again on the filtered line.
         calm = _filtered_once(ring, size)
@@ -131,6 +140,44 @@ def filtered(ring: Array, noise: float | None = None) -> Array:
             return calm
         ring = calm
     return ring
+
+
+def _rounded(ring: Array) -> Array:
+    """Lead a smooth line through ink of few samples; of anything else return the ring itself.
+
+    A periodic cubic spline over the arc, from corner to corner.
+    """
+    from scipy.interpolate import CubicSpline
+
+    edge = np.roll(ring, -1, axis=0) - ring
+    length = np.hypot(edge[:, 0], edge[:, 1])
+    short, long = _by_length(length, 0.1), _by_length(length, 0.9)
+    if not FACETS < long < min(SPARSE * 1.5, EVEN * short):
+        return ring
+    heading = np.arctan2(edge[:, 1], edge[:, 0])
+    turn = np.abs((heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi)
+    if np.median(turn) > GENTLE:
+        return ring
+    corners = np.flatnonzero(turn > _CORNER_TURN)
+    first = int(corners[0]) if len(corners) else 0
+    closed = np.roll(ring, -first, axis=0)
+    closed = np.vstack([closed, closed[:1]])
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
+    if not len(corners):
+        fine = np.linspace(0.0, arc[-1], round(arc[-1] / SPACING), endpoint=False)
+        return np.asarray(CubicSpline(arc, closed, bc_type="periodic")(fine))
+    ends = [*(corners - first).tolist(), len(ring)]
+    pieces = []
+    for start, stop in pairwise(ends):
+        piece = slice(start, stop + 1)
+        count = max(round((arc[stop] - arc[start]) / SPACING), 1)
+        fine = np.linspace(arc[start], arc[stop], count, endpoint=False)
+        if stop - start < 3:
+            way = np.column_stack([np.interp(fine, arc[piece], closed[piece, k]) for k in (0, 1)])
+        else:
+            way = CubicSpline(arc[piece], closed[piece], bc_type="not-a-knot")(fine)
+        pieces.append(way)
+    return np.concatenate(pieces)
 
 
 def _filtered_once(ring: Array, noise: float) -> Array:

@@ -79,6 +79,39 @@ def test_ink_of_few_samples_is_calm(spacing, jitter):
     assert np.mean(np.array(sharpest) > 30.0) <= 0.1
 
 
+@pytest.mark.parametrize("samples", [32, 45, 60])
+def test_a_hasty_circle_has_no_facets(samples):
+    angle = 2.0 * np.pi * (np.arange(samples) + 0.3) / samples
+    line = 150.0 * np.column_stack((np.cos(angle), np.sin(angle)))
+    ring = ring_of(line)
+    assert np.abs(np.hypot(*ring.T) - 150.0).max() < 0.1
+    assert turns(ring)[0].max() < 2.0
+
+
+@pytest.mark.parametrize("sides", [3, 6, 12, 24])
+def test_regular_polygons_keep_their_sides(sides):
+    angle = 2.0 * np.pi * np.arange(sides) / sides
+    corners = 150.0 * np.column_stack((np.cos(angle), np.sin(angle)))
+    assert shapely.Polygon(ring_of(corners)).area == pytest.approx(
+        shapely.Polygon(corners).area, rel=1e-12
+    )
+
+
+def test_a_corner_in_hasty_ink_stays():
+    """A drop: three quarters of a circle and two tangents to its tip."""
+    angle = np.linspace(0.75 * np.pi, -0.75 * np.pi, 24)
+    arc = 100.0 * np.column_stack((np.cos(angle), np.sin(angle)))
+    tip = np.array((-100.0 * np.sqrt(2.0), 0.0))
+    sides = [
+        a + (b - a) * np.linspace(0.0, 1.0, 6)[:, None] for a, b in ((arc[-1], tip), (tip, arc[0]))
+    ]
+    ring = ring_of(np.vstack((arc, sides[0][1:], sides[1][1:-1])))
+    assert np.hypot(*(ring - tip).T).min() < 0.5
+    turn, places = turns(ring)
+    assert turn[np.hypot(*(places - tip).T) < 8.0].max() > 45.0
+    assert turn[np.hypot(*(places - tip).T) > 12.0].max() < 6.0
+
+
 def test_cogs_of_few_vertices_are_no_jitter():
     angle = 2.0 * np.pi * np.arange(72) / 72
     radius = 150.0 - 9.0 * (np.arange(72) % 2)
