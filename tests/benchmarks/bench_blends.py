@@ -69,10 +69,12 @@ def _wreath(limbs: int) -> SilhouetteState:
     return SilhouetteState(tuple(nodes))
 
 
-def _dragged(state: SilhouetteState) -> object:
-    """One event of the pen that drags the last part."""
+def _dragged(state: SilhouetteState, place: int = -1) -> object:
+    """One event of the pen that drags a part, the last one by default."""
+    node = state.nodes[place]
     away = Placement(offset=(0.01 * next(_HAIRS), 0.0, 0.0))
-    return draft_surface(state.with_node(replace(state.nodes[-1], pose=away)), LIVE_CELLS)
+    moved = replace(state.with_node(replace(node, pose=away)), selected=node.id)
+    return draft_surface(moved, LIVE_CELLS)
 
 
 def _tree() -> Iterator[Row]:
@@ -97,6 +99,10 @@ def _tree() -> Iterator[Row]:
     yield Row(
         "blends", f"a part dragged over {LIMBS} more, {LIVE_CELLS} cells, processor time",
         processor_ms(partial(_dragged, state), repeats=5), budget="≤ 100 ms",
+    )  # fmt: skip
+    yield Row(
+        "blends", f"the trunk dragged under {LIMBS} more, {LIVE_CELLS} cells, processor time",
+        processor_ms(partial(_dragged, state, 0), repeats=5), budget="≤ 100 ms",
     )  # fmt: skip
 
 

@@ -6,9 +6,11 @@ corner. The window grows with the measured noise, and clean outlines are left al
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 
 SPACING = 3e-3
 """Resampling before the filter, as a share of the size."""
@@ -16,8 +18,37 @@ SPACING = 3e-3
 UNNOTICED = 4e-4
 """Noise below this share of the size is left alone."""
 
+DENSE, SPARSE = 0.03, 0.08
+"""Longest edges of ink, as a share of the size, and of ink that a fast pen left few samples of."""
+
+EVEN = 3.5
+"""Samples of a pen come at even times: most of the way is on edges not longer than this many times
+those that are a tenth of the way."""
+
+IRREGULAR = 0.75
+"""Jitter is random: a quarter of the bends are less than this share of their median."""
+
+WIDER = (1.4, 2.0, 2.8)
+"""Half widths of further fits, in those of the first: where they tell the same they are calmer."""
+
+WIDEST = 40
+"""The same in samples, at most."""
+
+SURE = 1.5
+"""Standard deviations of the first fit by which a wider one may differ from it."""
+
+FACETS = 0.04
+"""Even steps longer than this show as facets, where the ink bends gently."""
+
+GENTLE = np.deg2rad(12.5)
+"""Median turn from step to step of ink that means a curve; a polygon of fewer than 29 sides turns
+more."""
+
 _HALF_WINDOW = (4, 14)
 """Bounds of the filter's half width, in samples."""
+
+LEAST_SAMPLES = 2.5
+"""Half of the samples of ink that a window holds at least."""
 
 _PASSES = 3
 
@@ -57,11 +88,30 @@ def noise_of(ring: Array) -> float:
     bend = (away[:, 0] * chord[:, 1] - away[:, 1] * chord[:, 0]) / span
     # On a smooth line neighbours bend alike; jitter makes them differ.
     differ = bend - 0.5 * (np.roll(bend, 1) + np.roll(bend, -1))
-    usable = length < 0.03
+    usable = length < DENSE
+    if usable.mean() < 0.7 and _is_sparse_ink(length, differ):
+        # What joins its ends lies closer and does not tremble.
+        usable = (length < SPARSE) & (length > 0.3 * _by_length(length, 0.9))
     # Long edges between short ones: a polygon given by its corners, not ink.
-    if usable.sum() < 16 or usable.mean() < 0.7:
+    elif usable.mean() < 0.7:
+        return 0.0
+    if usable.sum() < 16:
         return 0.0
     return float(np.median(np.abs(differ[usable]))) / 1.5
+
+
+def _is_sparse_ink(length: Array, differ: Array) -> bool:
+    """Whether longer edges are ink of a fast pen: even, and bent at random, unlike cogs."""
+    short, long = _by_length(length, 0.1), _by_length(length, 0.9)
+    little, median = np.quantile(np.abs(differ[length > 0.3 * long]), (0.25, 0.5))
+    return bool(long < min(SPARSE, EVEN * short) and little < IRREGULAR * median)
+
+
+def _by_length(length: Array, share: float) -> float:
+    """Return the length of the edge that a share of the way round a ring is on shorter ones."""
+    ordered = np.sort(length)
+    way = np.cumsum(ordered)
+    return float(ordered[np.searchsorted(way, share * way[-1])])
 
 
 def filtered(ring: Array, noise: float | None = None) -> Array:
@@ -82,7 +132,7 @@ def filtered(ring: Array, noise: float | None = None) -> Array:
     for _ in range(_PASSES):
         size = noise_of(ring) if noise is None else noise
         if size < UNNOTICED or len(ring) < 24:
-            return ring
+            return _rounded(ring)
         # Heavy jitter makes the line much longer than the shape it stands for, and the
         # window so much narrower on it: measure again on the filtered line.
         calm = _filtered_once(ring, size)
@@ -92,21 +142,63 @@ def filtered(ring: Array, noise: float | None = None) -> Array:
     return ring
 
 
+def _rounded(ring: Array) -> Array:
+    """Lead a smooth line through ink of few samples; of anything else return the ring itself.
+
+    A periodic cubic spline over the arc, from corner to corner.
+    """
+    from scipy.interpolate import CubicSpline
+
+    edge = np.roll(ring, -1, axis=0) - ring
+    length = np.hypot(edge[:, 0], edge[:, 1])
+    short, long = _by_length(length, 0.1), _by_length(length, 0.9)
+    if not FACETS < long < min(SPARSE * 1.5, EVEN * short):
+        return ring
+    heading = np.arctan2(edge[:, 1], edge[:, 0])
+    turn = np.abs((heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi)
+    if np.median(turn) > GENTLE:
+        return ring
+    corners = np.flatnonzero(turn > _CORNER_TURN)
+    first = int(corners[0]) if len(corners) else 0
+    closed = np.roll(ring, -first, axis=0)
+    closed = np.vstack([closed, closed[:1]])
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
+    if not len(corners):
+        fine = np.linspace(0.0, arc[-1], round(arc[-1] / SPACING), endpoint=False)
+        return np.asarray(CubicSpline(arc, closed, bc_type="periodic")(fine))
+    ends = [*(corners - first).tolist(), len(ring)]
+    pieces = []
+    for start, stop in pairwise(ends):
+        piece = slice(start, stop + 1)
+        count = max(round((arc[stop] - arc[start]) / SPACING), 1)
+        fine = np.linspace(arc[start], arc[stop], count, endpoint=False)
+        if stop - start < 3:
+            way = np.column_stack([np.interp(fine, arc[piece], closed[piece, k]) for k in (0, 1)])
+        else:
+            way = CubicSpline(arc[piece], closed[piece], bc_type="not-a-knot")(fine)
+        pieces.append(way)
+    return np.concatenate(pieces)
+
+
 def _filtered_once(ring: Array, noise: float) -> Array:
     """Run one pass of the filter for jitter of a given size."""
     # Where samples lie closer than the jitter is wide, the line runs to and fro: averaging
     # the samples themselves first gives a line whose length means something.
     spacing = float(np.median(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)))
+    apart = _by_length(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T), 0.5)
     if spacing < _TO_AND_FRO * noise:
         half = int(np.clip(round(2.0 * _TO_AND_FRO * noise / spacing), 2, 10))
         ring = _quadratic(ring, half)
     dense = _resampled(ring, SPACING)
     half = int(np.clip(round(4.0 * np.sqrt(noise / UNNOTICED)), *_HALF_WINDOW))
+    half = max(half, round(LEAST_SAMPLES * apart / SPACING))
     if len(dense) < 4 * half:
         return ring
     calm = _quadratic(dense, half)
     corners = _corners(calm, half)
-    result = calm.copy()
+    result = _calmer(
+        dense, calm, half, corners, noise * 1.5 * np.sqrt(apart / SPACING / (2 * half + 1))
+    )
     offsets = np.arange(-half, half + 1)
     for corner in corners.tolist():
         # Around a corner each side is fitted by itself, right up to it.
@@ -117,6 +209,51 @@ def _filtered_once(ring: Array, noise: float) -> Array:
             result[where] = np.polynomial.polynomial.polyval(side, fit).T
         result[around[half]] = dense[corner]
     return result
+
+
+def _calmer(dense: Array, calm: Array, half: int, corners: Index, doubt: float) -> Array:
+    """Widen the windows of fits where that tells no other shape, as far as it does not.
+
+    After the intersection of confidence intervals (Goldenshluger and Nemirovski, 1997).
+
+    Parameters
+    ----------
+    dense, calm : (n, 2) float array
+        The ring, and the fit of the narrowest window.
+    half : int
+        Half width of that.
+    corners : (k,) int array
+        Where neither is widened.
+    doubt : float
+        Its standard deviation.
+    """
+    count = len(dense)
+    widths = [w for w in (round(half * wide) for wide in WIDER) if w <= min(WIDEST, count // 8)]
+    gap = _from_marked(count, corners)
+    result, open_to = calm, np.ones(count, bool)
+    for width in widths:
+        fit = _quadratic(dense, width)
+        same = np.hypot(*(fit - calm).T) < SURE * doubt
+        open_to = open_to & same & (gap > width)
+        weight = _faded_in(open_to, half)
+        result = result + weight[:, None] * (fit - result)
+    return result
+
+
+def _from_marked(count: int, marked: Index) -> Index:
+    """Count the samples from each of a ring to the nearest marked one."""
+    if not len(marked):
+        return np.full(count, count)
+    away = np.abs(np.arange(count)[:, None] - marked)
+    nearest: Index = np.minimum(away, count - away).min(axis=1)
+    return nearest
+
+
+def _faded_in(inside: Flags, width: int) -> Array:
+    """Return weights (n,) that rise smoothly from 0 where a cyclic mask begins to 1 within it."""
+    t = np.clip((_from_marked(len(inside), np.flatnonzero(~inside)) - 1.0) / width, 0.0, 1.0)
+    weight: Array = t * t * (3.0 - 2.0 * t)
+    return weight
 
 
 def _quadratic(points: Array, half: int) -> Array:

@@ -37,7 +37,10 @@ REACH: Final = 2.5
 """That length in widths of the gap."""
 
 CORNER: Final = np.deg2rad(50.0)
-"""A joint at which the ink turns by more is a corner."""
+"""A joint at which the ink turns by more, and more than it bends on that way, is a corner."""
+
+MOST_TURN: Final = np.deg2rad(110.0)
+"""Turn beyond which no smooth joint leads over a gap: it would be no function of the chord."""
 
 SHARP: Final = 0.3
 """Sine of the turn below which lines meet nowhere near: both head the same or the opposite way."""
@@ -223,7 +226,8 @@ def _fitted(a: Array, b: Array, end: Array, start: Array, length: float) -> Join
     """
     leave, arrive = -end[1], start[1]
     turn = np.arctan2(leave[0] * arrive[1] - leave[1] * arrive[0], leave @ arrive)
-    if abs(turn) > CORNER:
+    told = 0.5 * (_bend(start) - _bend(end)) * float(np.hypot(*(b[0] - a[-1])))
+    if not min(0.0, told) - CORNER < turn < max(0.0, told) + CORNER or abs(turn) > MOST_TURN:
         return None
     along = leave / np.hypot(*leave) + arrive / np.hypot(*arrive)
     along /= np.hypot(*along)
@@ -250,6 +254,12 @@ def _fitted(a: Array, b: Array, end: Array, start: Array, length: float) -> Join
     height = polynomial.polyval(grid / half, fit) * (1.0 - blend) + ink * blend
     between = middle + np.column_stack((grid, height)) @ frame.T
     return _cut(a, b, length, between)
+
+
+def _bend(parabola: Array) -> float:
+    """Return the curvature at the start of a parabola, to the left positive."""
+    (dx, dy), (ddx, ddy) = parabola[1], 2.0 * parabola[2]
+    return float((dx * ddy - dy * ddx) / max(np.hypot(dx, dy) ** 3, 1e-12))
 
 
 def _arch(a: Array, b: Array, end: Array, start: Array, length: float) -> Joint | None:

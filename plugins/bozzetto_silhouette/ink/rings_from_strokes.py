@@ -33,6 +33,19 @@ HOOK = 0.022
 HOOK_TURN = np.deg2rad(50.0)
 """Turn of a hook: it is larger than this."""
 
+FOLD = 0.12
+"""Ink at an end that goes back over itself is not longer than this."""
+FOLD_TURN = np.deg2rad(120.0)
+"""Turn of such a fold: it is larger than this."""
+FOLD_WIDTH = 0.012
+"""Ink that goes back over itself lies no farther beside it than this: no limb is so thin."""
+FOLD_STEP = 0.01
+"""Length over which the direction on both sides of a fold is taken; of sparse ink
+half as much again as samples lie apart."""
+
+FOLD_HEADING = 0.06
+"""Length over which is told which way a line heads that ends there."""
+
 OWN_GAP = 0.5
 """A stroke whose ends are farther apart than this share of its length is not closed by
 itself if another stroke can close it."""
@@ -86,7 +99,8 @@ def rings_from_strokes(
 
     lines = [thinned((s - middle) / size) for s in given]
     lines = [s for s in lines if len(s) >= 2 and np.ptp(s, axis=0).max() > SMALLEST]
-    rings = [_closed(chain) for chain in _chains([without_hooks(s) for s in lines])]
+    lines = [without_hooks(s) for s in without_folds(lines)]
+    rings = [_closed(chain) for chain in _chains(lines)]
     rings = [r if len(r) <= MOST_SAMPLES else thinned(r) for r in rings if len(r) >= 3]
     noise = None if tolerance is None else tolerance / size
     clean: list[Array] = []
@@ -140,6 +154,60 @@ def _without_clumps(line: Array, clump: float) -> Array:
             keep.append(number)
             x, y = px, py
     return line[keep]
+
+
+def without_folds(lines: list[Array]) -> list[Array]:
+    """Cut off what goes back over a line itself at its ends."""
+    ends = np.array([_end(one) for line in lines for one in (line[::-1], line)]).reshape(-1, 2, 2)
+    result = []
+    for k, line in enumerate(lines):
+        line = _fold_cut(line, np.delete(ends, 2 * k, axis=0))
+        result.append(_fold_cut(line[::-1], np.delete(ends, 2 * k + 1, axis=0))[::-1])
+    return result
+
+
+def _end(line: Array) -> tuple[Array, Array]:
+    """Return where a line ends, and which way it heads there."""
+    arc = arc_length(line)
+    return line[-1], line[-1] - _along(line, arc, np.array([max(arc[-1] - FOLD_HEADING, 0.0)]))[0]
+
+
+def _fold_cut(line: Array, ends: Array) -> Array:
+    """Cut the start off up to where the pen turned round, if it lies over the ink after that.
+
+    The tip of a thin limb looks alike. But there the line that leads to the start heads for the
+    tip, and at a fold it comes the other way. Of the other `ends` (n, 2, 2) come places and
+    headings.
+    """
+    import shapely
+
+    arc = arc_length(line)
+    last = int(np.searchsorted(arc, FOLD))
+    if last < 2 or arc[-1] < 4.0 * FOLD:
+        return line
+    at = np.arange(1, min(last + 1, len(line) - 1))
+    step = max(FOLD_STEP, 1.5 * float(np.median(np.diff(arc))))
+    behind = line[at] - _along(line, arc, np.maximum(arc[at] - step, 0.0))
+    ahead = _along(line, arc, arc[at] + step) - line[at]
+    turn = np.arctan2(
+        behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0], (behind * ahead).sum(axis=1)
+    )
+    _, heading = ends[np.hypot(*(ends[:, 0] - line[0]).T).argmin()]
+    for k in at[np.abs(turn) > FOLD_TURN][::-1].tolist():
+        length = float(arc[k])
+        rest = shapely.LineString(line[k : np.searchsorted(arc, length + 1.5 * FOLD) + 1])
+        first = shapely.points(line[:k])
+        comes_back = float(heading @ (line[k] - line[0])) < 0.0
+        width = FOLD_WIDTH if comes_back else 0.25 * FOLD_WIDTH
+        if float(shapely.distance(rest, first).max()) < width and (
+            rest.project(first[0]) > 0.5 * length
+        ):
+            return line[k:]
+    return line
+
+
+def _along(line: Array, arc: Array, at: Array) -> Array:
+    return np.column_stack([np.interp(at, arc, line[:, axis]) for axis in (0, 1)])
 
 
 def without_hooks(line: Array) -> Array:

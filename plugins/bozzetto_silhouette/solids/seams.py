@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.implicit.composite import localized, signature
-from bozzetto_silhouette.implicit.implicit_solid import Implicit
+from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample
 from bozzetto_silhouette.numerics.isotropic_remeshing import (
     Patch,
     border_edges,
@@ -118,14 +119,14 @@ def sewn(
     vertices, normals = _settled(vertices, np.where(between, seam, -1), spacing, solid)
     own = np.where(between, -1, seam)
     of_face = own[faces].max(axis=1)
-    parts = []
+    numbers, zones = [], []
     for zone in _by_number(faces, of_face):
-        numbers, inner = _in_order(vertices, zone)
-        local = _around(solid, vertices[numbers], spacing[numbers])
-        free = own[numbers] >= 0
-        parts.append((numbers, _even(vertices[numbers], inner, free, spacing[numbers], local)))
+        mine, inner = _in_order(vertices, zone)
+        local = _around(solid, vertices[mine], spacing[mine])
+        numbers.append(mine)
+        zones.append(_Zone(vertices[mine], inner, own[mine] >= 0, spacing[mine], local))
     rest = Sewn(vertices, faces[of_face < 0], np.arange(len(vertices)), between, normals)
-    return _set_in(rest, parts)
+    return _set_in(rest, list(zip(numbers, _all_even(zones), strict=True)))
 
 
 def _by_number(rows: Index, number: Index) -> list[Index]:
@@ -207,8 +208,9 @@ def _on_surface(places: Array, spacing: Array, solid: Implicit) -> tuple[Array, 
     count = len(places)
     patch = Patch(places, np.zeros((0, 3), np.intp), np.ones(count, dtype=bool),
                   np.arange(count), np.zeros((count, 3)), spacing)  # fmt: skip
+    alone = _Surfaces([solid], np.zeros(count, np.intp))
     for _ in range(NEWTON):
-        patch = _projected(solid, patch)
+        patch = _projected(alone, patch)
     return patch.vertices, _normals_of(solid, patch.vertices, spacing)
 
 
@@ -232,27 +234,133 @@ def _in_order(vertices: Array, faces: Index) -> tuple[Index, Index]:
     return numbers, inner[np.lexsort(inner.T)]
 
 
-def _depends_on(
-    vertices: Array, faces: Index, free: Flags, spacing: Array, solid: Implicit
-) -> Hashable:
+class _Zone(NamedTuple):
+    """The mesh around one seam, by itself.
+
+    Attributes
+    ----------
+    vertices, faces : (v, 3) float array, (f, 3) int array
+    free : (v,) bool array
+        Those that may be moved.
+    spacing : (v,) float array
+    solid : Implicit
+        Whose surface it is.
+    """
+
+    vertices: Array
+    faces: Index
+    free: Flags
+    spacing: Array
+    solid: Implicit
+
+
+def _all_even(zones: list[_Zone]) -> list[Sewn]:
+    """Even out the meshes around seams: those that are not remembered all at once.
+
+    Every step takes arrays, and a seam has some hundred faces: of many seams most of the time
+    would go into the calls. What is done to one seam depends on no other.
+    """
+    known = [_even.known(zone) for zone in zones]
+    fresh = [zone for zone, even in zip(zones, known, strict=True) if even is None]
+    made = iter(_evened(fresh) if fresh else [])
+    result = []
+    for zone, even in zip(zones, known, strict=True):
+        if even is None:
+            even = next(made)
+            _even.put(even, zone)
+        result.append(even)
+    return result
+
+
+def _depends_on(zone: _Zone) -> Hashable:
+    vertices, faces, free, spacing, solid = zone
     return vertices.tobytes(), faces.tobytes(), free.tobytes(), spacing.tobytes(), signature(solid)
 
 
 @remembered(limit=512, key=_depends_on)
-def _even(vertices: Array, faces: Index, free: Flags, spacing: Array, solid: Implicit) -> Sewn:
-    """Even out the mesh around one seam; where that turns faces over it stays as it was."""
-    normals = -unit(solid.sample(vertices).gradient)
-    before = Patch(vertices, faces, free, np.arange(len(vertices)), normals, spacing)
-    patch = _improved(solid, before, COLLAPSES)
+def _even(zone: _Zone) -> Sewn:
+    return _evened([zone])[0]
+
+
+class _Surfaces(NamedTuple):
+    """The surfaces that the vertices of a patch belong on.
+
+    Attributes
+    ----------
+    solids : list of Implicit
+    owner : (n,) int array
+        The number of its solid by the `parents` of a patch; it never falls.
+    """
+
+    solids: list[Implicit]
+    owner: Index
+
+    def sample(self, patch: Patch, at: Index) -> Sample:
+        """Return values and gradients at some vertices of a patch, each of its own solid."""
+        ends = np.searchsorted(self.owner[patch.parents[at]], np.arange(len(self.solids) + 1))
+        value, gradient = np.empty(len(at)), np.empty((len(at), 3))
+        for solid, first, last in zip(self.solids, ends[:-1], ends[1:], strict=True):
+            if first < last:
+                mine = slice(first, last)
+                value[mine], gradient[mine], _ = solid.sample(patch.vertices[at[mine]])
+        return Sample(value, gradient)
+
+
+def _evened(zones: list[_Zone]) -> list[Sewn]:
+    """Even out the meshes around some seams; where that turns faces over one stays as it was."""
+    counts = [len(zone.vertices) for zone in zones]
+    starts = np.cumsum([0, *counts])
+    surfaces = _Surfaces([zone.solid for zone in zones], np.repeat(np.arange(len(zones)), counts))
+    free = np.concatenate([zone.free for zone in zones])
+    before = Patch(
+        np.concatenate([zone.vertices for zone in zones]),
+        np.concatenate([zone.faces + start for zone, start in zip(zones, starts, strict=False)]),
+        free,
+        np.arange(starts[-1]),
+        np.zeros((starts[-1], 3)),
+        np.concatenate([zone.spacing for zone in zones]),
+    )
+    slope = surfaces.sample(before, before.parents).gradient
+    before = replace(before, normals=-unit(slope))
+    patch = _improved(surfaces, before, COLLAPSES)
     for _ in range(EVENINGS):
-        patch = _improved(solid, patch, 1)
+        patch = _improved(surfaces, patch, 1)
     for _ in range(ROUNDS):
         over = patch.faces[patch.facing() <= OVERTURNED]
         if not len(over):
             break
         patch = replace(patch, free=free[patch.parents] & _near(patch, over))
-        patch = patch.with_loosened(_improved(solid, patch.loosened(), 1))
+        among = surfaces._replace(owner=surfaces.owner[patch.parents])
+        patch = patch.with_loosened(_improved(among, patch.loosened(), 1))
     patch = replace(patch, free=free[patch.parents])
+    pairs = zip(_apart(before, surfaces.owner), _apart(patch, surfaces.owner), strict=True)
+    return [
+        _checked(*pair, zone.solid) for pair, zone in zip(pairs, zones, strict=True)
+    ]  # fmt: skip
+
+
+def _apart(patch: Patch, owner: Index) -> list[Patch]:
+    """Take a patch apart by what its vertices belong to; parents count within each."""
+    count = int(owner[-1]) + 1
+    own = owner[patch.parents]
+    ends = np.searchsorted(own, np.arange(count + 1))
+    first = np.searchsorted(owner, np.arange(count))
+    of_face = own[patch.faces[:, 0]]
+    faces = np.split(
+        patch.faces[np.argsort(of_face, kind="stable")],
+        np.cumsum(np.bincount(of_face, minlength=count))[:-1],
+    )
+    return [
+        Patch(
+            patch.vertices[a:b], faces[k] - a, patch.free[a:b], patch.parents[a:b] - first[k],
+            patch.normals[a:b], patch.spacing[a:b],
+        )
+        for k, (a, b) in enumerate(pairwise(ends.tolist()))
+    ]  # fmt: skip
+
+
+def _checked(before: Patch, patch: Patch, solid: Implicit) -> Sewn:
+    """Return a seam that was made even with its normals; as it was, where that was worse."""
     worse = (patch.facing() <= OVERTURNED).sum() > (before.facing() <= OVERTURNED).sum()
     if worse or not _fits(before, patch) or not np.isfinite(patch.vertices).all():
         patch = before
@@ -284,16 +392,16 @@ def _near(patch: Patch, faces: Index) -> Flags:
     return near
 
 
-def _improved(solid: Implicit, patch: Patch, collapses: int) -> Patch:
+def _improved(surfaces: _Surfaces, patch: Patch, collapses: int) -> Patch:
     """Collapse slivers, flip and relax, and project."""
     patch = relaxed(flipped_edges(collapsed(patch, SLIVER, collapses), FLIPS))
-    return _projected(solid, patch)
+    return _projected(surfaces, patch)
 
 
-def _projected(solid: Implicit, patch: Patch) -> Patch:
+def _projected(surfaces: _Surfaces, patch: Patch) -> Patch:
     """Move free vertices by a damped Newton step; normals come from the gradient."""
     at = np.flatnonzero(patch.free)
-    value, gradient, _ = solid.sample(patch.vertices[at])
+    value, gradient, _ = surfaces.sample(patch, at)
     square = np.maximum(dot(gradient, gradient), FLATTEST**2)
     way = value / square
     far = np.abs(way) * np.sqrt(square)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TypeVar
 
 from bozzetto.errors import UserError
@@ -65,6 +66,11 @@ def put_together(
                 before = alone
             first = False
     return before
+
+
+def without_blends(state: SilhouetteState) -> SilhouetteState:
+    """Return a state of the same nodes with sharp creases."""
+    return SilhouetteState(tuple(replace(node, blend=0.0) for node in state.nodes))
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from bozzetto_silhouette.inflation.manifold_check import volume_of
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import border_edges
 from bozzetto_silhouette.solids.lump import Held, Lump, meet, united
-from bozzetto_silhouette.solids.volume_check import is_allowed, is_volume_of_union
+from bozzetto_silhouette.solids.volume_check import is_volume_of_union
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -276,11 +276,8 @@ def _numbered(held: Held) -> tuple[Manifold, UnionMesh]:
 def _change(base: Lump, group: tuple[Lump, ...]) -> _Change | None:
     """Return what uniting a base with a group changes; None where that is not sound."""
     solid, before = _numbered(base.held)
-    other = united(group)
-    if other is None:
-        return None
-    whole = solid + other
-    if not is_allowed(whole, "add", solid, other):
+    whole = united(group, solid)
+    if whole is None:
         return None
     own = int(solid.to_mesh64().run_original_id[0])
     after, count = mesh_of(whole), len(before.vertices)

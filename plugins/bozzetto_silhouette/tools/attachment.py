@@ -17,8 +17,9 @@ from bozzetto_silhouette.solids.evaluate import assembly_of
 from bozzetto_silhouette.solids.lump import meet
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.placements import carried, drawn_rings, is_shown, shown_parts
+from bozzetto_silhouette.solids.traversal import without_blends
 from bozzetto_silhouette.tools.arrange import after_motion
-from bozzetto_silhouette.view.picking import TOUCHED_CELLS, shape_seen, without_blends
+from bozzetto_silhouette.view.picking import TOUCHED_CELLS, shape_seen
 
 SUNK = 0.3
 """How deep a part that is pulled on goes in, as a share of its largest inscribed radius."""

@@ -119,8 +119,8 @@ def _nested(state: SilhouetteState, new: Part) -> SilhouetteState:
     """Add a new part to the state.
 
     Inside another one on a parallel sheet it is a hole; it takes in those that it is drawn
-    around as its holes; anywhere else it stands for itself. Parts are where they have been
-    moved to; those that are switched off have no say.
+    around as its holes, unless these overlap each other; anywhere else it stands for itself.
+    Parts are where they have been moved to; those that are switched off have no say.
     """
     if state.inner == "apart":
         return state.with_node(new)
@@ -135,7 +135,10 @@ def _nested(state: SilhouetteState, new: Part) -> SilhouetteState:
     if not taken:
         return state.with_node(new)
     whole = _taken_in(state, taken, new)
-    outline_of(whole)
+    try:
+        outline_of(whole)
+    except UserError:  # parts that overlap each other are no holes
+        return state.with_node(new)
     return without(state, {part.id for part in taken[1:]}).with_node(whole)
 
 

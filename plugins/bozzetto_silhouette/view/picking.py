@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.evaluate import tree_body
+from bozzetto_silhouette.solids.traversal import without_blends
 
 TOUCHED_CELLS = 64
 """Resolution of the shape that the pen is held against: that of the preview, whose parts have
@@ -56,11 +57,6 @@ def shape_seen(state: SilhouetteState) -> Touch | None:
         If a part's ink is no outline.
     """
     return _seen(without_blends(state).nodes)
-
-
-def without_blends(state: SilhouetteState) -> SilhouetteState:
-    """Return a state of the same nodes with sharp creases."""
-    return SilhouetteState(tuple(replace(node, blend=0.0) for node in state.nodes))
 
 
 @remembered(limit=16)

@@ -77,6 +77,16 @@ def test_several_earlier_ones_and_outlines_of_several_strokes() -> None:
     assert [len(part.strokes) for part in whole.parts] == [2, 2]
 
 
+def test_what_is_drawn_around_parts_that_overlap_each_other_is_a_part() -> None:
+    neck, leg = PEN.circle(600, 380, 40), PEN.circle(640, 500, 30)
+    before = drawn(SMALL, neck, leg)
+    assert len(before.parts) == 3
+    state = TOOL.apply(before, Ink((LARGE,), True), CONTEXT)
+    assert state.parts[:3] == before.parts
+    assert [outline_of(part).genus for part in state.parts] == [0, 0, 0, 0]
+    assert tuple(state.parts[3].strokes) == (LARGE,)
+
+
 def test_what_came_before_and_after_keeps_its_place() -> None:
     first, last = PEN.circle(200, 150, 50), PEN.circle(1000, 150, 50)
     state = drawn(first, SMALL, LARGE, last)

@@ -51,6 +51,20 @@ def with_fold(random: np.random.Generator, line: Array) -> Array:
     return np.vstack((line[:place], fold, line[place - back :]))
 
 
+def with_folded_end(random: np.random.Generator, line: Array, *, start: bool) -> Array:
+    """Return ink that ends by going back over itself, or begins so, by 8 to 30 px."""
+    if start:
+        return with_folded_end(random, line[::-1], start=False)[::-1]
+    back = int(random.integers(2, 9))
+    return np.vstack((line, line[-1 - back : -1][::-1] + random.normal(0.0, 0.8, (back, 2))))
+
+
+def by_a_fast_pen(random: np.random.Generator, line: Array, spacing: float, jitter: float) -> Array:
+    """Return ink of few samples, each off by a jitter of its own, px."""
+    places = resample(line, spacing=spacing)
+    return places + random.normal(0.0, jitter, places.shape)
+
+
 def polygon(random: np.random.Generator, corners: Array, tremor: float) -> tuple[Array, Array]:
     """Return a polygon by one stroke from a corner to that corner, up to 14 px off, and corners."""
     corners = corners + random.normal(0.0, 8.0, corners.shape)
@@ -62,6 +76,11 @@ def polygon(random: np.random.Generator, corners: Array, tremor: float) -> tuple
     )
     line = resample(path, spacing=SPACING)
     return line + trembling(random, len(line), tremor), corners
+
+
+def turning(ring: Array) -> float:
+    """Return how much a ring turns in all, over the whole turn that a convex one makes."""
+    return float(turns(ring)[0].sum()) / 360.0
 
 
 def turns(ring: Array) -> tuple[Array, Array]:

@@ -4,9 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
 
+from bozzetto.ink import resample
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes
-from tests.plugins.silhouette.ink.hand_drawn import SIZE, ellipse, polygon, turns, with_fold
+from tests.plugins.silhouette.ink.hand_drawn import (
+    SIZE,
+    by_a_fast_pen,
+    ellipse,
+    polygon,
+    turning,
+    turns,
+    with_fold,
+    with_folded_end,
+)
 
 SQUARE = np.array(((0.0, 0.0), (300.0, 0.0), (300.0, 260.0), (0.0, 260.0)))
 TRIANGLE = np.array(((0.0, 0.0), (300.0, 40.0), (120.0, 260.0)))
@@ -31,6 +42,81 @@ def test_a_fold_in_the_ink_leaves_none_either():
     for seed in range(62_000, 62_040):
         random = np.random.default_rng(seed)
         assert turns(ring_of(with_fold(random, ellipse(random, 0.5))))[0].max() < 30.0
+
+
+@pytest.mark.parametrize("start", [False, True])
+def test_an_end_that_goes_back_over_the_ink_leaves_none_either(start):
+    for seed in range(68_000, 68_040):
+        random = np.random.default_rng(seed)
+        line = with_folded_end(random, ellipse(random, 0.3), start=start)
+        assert turns(ring_of(line))[0].max() < 30.0
+
+
+def test_a_thin_limb_is_no_fold_in_the_ink():
+    """Its sides run closer than those of a fold may, and strokes meet on one of them."""
+    limb = np.array(((120.0, 0.0), (120.0, 90.0), (123.0, 90.0), (123.0, 0.0), (300.0, 0.0)))
+    body = np.array(((300.0, 0.0), (300.0, -200.0), (0.0, -200.0), (0.0, 0.0), (120.0, 0.0)))
+    outline = np.vstack((limb, body[1:]))
+    for first in (80.0, 85.0):  # begins on the left side of the limb, goes round its tip
+        one = resample(np.vstack(((120.0, first), outline[1:-1])), spacing=3.0)
+        other = resample(np.array(((0.0, 0.0), (120.0, 0.0), (120.0, first))), spacing=3.0)
+        ring = ring_of(one, other)
+        assert ring[:, 1].max() > 87.0
+        assert shapely.Polygon(ring).area == pytest.approx(60_270.0, rel=0.01)
+
+
+@pytest.mark.parametrize(("spacing", "jitter"), [(3.0, 0.5), (7.0, 1.4)])
+def test_ink_of_few_samples_is_calm(spacing, jitter):
+    """The same in shares of the size as 1 px of 600 at 6 px, and as 3 px at 14 px."""
+    unrest, sharpest = [], []
+    for seed in range(69_000, 69_030):
+        random = np.random.default_rng(seed)
+        ring = ring_of(by_a_fast_pen(random, ellipse(random, 0.0), spacing, jitter))
+        unrest.append(turning(ring))
+        sharpest.append(turns(ring)[0].max())
+    assert np.median(unrest) < 1.5
+    assert np.median(sharpest) < 20.0
+    assert np.mean(np.array(sharpest) > 30.0) <= 0.1
+
+
+@pytest.mark.parametrize("samples", [32, 45, 60])
+def test_a_hasty_circle_has_no_facets(samples):
+    angle = 2.0 * np.pi * (np.arange(samples) + 0.3) / samples
+    line = 150.0 * np.column_stack((np.cos(angle), np.sin(angle)))
+    ring = ring_of(line)
+    assert np.abs(np.hypot(*ring.T) - 150.0).max() < 0.1
+    assert turns(ring)[0].max() < 2.0
+
+
+@pytest.mark.parametrize("sides", [3, 6, 12, 24])
+def test_regular_polygons_keep_their_sides(sides):
+    angle = 2.0 * np.pi * np.arange(sides) / sides
+    corners = 150.0 * np.column_stack((np.cos(angle), np.sin(angle)))
+    assert shapely.Polygon(ring_of(corners)).area == pytest.approx(
+        shapely.Polygon(corners).area, rel=1e-12
+    )
+
+
+def test_a_corner_in_hasty_ink_stays():
+    """A drop: three quarters of a circle and two tangents to its tip."""
+    angle = np.linspace(0.75 * np.pi, -0.75 * np.pi, 24)
+    arc = 100.0 * np.column_stack((np.cos(angle), np.sin(angle)))
+    tip = np.array((-100.0 * np.sqrt(2.0), 0.0))
+    sides = [
+        a + (b - a) * np.linspace(0.0, 1.0, 6)[:, None] for a, b in ((arc[-1], tip), (tip, arc[0]))
+    ]
+    ring = ring_of(np.vstack((arc, sides[0][1:], sides[1][1:-1])))
+    assert np.hypot(*(ring - tip).T).min() < 0.5
+    turn, places = turns(ring)
+    assert turn[np.hypot(*(places - tip).T) < 8.0].max() > 45.0
+    assert turn[np.hypot(*(places - tip).T) > 12.0].max() < 6.0
+
+
+def test_cogs_of_few_vertices_are_no_jitter():
+    angle = 2.0 * np.pi * np.arange(72) / 72
+    radius = 150.0 - 9.0 * (np.arange(72) % 2)
+    cogs = np.column_stack((radius * np.cos(angle), radius * np.sin(angle)))
+    assert turning(ring_of(cogs)) > 0.8 * turning(cogs)
 
 
 @pytest.mark.parametrize("corners", [SQUARE, TRIANGLE])

@@ -18,6 +18,7 @@ from bozzetto_silhouette.solids import fillet
 from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.polygonize import Surface
+from bozzetto_silhouette.solids.traversal import without_blends
 from tests.plugins.silhouette import bodies as b
 
 
@@ -165,6 +166,22 @@ def test_a_draft_looks_like_the_body(operation: str) -> None:
     assert np.median(gap) < 1e-6  # only fillets differ, which a draft does not even out
     assert np.quantile(gap, 0.97) < 0.5 * body.step
     assert np.allclose(np.linalg.norm(draft.normals, axis=1), 1.0, atol=1e-6)
+
+
+def test_a_dragged_part_that_meets_many_is_shown_without_its_fillets() -> None:
+    nodes = (part("a"), *(part(f"b{k}", 12.0 * k - 40.0, blend=0.5) for k in range(6)))
+    drafts = {
+        chosen: tree.draft_surface(SilhouetteState(nodes, selected=chosen), 24)
+        for chosen in ("", "a")
+    }
+    sharp = tree.draft_surface(without_blends(SilhouetteState(nodes)), 24)
+    assert all(draft is not None for draft in (*drafts.values(), sharp))
+    assert len(drafts["a"].faces) == len(sharp.faces)  # type: ignore[union-attr]
+    assert len(drafts[""].faces) > len(sharp.faces)  # type: ignore[union-attr]
+    few = SilhouetteState(nodes[:3], selected="a")
+    assert len(tree.draft_surface(few, 24).faces) > len(  # type: ignore[union-attr]
+        tree.draft_surface(without_blends(few), 24).faces  # type: ignore[union-attr]
+    )
 
 
 def test_a_mistake_names_its_part() -> None:
