@@ -13,6 +13,7 @@ from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.geometry import Shapes, Spline
 from bozzetto.ink import Drawing
 from bozzetto_product.hand_over.detail_file import with_details
+from bozzetto_product.hand_over.equal_curves import equal_curves
 from bozzetto_product.hand_over.flattening import flattened
 from bozzetto_product.hand_over.names import loop_names, piece_names
 from bozzetto_product.hand_over.network_file import FIT, Network, network_of
@@ -166,6 +167,8 @@ def product_of_shapes(shapes: Shapes) -> ProductState:
     if not np.abs(points).max() <= FARTHEST:
         raise UserError("The curves are too far from the origin. Move or scale them first.")
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    again = equal_curves([spline for _, spline in named], FIT * size)
+    named = [each for number, each in enumerate(named) if number not in again]
     curves = tuple(
         Curve(f"n{number}", name, spline=spline) for number, (name, spline) in enumerate(named, 1)
     )

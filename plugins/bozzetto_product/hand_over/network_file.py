@@ -18,6 +18,7 @@ from bozzetto.ink import (
     an_object,
     point_rows,
 )
+from bozzetto_product.hand_over.equal_curves import equal_curves
 from bozzetto_product.hand_over.network_joints import joined_state
 from bozzetto_product.hand_over.point_fit import (
     closed_spline_through,
@@ -88,6 +89,8 @@ class Network:
 def network_of(facts: Mapping[str, Any]) -> Network:
     """Return the network that a file describes.
 
+    A curve that is another one again is left out, and its name stands for the first one.
+
     Raises
     ------
     UserError
@@ -113,16 +116,22 @@ def network_of(facts: Mapping[str, Any]) -> Network:
         _spline(points, name, size, tolerance, 0.0 if noise > exact else fine)
         for name, points in rows.items()
     ]
+    names = list(rows)
+    again = {names[k]: names[first] for k, first in equal_curves(splines, tolerance).items()}
+    for name, first in again.items():
+        if name in creases:
+            creases.setdefault(first, creases[name])
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
-        for number, (name, spline) in enumerate(zip(rows, splines, strict=True), 1)
+        for number, (name, spline) in enumerate(zip(names, splines, strict=True), 1)
+        if name not in again
     )
     state = joined_state(curves, size, tolerance / FIT)
-    loops = None if given.get("loops") is None else _loops(given["loops"], rows)
+    loops = None if given.get("loops") is None else _loops(given["loops"], rows, again)
     return Network(
         state,
         loops,
-        _pressures(given.get("pressure", {}), rows),
+        _pressures(given.get("pressure", {}), rows, again),
         tolerance,
         given.get("details", ()),
         UNITS[unit],
@@ -199,7 +208,9 @@ def _creased(curve: Curve, crease: float | None) -> Curve:
     return replace(curve, edge=kinds.get(crease, "between"), crease=crease)
 
 
-def _loops(value: object, rows: Mapping[str, Array]) -> tuple[tuple[str, ...], ...]:
+def _loops(
+    value: object, rows: Mapping[str, Array], again: Mapping[str, str]
+) -> tuple[tuple[str, ...], ...]:
     loops = []
     for number, entry in enumerate(a_list(value, "network.loops", 4 * MOST_CURVES)):
         where = f"network.loops[{number}]"
@@ -208,13 +219,24 @@ def _loops(value: object, rows: Mapping[str, Array]) -> tuple[tuple[str, ...], .
             raise UserError(f"“{where}” is empty. Name the curves round the surface.")
         for name in names:
             _known(name, where, rows)
-        loops.append(tuple(names))
+        loops.append(tuple(_first_name(name, where, again) for name in names))
     return tuple(loops)
 
 
 def _known(name: object, where: str, rows: Mapping[str, Array]) -> None:
     if not isinstance(name, str) or name.partition("/")[0] not in rows:
         raise UserError(f"“{where}” names a curve “{str(name)[:40]}” that is not there.")
+
+
+def _first_name(name: str, where: str, again: Mapping[str, str]) -> str:
+    """Return the name of the first of curves that are the same."""
+    whole, cut, _ = name.partition("/")
+    if cut and whole in again:
+        raise UserError(
+            f"“{where}” names a piece of “{whole[:40]}”, which is the same curve as "
+            f"“{again[whole][:40]}”. Name the piece of that one."
+        )
+    return again.get(name, name)
 
 
 def _numbers(value: object, where: str, rows: Mapping[str, Array]) -> dict[str, float]:
@@ -225,11 +247,14 @@ def _numbers(value: object, where: str, rows: Mapping[str, Array]) -> dict[str, 
     return made
 
 
-def _pressures(value: object, rows: Mapping[str, Array]) -> dict[frozenset[str], float]:
+def _pressures(
+    value: object, rows: Mapping[str, Array], again: Mapping[str, str]
+) -> dict[frozenset[str], float]:
     made = {}
     for names, number in an_object(value, "network.pressure").items():
         for name in str(names).split():
             _known(name, "network.pressure", rows)
         where = f"network.pressure.{str(names)[:40]}"
-        made[frozenset(str(names).split())] = a_number(number, where, -2.0, 2.0)
+        key = frozenset(_first_name(name, where, again) for name in str(names).split())
+        made[key] = a_number(number, where, -2.0, 2.0)
     return made

@@ -52,6 +52,52 @@ def test_a_box_closes_with_six_surfaces() -> None:
     assert all(len(loop) == 4 for loop in told["loops"])
 
 
+def each_twice(facts: dict) -> dict:
+    """Return a network with every curve twice: the other one backward, with points of its own."""
+    curves = facts["network"]["curves"]
+    for curve in list(curves):
+        (begin, *_, end) = np.array(curve["points"])
+        shares = np.linspace(0.0, 1.0, 9)[::-1, None] ** 1.5
+        points = (begin + shares * (end - begin)).tolist()
+        curves.append({"name": f"{curve['name']}-again", "points": points})
+    return facts
+
+
+def test_a_curve_that_is_there_twice_is_one() -> None:
+    """As programs write the edges of each surface, the shared ones twice."""
+    once, twice = report(box()), report(each_twice(box()))
+    assert twice["loops"] == once["loops"]
+    assert twice["closed"]
+    assert [p["area_mm2"] for p in twice["patches"]] == [p["area_mm2"] for p in once["patches"]]
+
+
+def test_the_other_name_of_a_curve_stands_for_it() -> None:
+    facts = each_twice(box())
+    facts["network"] |= {
+        "loops": [["ab", "bf-again", "ef", "ae-again"], ["ab-again", "bc", "cd", "da"]],
+        "creases": {"ab-again": 0},
+        "pressure": {"ab-again bc cd-again da": 0.5},
+    }
+    told = report(facts)
+    assert [sorted(loop) for loop in told["loops"]] == [
+        ["ab", "ae", "bf", "ef"], ["ab", "bc", "cd", "da"],
+    ]  # fmt: skip
+    assert network_of(facts).state.of_kind(Curve)[0].edge == "smooth"
+    facts["network"]["loops"] = [["ab-again/1", "bc", "cd", "da"]]
+    with pytest.raises(UserError, match="same curve as “ab”"):
+        network_of(facts)
+
+
+def test_curves_that_are_near_or_lie_on_another_in_part_stay() -> None:
+    facts = box()
+    facts["network"]["curves"] += [
+        {"name": "part", "points": [[0, 0, 0], [50, 0, 0]]},
+        {"name": "near", "points": [[0, 0, 40.5], [100, 0, 40.5]]},
+        {"name": "bow", "points": [[100 * t, 0, 40 * t * (1 - t)] for t in np.linspace(0, 1, 20)]},
+    ]
+    assert len(network_of(facts).state.of_kind(Curve)) == len(BOX) + 3
+
+
 def test_a_thousand_times_larger_is_the_same_network() -> None:
     small, large = report(box()), report(box(1000.0))
     assert small["loops"] == large["loops"]
