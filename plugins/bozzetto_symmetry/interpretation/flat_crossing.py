@@ -129,11 +129,9 @@ def flattened(
         off = np.inf if best is None else _off(stereo, ink, best)
         if best is None or not off <= BOWED:
             return None
-    information = best.information
-    units = np.array((1.0, size, 1.0, 1.0, 1.0))[: len(information)]
-    if not np.linalg.cond(information * np.outer(units, units)) < WORST:
+    if not best.is_told:
         return None
-    form = SimpleForm.on(best.surface, np.asarray(np.linalg.inv(information)))
+    form = SimpleForm.on(best.surface, np.asarray(np.linalg.inv(best.information)))
     return _on_plane(stereo, folding, half, pixels, ring, form, off * HALVES)
 
 
@@ -174,6 +172,13 @@ class _Plane:
             told[0, 0] += 1.0 / ASLANT**2
         told[2:, 2:] += np.eye(self.free - 2) / SHALLOW**2
         return np.asarray(told)
+
+    @property
+    def is_told(self) -> bool:
+        """Whether the ink says in which plane it lies: then the information has an inverse."""
+        units = np.array((1.0, self.surface.size, 1.0, 1.0, 1.0))[: self.free]
+        weighed = self.information * np.outer(units, units)
+        return bool(np.isfinite(weighed).all() and np.linalg.cond(weighed) < WORST)
 
 
 def _starts(
@@ -241,6 +246,8 @@ def _aligned(stereo: Stereo, near: Array, ink: InkLine, plane: _Plane) -> _Plane
     Of a plane that is not, any angle is as likely as any other; so the odds are those of a normal
     density about the axis to an even one (Bayes factor).
     """
+    if not plane.is_told:
+        return plane
     surface = plane.surface
     spread = float(np.linalg.inv(plane.information)[0, 0]) + ASLANT**2
     axis = 0.5 * np.pi * round(surface.angle / (0.5 * np.pi))
