@@ -12,7 +12,7 @@ from typing import Any, Final
 import msgspec
 import numpy as np
 
-from bozzetto.errors import FormatError, UserError
+from bozzetto.errors import FormatError, UserError, words_of
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.gltf_scene import (
     TRIANGLES,
@@ -87,7 +87,7 @@ def _record(raw: msgspec.Raw) -> Packed:
     try:
         return msgspec.json.decode(raw, type=Packed)
     except msgspec.MsgspecError as error:
-        raise FormatError(f"A compressed mesh cannot be understood: {error}.") from None
+        raise FormatError(f"A compressed mesh cannot be understood: {words_of(error)}.") from None
 
 
 def _unpack(

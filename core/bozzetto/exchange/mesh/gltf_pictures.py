@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Bytes
-from bozzetto.errors import FormatError, UserError
+from bozzetto.errors import FormatError, UserError, words_of
 from bozzetto.exchange.color import linear_to_srgb, srgb_to_linear
 from bozzetto.exchange.image import read_pixels
 from bozzetto.exchange.limits import MAX_PIXELS, at_most
@@ -135,7 +135,7 @@ def _transform_of(link: TextureLink) -> TextureTransform:
     try:
         return msgspec.json.decode(raw, type=TextureTransform)
     except msgspec.MsgspecError as error:
-        raise FormatError(f"How it lies on the surface cannot be understood: {error}.") from None
+        raise FormatError(f"How it lies on the surface cannot be understood: {words_of(error)}.") from None
 
 
 def _moved(places: NDArray[np.float64], by: TextureTransform) -> NDArray[np.float64]:
