@@ -135,7 +135,9 @@ def _transform_of(link: TextureLink) -> TextureTransform:
     try:
         return msgspec.json.decode(raw, type=TextureTransform)
     except msgspec.MsgspecError as error:
-        raise FormatError(f"How it lies on the surface cannot be understood: {words_of(error)}.") from None
+        raise FormatError(
+            f"How it lies on the surface cannot be understood: {words_of(error)}."
+        ) from None
 
 
 def _moved(places: NDArray[np.float64], by: TextureTransform) -> NDArray[np.float64]:
