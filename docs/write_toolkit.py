@@ -26,6 +26,7 @@ DOORS = (
     "bozzetto.geometry",
     "bozzetto.geometry.patches",
     "bozzetto.scene",
+    "bozzetto.typed_data",
     "bozzetto.view",
     "bozzetto.view.calibration",
     "bozzetto.errors",

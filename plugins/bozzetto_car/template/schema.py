@@ -15,6 +15,7 @@ import msgspec
 from msgspec import Meta
 
 from bozzetto.errors import FormatError, words_of
+from bozzetto.typed_data import convert
 from bozzetto_car.template.model import InsetKind
 
 FORMAT: Final = "bozzetto-car-template/1"
@@ -188,7 +189,7 @@ def _check_section(value: Any, key: str, names: Any, values: Any) -> None:
 
 def _as(value: Any, kind: Any, place: str) -> Any:
     try:
-        return msgspec.convert(value, kind)
+        return convert(value, kind)
     except msgspec.ValidationError as problem:
         words = words_of(problem)
         for pattern, meaning in _IN_WORDS.items():

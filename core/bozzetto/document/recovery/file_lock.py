@@ -22,6 +22,7 @@ from bozzetto.atomic_files import explain
 from bozzetto.errors import UserError
 from bozzetto.file_locks import Taken, take, untake
 from bozzetto.processes import birth, is_running, machine_id
+from bozzetto.typed_data import decode_json
 
 WAIT_SECONDS: Final = 0.25
 """Time for which a busy lock is tried again: somebody may just be looking at it."""
@@ -293,7 +294,8 @@ def _is_file(handle: int, path: Path) -> bool:
 
 def _named(content: bytes) -> Holder | None:
     try:
-        return msgspec.json.decode(content, type=Holder)
+        holder: Holder = decode_json(content, Holder)
+        return holder
     except (msgspec.MsgspecError, ValueError):
         return None
 

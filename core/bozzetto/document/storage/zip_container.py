@@ -23,6 +23,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto import typed_data
 from bozzetto.errors import DocumentError, UserError, words_of
 
 DTYPES: Final[dict[str, np.dtype[Any]]] = {
@@ -118,7 +119,8 @@ def decode_json(text: bytes, kind: type[Value]) -> Value:
         If the text is not JSON of this type.
     """
     try:
-        return msgspec.json.decode(text, type=kind)
+        decoded: Value = typed_data.decode_json(text, kind)
+        return decoded
     except (msgspec.MsgspecError, UserError, ValueError, RecursionError) as problem:
         raise DocumentError(f"This document's lists are damaged: {words_of(problem)}.") from problem
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import msgspec
 
+from bozzetto import typed_data
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.camera_record import (
     CameraRecord,
@@ -94,7 +95,7 @@ def step_record(step: Step) -> dict[str, Any]:
 def decode_json(text: bytes | str | msgspec.Raw, kind: Any, place: str) -> Any:
     """Decode typed JSON of an ink file; a refusal begins with the `place`."""
     try:
-        return msgspec.json.decode(text, type=kind)
+        return typed_data.decode_json(text, kind)
     except (msgspec.MsgspecError, UnicodeError) as error:
         raise FormatError(f"{place}: {words_of(error)}.") from error
     except RecursionError:

@@ -25,6 +25,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
 )
 from bozzetto.exchange.mesh.gltf_values import COMPONENTS, WIDTHS, Blobs, view_bytes
 from bozzetto.exchange.optional_libraries import library
+from bozzetto.typed_data import decode_json
 
 __all__ = ["DRACO", "unpack"]
 
@@ -85,7 +86,8 @@ def unpack(gltf: Gltf, blobs: Blobs) -> None:
 
 def _record(raw: msgspec.Raw) -> Packed:
     try:
-        return msgspec.json.decode(raw, type=Packed)
+        packed: Packed = decode_json(raw, Packed)
+        return packed
     except msgspec.MsgspecError as error:
         raise FormatError(f"A compressed mesh cannot be understood: {words_of(error)}.") from None
 

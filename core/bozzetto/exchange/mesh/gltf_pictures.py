@@ -29,6 +29,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
 from bozzetto.exchange.mesh.gltf_values import Blobs, values_of, view_bytes
 from bozzetto.exchange.reading import Reading
 from bozzetto.geometry.texture import Texture
+from bozzetto.typed_data import decode_json
 
 ROUNDING = 1e-4
 """Share of a picture by which a place may lie outside of it: at its border."""
@@ -133,7 +134,8 @@ def _transform_of(link: TextureLink) -> TextureTransform:
     if raw is None:
         return TextureTransform()
     try:
-        return msgspec.json.decode(raw, type=TextureTransform)
+        transform: TextureTransform = decode_json(raw, TextureTransform)
+        return transform
     except msgspec.MsgspecError as error:
         raise FormatError(
             f"How it lies on the surface cannot be understood: {words_of(error)}."

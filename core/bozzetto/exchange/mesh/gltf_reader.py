@@ -45,6 +45,7 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import FaceGroup, Finish, Shapes, Surface
 from bozzetto.geometry.texture import Texture
 from bozzetto.json_size import MAX_VALUES, json_values
+from bozzetto.typed_data import decode_json
 
 STRIP: Final = 5
 FAN: Final = 6
@@ -255,10 +256,10 @@ def _described(text: bytes) -> Gltf:
     """Return the description that is in some JSON."""
     at_most(json_values(text), MAX_VALUES, "values in its description")
     try:
-        version = str(msgspec.json.decode(text, type=Headed).asset.version)
+        version = str(decode_json(text, Headed).asset.version)
         if not version.startswith("2"):
             raise FormatError(f"This is glTF {version[:9]}; only glTF 2 can be read.")
-        gltf = msgspec.json.decode(text, type=Gltf)
+        gltf: Gltf = decode_json(text, Gltf)
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise FormatError(f"Its description cannot be understood: {words_of(error)}.") from error
     missing = [

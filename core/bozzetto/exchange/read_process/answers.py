@@ -27,6 +27,7 @@ from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
+from bozzetto.typed_data import decode_msgpack
 from bozzetto.view.camera import Camera
 
 Answer = MeshFile | Drawing | Picture | NDArray[np.uint8]
@@ -227,7 +228,7 @@ def unpack_answer(record: bytes, arrays: Sequence[NDArray[Any]]) -> Answer:
     record, arrays
         As `pack_answer` gave them; the arrays are read-only and backed by ``bytes``.
     """
-    told: _Record = msgspec.msgpack.decode(record, type=_Record)
+    told: _Record = decode_msgpack(record, _Record)
     match told:
         case _Meshes():
             return MeshFile(_shapes_of(told, arrays), told.guess, told.left_out)
@@ -297,9 +298,7 @@ def _shapes_of(told: _Meshes, arrays: Sequence[NDArray[Any]]) -> Shapes:
 
 def _drawing_of(told: _Drawing, arrays: Sequence[NDArray[Any]]) -> Drawing:
     strokes = unpack_strokes(told.strokes, dict(zip(told.columns, arrays, strict=True)))
-    steps: list[Step] = [
-        msgspec.msgpack.decode(text, type=VERBS[verb]) for verb, text in told.steps
-    ]
+    steps: list[Step] = [decode_msgpack(text, VERBS[verb]) for verb, text in told.steps]
     facts: dict[str, Any] = msgspec.json.decode(told.facts)
     return Drawing(
         Strokes(strokes), told.camera, told.name, facts, tuple(steps), left_out=told.left_out

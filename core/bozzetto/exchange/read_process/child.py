@@ -21,6 +21,7 @@ from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.import_file import read_here
 from bozzetto.exchange.read_process.answers import pack_answer
+from bozzetto.typed_data import decode_msgpack
 
 LENGTH: Final = struct.Struct("<Q")
 """Length of the message that follows, bytes."""
@@ -96,7 +97,7 @@ def main() -> None:
         answers.write(ACCEPTED)
         answers.flush()
         text = requests.read(LENGTH.unpack(head)[0])
-        last = _answer(msgspec.msgpack.decode(text, type=Request), answers)
+        last = _answer(decode_msgpack(text, Request), answers)
         answers.flush()
         if last:
             return

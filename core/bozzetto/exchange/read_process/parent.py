@@ -27,6 +27,7 @@ from bozzetto.document.storage.zip_container import all_finite
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.limits import Budget
 from bozzetto.exchange.read_process.answers import Answer, unpack_answer
+from bozzetto.typed_data import decode_msgpack
 
 POLL_SECONDS: Final = 0.05
 """Interval at which it is asked whether the answer is still wanted."""
@@ -118,7 +119,7 @@ class _Process:
         if bytes(self._bytes(1, accepted=False)) != ACCEPTED:
             raise _Ended(accepted=False)
         (length,) = LENGTH.unpack(self._bytes(LENGTH.size))
-        reply = msgspec.msgpack.decode(self._bytes(length), type=Reply)
+        reply: Reply = decode_msgpack(self._bytes(length), Reply)
         arrays = [self._array(np.dtype(dtype), shape) for dtype, shape in reply.arrays]
         return reply, arrays
 

@@ -33,6 +33,7 @@ from msgspec.structs import asdict
 
 from bozzetto.errors import UserError, words_of
 from bozzetto.plugin.host.similar_names import meant_by
+from bozzetto.typed_data import convert
 
 MANIFEST = "plugin.toml"
 
@@ -221,7 +222,7 @@ def read_manifest(folder: Path) -> Manifest:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as problem:
         raise ManifestError(f"{MANIFEST} is not valid TOML: {words_of(problem)}.") from None
     try:
-        table = msgspec.convert(said, _PluginTable)
+        table: _PluginTable = convert(said, _PluginTable)
     except msgspec.ValidationError as problem:
         words = _REGEX_WORDS.sub(ID_IN_WORDS, words_of(problem))
         known = "".join(f" {told}" for told in _unknown_keys(said))

@@ -1,0 +1,65 @@
+"""JSON, MessagePack and plain values made records of a type, from any thread.
+
+msgspec prepares a type when it is first decoded, and hands a half-prepared one to a second thread
+that asks for it meanwhile: the process then ends with a segmentation fault. Here types are prepared
+one at a time, once.
+"""
+
+from __future__ import annotations
+
+from threading import Lock
+from typing import Any
+
+import msgspec
+
+__all__ = ["convert", "decode_json", "decode_msgpack"]
+
+_json: dict[Any, msgspec.json.Decoder[Any]] = {}
+_msgpack: dict[Any, msgspec.msgpack.Decoder[Any]] = {}
+_preparing = Lock()
+
+
+def decode_json(data: bytes | bytearray | memoryview | str | msgspec.Raw, kind: Any) -> Any:
+    """Decode JSON as a type.
+
+    Parameters
+    ----------
+    data : bytes-like, str or msgspec.Raw
+        The text, UTF-8 where it is bytes.
+    kind : type
+        A struct, a dataclass or another type that msgspec knows; hashable.
+
+    Returns
+    -------
+    object
+        A value of the type.
+
+    Raises
+    ------
+    msgspec.MsgspecError
+        If the text is not JSON, or not of this type.
+    """
+    return _json_decoder(kind).decode(data)
+
+
+def decode_msgpack(data: bytes | bytearray | memoryview, kind: Any) -> Any:
+    """Decode MessagePack as a type; `decode_json` has the details."""
+    decoder = _msgpack.get(kind)
+    if decoder is None:
+        with _preparing:
+            decoder = _msgpack.setdefault(kind, msgspec.msgpack.Decoder(kind))
+    return decoder.decode(data)
+
+
+def convert(value: Any, kind: Any) -> Any:
+    """Make plain values (dict, list, str, numbers) a value of a type; see `decode_json`."""
+    _json_decoder(kind)  # prepares the type for every way to decode it
+    return msgspec.convert(value, kind)
+
+
+def _json_decoder(kind: Any) -> msgspec.json.Decoder[Any]:
+    decoder = _json.get(kind)
+    if decoder is None:
+        with _preparing:
+            decoder = _json.setdefault(kind, msgspec.json.Decoder(kind))
+    return decoder

@@ -1,0 +1,107 @@
+"""Records of a type from any thread, and that nobody goes past the one place that makes them."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import msgspec
+import pytest
+
+import bozzetto
+from bozzetto import typed_data
+from bozzetto.typed_data import convert, decode_json, decode_msgpack
+
+ROOT = Path(__file__).parents[2]
+
+RACE = textwrap.dedent("""
+    import sys, threading
+    import msgspec
+    from msgspec import defstruct
+    from bozzetto.typed_data import convert, decode_json, decode_msgpack
+
+    sys.setswitchinterval(1e-6)
+    WAYS = (
+        lambda plain, kind: convert(plain, kind),
+        lambda plain, kind: decode_json(msgspec.json.encode(plain), kind),
+        lambda plain, kind: decode_msgpack(msgspec.msgpack.encode(plain), kind),
+    )
+    right = []
+    for number in range(60):
+        inner = defstruct("Inner", [(f"a{i}", "dict[str, tuple[float, float]]") for i in range(12)])
+        outer = defstruct("Outer", [(f"b{i}", list[inner] | None) for i in range(4)])
+        value = {f"a{i}": {"x": (1.0, i)} for i in range(12)}
+        plain = {f"b{i}": [value] for i in range(4)}
+        start = threading.Barrier(6)
+
+        def work(way):
+            start.wait()
+            right.append(way(plain, outer).b3[0].a11["x"] == (1.0, 11.0))
+
+        threads = [threading.Thread(target=work, args=(WAYS[i % 3],)) for i in range(6)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert right == [True] * 360
+""")
+
+
+def test_a_type_may_be_met_first_by_several_threads():
+    # In a process of its own: the fault ends the process.
+    ended = subprocess.run(
+        [sys.executable, "-X", "faulthandler", "-c", RACE], capture_output=True, timeout=120
+    )
+    assert ended.returncode == 0, ended.stderr.decode()[-2000:]
+
+
+class Point(msgspec.Struct, forbid_unknown_fields=True):
+    x: float
+    tags: tuple[str, ...] = ()
+
+
+def test_the_three_ways_agree_and_refuse_alike():
+    plain = {"x": 2, "tags": ["a"]}
+    made = [
+        convert(plain, Point),
+        decode_json(msgspec.json.encode(plain), Point),
+        decode_json(msgspec.Raw(msgspec.json.encode(plain)), Point),
+        decode_msgpack(msgspec.msgpack.encode(plain), Point),
+    ]
+    assert made == [Point(2.0, ("a",))] * 4
+    wrong = {"x": "2"}
+    for refused in (
+        lambda: convert(wrong, Point),
+        lambda: decode_json(msgspec.json.encode(wrong), Point),
+        lambda: decode_msgpack(msgspec.msgpack.encode(wrong), Point),
+    ):
+        with pytest.raises(msgspec.ValidationError, match="Expected `float`"):
+            refused()
+
+
+def decodes(tree: ast.Module) -> list[int]:
+    """Lines in which msgspec itself is asked for a type."""
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and ast.unparse(node.func).startswith("msgspec."):
+            name = ast.unparse(node.func).rpartition(".")[2]
+            typed = name == "decode" and (len(node.args) > 1 or node.keywords)
+            if typed or name in ("convert", "Decoder"):
+                found.append(node.lineno)
+    return found
+
+
+def test_types_are_decoded_in_one_place():
+    folders = [Path(bozzetto.__file__).parent, ROOT / "app", ROOT / "plugins"]
+    found = [
+        f"{path.name}:{line}"
+        for folder in folders
+        for path in sorted(folder.rglob("*.py"))
+        if path != Path(typed_data.__file__)
+        for line in decodes(ast.parse(path.read_text(encoding="utf-8")))
+    ]
+    assert found == []
+    assert decodes(ast.parse(Path(typed_data.__file__).read_text(encoding="utf-8")))
