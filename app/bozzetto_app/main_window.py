@@ -68,11 +68,8 @@ FRAME = (8, 48)
 DOCK_HEIGHTS = (310, 340, 90)
 """Of objects, parameters and history at the first start, pixels."""
 
-GUIDED_HEIGHTS = (130, 560, 50)
-"""The same once a plugin has a panel of its own there, beside the parameters."""
-
-SCANT = 320
-"""Height of a plugin's panel below which room is made for it, pixels."""
+LEAST_HEIGHTS = (130, 320, 50)
+"""Of the same where a plugin has a panel of its own beside the parameters, pixels."""
 
 THEME = "view/theme"
 RADIAL = (
@@ -420,9 +417,14 @@ class Window(QMainWindow):
             self._plugin_dock.raise_()
 
     def _make_room(self) -> None:
-        if self._plugin_dock.isVisible() and self._plugin_dock.height() < SCANT:
+        """Give a plugin's panel the height that it asks for, and what is left to the objects."""
+        objects, panel, history = LEAST_HEIGHTS
+        asked = max(panel, self._plugin_panel.sizeHint().height())
+        if self._plugin_dock.isVisible() and self._plugin_dock.height() < asked:
             before = self._ends()
-            self.resizeDocks(self._docks, list(GUIDED_HEIGHTS), Qt.Orientation.Vertical)
+            middle = self.centralWidget() or self
+            objects = max(objects, middle.height() - asked - history)
+            self.resizeDocks(self._docks, [objects, asked, history], Qt.Orientation.Vertical)
             QTimer.singleShot(0, self, lambda: setattr(self, "_room", (before, self._ends())))
 
     def _ends(self) -> tuple[int, int]:
