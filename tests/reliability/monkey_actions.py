@@ -27,6 +27,7 @@ from PySide6.QtGui import (
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
+    QAbstractItemView,
     QApplication,
     QDialog,
     QLineEdit,
@@ -414,6 +415,14 @@ def undo_storm(monkey: Monkey) -> None:
 # -- panels and dialogs --
 
 
+def _drags(widget: QWidget) -> bool:
+    """Whether a row is dragged out of it: that ends with the release of the true mouse alone."""
+    view: QWidget | None = widget
+    while view is not None and not isinstance(view, QAbstractItemView):
+        view = view.parentWidget()
+    return view is not None and view.dragEnabled()
+
+
 def use_widget(monkey: Monkey) -> None:
     """Press, drag over, type into or scroll any widget of the window in front."""
     chance, front = monkey.chance, _front(monkey)
@@ -433,7 +442,7 @@ def use_widget(monkey: Monkey) -> None:
             _type(field, chance.choice(JUNK))
             if isValid(field):
                 _key(field, chance.choice(NAMED_KEYS[:4]), KEYS[0])
-    elif how == 1:
+    elif how == 1 and not _drags(widget):
         _mouse(monkey, front, QEvent.Type.MouseButtonPress, inside, LEFT, LEFT, KEYS[0])
         for _ in range(chance.randrange(1, 25)):
             inside += QPointF(chance.gauss(0, 15), chance.gauss(0, 4))

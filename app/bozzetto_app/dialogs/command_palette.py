@@ -35,7 +35,7 @@ from bozzetto_app.dialogs.palette_entries import Entry, Found, entries_of, searc
 from bozzetto_app.i18n import tr
 from bozzetto_app.settings import settings
 from bozzetto_app.style.icons import GRID, paint_icon
-from bozzetto_app.style.theme import qcolor, small_font, strong_font, tones
+from bozzetto_app.style.theme import qcolor, small_font, strong_font, text_height, tones
 from bozzetto_app.widgets.icon_button import RADIUS
 from bozzetto_app.widgets.section import hairline
 
@@ -86,7 +86,7 @@ class _Line(QStyledItemDelegate):
     """Icon, name with the matched letters heavier, kind, key."""
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
-        return QSize(WIDTH, ROW)
+        return QSize(WIDTH, text_height(ROW))
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         found: Found = index.data(FOUND)
@@ -100,9 +100,9 @@ class _Line(QStyledItemDelegate):
             painter.setBrush(qcolor(colors.chosen))
             painter.drawRoundedRect(place.adjusted(4, 1, -4, -1), RADIUS, RADIUS)
             painter.setBrush(qcolor(colors.accent))
-            painter.drawRoundedRect(QRectF(4, place.top() + 8, 3, ROW - 16), 1.5, 1.5)
+            painter.drawRoundedRect(QRectF(4, place.top() + 8, 3, place.height() - 16), 1.5, 1.5)
         color = colors.text if entry.enabled else colors.disabled
-        glyph = QRectF(16, place.top() + (ROW - GRID) / 2, GRID, GRID)
+        glyph = QRectF(16, place.center().y() - GRID / 2, GRID, GRID)
         paint_icon(painter, entry.icon, glyph, color if entry.enabled else colors.disabled)
         right = place.right() - 16
         plain = painter.font()
@@ -112,13 +112,15 @@ class _Line(QStyledItemDelegate):
         painter.setPen(qcolor(colors.quiet))
         width = QFontMetricsF(painter.font()).horizontalAdvance(entry.kind)
         painter.drawText(
-            QRectF(right - width, place.top(), width, ROW),
+            QRectF(right - width, place.top(), width, place.height()),
             Qt.AlignmentFlag.AlignVCenter,
             entry.kind,
         )
         painter.setFont(plain)
         painter.setPen(qcolor(color))
-        self._paint_title(painter, found, QRectF(48, place.top(), right - width - 60, ROW))
+        self._paint_title(
+            painter, found, QRectF(48, place.top(), right - width - 60, place.height())
+        )
         painter.restore()
 
     def _paint_title(self, painter: QPainter, found: Found, room: QRectF) -> None:

@@ -21,7 +21,7 @@ from bozzetto_app.dialogs.command_palette import paint_key
 from bozzetto_app.dialogs.dialog import Page
 from bozzetto_app.dialogs.fuzzy_match import fold
 from bozzetto_app.i18n import tr
-from bozzetto_app.style.theme import qcolor, small_font, strong_font, tones
+from bozzetto_app.style.theme import qcolor, small_font, strong_font, text_height, tones
 
 __all__ = ["ShortcutsDialog", "gestures"]
 
@@ -52,7 +52,7 @@ class _Key(QStyledItemDelegate):
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
         width = QFontMetrics(small_font(option.font)).horizontalAdvance(str(index.data() or ""))
-        return QSize(width + 32, ROW)
+        return QSize(width + 32, text_height(ROW))
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         key = str(index.data() or "")

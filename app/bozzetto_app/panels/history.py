@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto_app.i18n import tr
-from bozzetto_app.style.theme import qcolor, strong_font, tones
+from bozzetto_app.style.theme import qcolor, strong_font, text_height, tones
 from bozzetto_app.widgets.icon_button import RADIUS
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class _Timeline(QStyledItemDelegate):
         self._panel = panel
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
-        return QSize(80, ROW)
+        return QSize(80, text_height(ROW))
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         from PySide6.QtWidgets import QStyle  # its forty enums take 4 ms of every start

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QAbstractButton, QHBoxLayout, QSizePolicy, QWidget
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.icons import GRID, paint_icon
-from bozzetto_app.style.theme import qcolor, strong_font, tones
+from bozzetto_app.style.theme import qcolor, strong_font, text_height, tones
 from bozzetto_app.widgets.icon_button import RADIUS, paint_focus
 
 if TYPE_CHECKING:
@@ -40,10 +40,10 @@ class _ModelerButton(QAbstractButton):
         return GRID + metrics.horizontalAdvance(self.text()) + 32
 
     def sizeHint(self) -> QSize:
-        return QSize(GRID + 24 if self.compact else self.full_width(), HEIGHT)
+        return QSize(GRID + 24 if self.compact else self.full_width(), text_height(HEIGHT))
 
     def minimumSizeHint(self) -> QSize:
-        return QSize(GRID + 24, HEIGHT)
+        return QSize(GRID + 24, text_height(HEIGHT))
 
     def paintEvent(self, event: QPaintEvent) -> None:
         colors = tones()
@@ -81,7 +81,7 @@ class ModelerBar(QWidget):
         self.setObjectName("modelers")
         self.setWindowTitle(tr("ModelerBar", "Modelers"))
         self.setAccessibleName(self.windowTitle())
-        self.setFixedHeight(HEIGHT)
+        self.setFixedHeight(text_height(HEIGHT))
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(4, 0, 4, 0)
@@ -106,7 +106,7 @@ class ModelerBar(QWidget):
         self._fit()
 
     def sizeHint(self) -> QSize:
-        return QSize(sum(b.full_width() for b in self._buttons.values()) + 8, HEIGHT)
+        return QSize(sum(b.full_width() for b in self._buttons.values()) + 8, text_height(HEIGHT))
 
     def _take(self, modeler: str) -> None:
         if modeler == self._session.toolbox.modeler:

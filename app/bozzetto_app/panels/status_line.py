@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLay
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.icons import paint_icon
-from bozzetto_app.style.theme import qcolor, tones
+from bozzetto_app.style.theme import qcolor, text_height, tones
 from bozzetto_app.widgets.icon_button import IconButton
 
 if TYPE_CHECKING:
@@ -241,7 +241,7 @@ class StatusLine(QWidget):
         column.addWidget(self.faults)
         column.addWidget(self._progress)
         row = QWidget()
-        row.setFixedHeight(28)
+        row.setFixedHeight(text_height(28))
         row.setLayout(line)
         column.addWidget(row)
 

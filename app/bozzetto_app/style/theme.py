@@ -14,7 +14,7 @@ from pathlib import Path
 from string import Template
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QColor, QFont, QFontInfo, QGuiApplication, QPalette
+from PySide6.QtGui import QColor, QFont, QFontInfo, QFontMetrics, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.scene.palette import DARK, LIGHT, Color, Palette
@@ -101,6 +101,11 @@ def strong_font(font: QFont) -> QFont:
     stronger = QFont(font)
     stronger.setWeight(QFont.Weight.DemiBold)
     return stronger
+
+
+def text_height(least: int) -> int:
+    """Return the height that a line of text takes, px: this much, more where letters are large."""
+    return max(least, QFontMetrics(QApplication.font()).height() + 8)
 
 
 def _small_pixels(font: QFont) -> int:

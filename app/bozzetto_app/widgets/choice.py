@@ -9,7 +9,7 @@ from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent, QPen, QWheelEvent
 from PySide6.QtWidgets import QAbstractButton, QButtonGroup, QComboBox, QHBoxLayout, QWidget
 
 from bozzetto_app.style.icons import paint_icon
-from bozzetto_app.style.theme import qcolor, strong_font, tones
+from bozzetto_app.style.theme import qcolor, strong_font, text_height, tones
 from bozzetto_app.widgets.icon_button import RADIUS, paint_focus
 
 __all__ = ["ChoiceBox", "Segments", "make_choice"]
@@ -29,7 +29,7 @@ class _Segment(QAbstractButton):
 
     def sizeHint(self) -> QSize:
         metrics = self.fontMetrics()
-        return QSize(metrics.horizontalAdvance(self.text()) + 20, HEIGHT)
+        return QSize(metrics.horizontalAdvance(self.text()) + 20, text_height(HEIGHT))
 
     def paintEvent(self, event: QPaintEvent) -> None:
         colors = tones()
@@ -79,7 +79,7 @@ class Segments(QWidget):
             self._group.addButton(button)
             row.addWidget(button, 1)
             button.clicked.connect(lambda _, value=value: self.chosen.emit(value))
-        self.setFixedHeight(HEIGHT)
+        self.setFixedHeight(text_height(HEIGHT))
 
     def set_silently(self, value: str) -> None:
         """Show a value that came from elsewhere."""
@@ -125,7 +125,7 @@ class ChoiceBox(QComboBox):
         self.setToolTip(name)
         for value, words in options:
             self.addItem(words, value)
-        self.setFixedHeight(HEIGHT)
+        self.setFixedHeight(text_height(HEIGHT))
         self.setMinimumContentsLength(4)
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.activated.connect(lambda: self.chosen.emit(self.value))

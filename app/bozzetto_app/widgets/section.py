@@ -7,10 +7,13 @@ from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QAbstractButton, QFrame, QVBoxLayout, QWidget
 
 from bozzetto_app.style.icons import paint_icon
-from bozzetto_app.style.theme import qcolor, strong_font, tones
+from bozzetto_app.style.theme import qcolor, strong_font, text_height, tones
 from bozzetto_app.widgets.icon_button import RADIUS, paint_focus
 
 __all__ = ["Section", "hairline"]
+
+HEIGHT = 28
+"""Of the heading, px."""
 
 
 def hairline(parent: QWidget | None = None) -> QFrame:
@@ -27,13 +30,13 @@ class _Heading(QAbstractButton):
         self.setAccessibleName(title)
         self.setCheckable(True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.setFixedHeight(28)
+        self.setFixedHeight(text_height(HEIGHT))
 
     def sizeHint(self) -> QSize:
-        return QSize(self.fontMetrics().horizontalAdvance(self.text()) + 48, 28)
+        return QSize(self.fontMetrics().horizontalAdvance(self.text()) + 48, text_height(HEIGHT))
 
     def minimumSizeHint(self) -> QSize:
-        return QSize(96, 28)
+        return QSize(96, text_height(HEIGHT))
 
     def paintEvent(self, event: QPaintEvent) -> None:
         colors = tones()
@@ -44,7 +47,7 @@ class _Heading(QAbstractButton):
             painter.setBrush(qcolor(colors.hover))
             painter.drawRoundedRect(QRectF(self.rect()), RADIUS, RADIUS)
         chevron = "chevron-down" if self.isChecked() else "chevron-right"
-        paint_icon(painter, chevron, QRectF(0, 6, 16, 16), colors.quiet)
+        paint_icon(painter, chevron, QRectF(0, (self.height() - 16) / 2, 16, 16), colors.quiet)
         painter.setPen(qcolor(colors.text))
         painter.setFont(strong_font(self.font()))
         place = self.rect().adjusted(20, 0, -4, 0)

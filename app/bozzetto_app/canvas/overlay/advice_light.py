@@ -17,7 +17,7 @@ from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.colors import mixed, readable, tones_of
 from bozzetto_app.style.icons import paint_icon
-from bozzetto_app.style.theme import qcolor
+from bozzetto_app.style.theme import qcolor, text_height
 
 if TYPE_CHECKING:
     from bozzetto.plugin.view_advice import ViewAdvice
@@ -81,7 +81,7 @@ class TurnButton(QAbstractButton):
 
     def sizeHint(self) -> QSize:
         words = QFontMetrics(self.font()).horizontalAdvance(self.text())
-        return QSize(round(GAP + ICON + GAP / 2 + words + PADDING), HEIGHT - 6)
+        return QSize(round(GAP + ICON + GAP / 2 + words + PADDING), text_height(HEIGHT) - 6)
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -180,10 +180,13 @@ class ViewLight(QWidget):
         width = around + metrics.horizontalAdvance(self.words)
         centred = free.left() + (free.width() - width) // 2
         left = max(free.left() + MARGIN, min(centred, free.right() + 1 - BESIDE - width))
-        self.setGeometry(left, self._area.top() + MARGIN, width, HEIGHT)
+        self.setGeometry(left, self._area.top() + MARGIN, width, text_height(HEIGHT))
         place = self.geometry()
         self.button.setGeometry(
-            place.right() + 1 - button.width() - 3, place.top() + 3, button.width(), HEIGHT - 6
+            place.right() + 1 - button.width() - 3,
+            place.top() + 3,
+            button.width(),
+            place.height() - 6,
         )
         self.button.raise_()
 
@@ -196,8 +199,8 @@ class ViewLight(QWidget):
         ground = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
         painter.setPen(QPen(qcolor(tones.edge), 1.0))
         painter.setBrush(qcolor(tones.raised, 0.94))
-        painter.drawRoundedRect(ground, HEIGHT / 2 - 0.5, HEIGHT / 2 - 0.5)
-        lamp = QRectF(PADDING, (HEIGHT - LAMP) / 2, LAMP, LAMP)
+        painter.drawRoundedRect(ground, ground.height() / 2, ground.height() / 2)
+        lamp = QRectF(PADDING, (self.height() - LAMP) / 2, LAMP, LAMP)
         self._paint_lamp(painter, lamp, self.advice.level)
         painter.setPen(qcolor(readable(tones.text, tones.text, tones.raised)))
         words = QRectF(self.rect()).adjusted(PADDING + LAMP + GAP, 0, 0, 0)

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.colors import readable, tones_of
-from bozzetto_app.style.theme import qcolor
+from bozzetto_app.style.theme import qcolor, text_height
 
 __all__ = ["PaceBadge"]
 
@@ -45,8 +45,9 @@ class PaceBadge(QWidget):
         """Stay at the foot of an area of the canvas, in the middle."""
         self._area = area
         width = QFontMetrics(self.font()).horizontalAdvance(self.words) + 2 * PADDING
+        height = text_height(HEIGHT)
         left = area.left() + (area.width() - width) // 2
-        self.setGeometry(left, area.bottom() + 1 - MARGIN - HEIGHT, width, HEIGHT)
+        self.setGeometry(left, area.bottom() + 1 - MARGIN - height, width, height)
 
     def show_pace(self, pace: float | None) -> None:
         """Show seconds moved per second passed; None where things move as fast as time."""
@@ -65,7 +66,7 @@ class PaceBadge(QWidget):
         ground = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
         painter.setPen(QPen(qcolor(tones.edge), 1.0))
         painter.setBrush(qcolor(tones.raised, 0.94))
-        painter.drawRoundedRect(ground, HEIGHT / 2 - 0.5, HEIGHT / 2 - 0.5)
+        painter.drawRoundedRect(ground, ground.height() / 2, ground.height() / 2)
         painter.setPen(qcolor(readable(tones.text, tones.text, tones.raised)))
         painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, self.words)
         painter.end()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["ThicknessScale"]
 
 SIZE: Final = (300, 74)
-"""Least width, and height, px; it is as wide as its words."""
+"""Least width and height, px; it is as large as its words."""
 
 MARGIN: Final = 12
 """Distance from the sheet's lower left corner, px."""
@@ -54,9 +54,12 @@ class ThicknessScale(QWidget):
 
     def lie_on(self, area: QRect, left: int = 0) -> None:
         """Stay in the lower left corner of an area, beside what covers so much of its left."""
-        height = SIZE[1]
+        height = self._height()
         corner = (left + MARGIN, area.bottom() + 1 - MARGIN - height)
         self.setGeometry(*corner, self._width(), height)
+
+    def _height(self) -> int:
+        return max(SIZE[1], 2 * self.fontMetrics().height() + 2 * BAR + PADDING)
 
     def _width(self) -> int:
         return max(SIZE[0], self.fontMetrics().horizontalAdvance(self.words) + 2 * PADDING + 2)
@@ -73,7 +76,7 @@ class ThicknessScale(QWidget):
             thickness = written_thickness(view.thinnest.thinnest)
             self.words = tr("Thickness", "Thinnest wall: {thickness}", thickness=thickness)
         self.setAccessibleName(self.words)
-        self.resize(self._width(), SIZE[1])
+        self.resize(self._width(), self._height())
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -91,7 +94,8 @@ class ThicknessScale(QWidget):
         painter.setPen(qcolor(readable(tones.text, tones.text, tones.raised)))
         inner = ground.adjusted(PADDING, PADDING / 2, -PADDING, -PADDING / 2)
         painter.drawText(inner, Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft, self.words)
-        bar = QRectF(inner.left(), inner.center().y(), inner.width(), BAR)
+        below = inner.top() + self.fontMetrics().height() + BAR / 2
+        bar = QRectF(inner.left(), max(inner.center().y(), below), inner.width(), BAR)
         octaves = np.log2(THICK / THIN)
         colors = QLinearGradient(bar.topLeft(), bar.topRight())
         for share in np.linspace(0.0, 1.0, 17).tolist():

@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto_app.style.theme import qcolor, tones
+from bozzetto_app.style.theme import qcolor, text_height, tones
 from bozzetto_app.widgets.icon_button import RADIUS
 
 __all__ = ["GROUP_KEY", "KIND", "ROW", "ObjectList"]
@@ -44,7 +44,7 @@ class _Ground(QStyledItemDelegate):
     """The ground of a row: chosen rows have a bar besides their colour."""
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
-        return QSize(80, ROW)
+        return QSize(80, text_height(ROW))
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         from PySide6.QtWidgets import QStyle  # its forty enums take 4 ms of every start

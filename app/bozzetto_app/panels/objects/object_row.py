@@ -20,7 +20,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QSizePolicy, QWidg
 from bozzetto_app.i18n import tr
 from bozzetto_app.panels.objects.list_widget import ROW
 from bozzetto_app.style.icons import paint_icon
-from bozzetto_app.style.theme import qcolor, tones
+from bozzetto_app.style.theme import qcolor, text_height, tones
 from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import Swatch
@@ -101,7 +101,7 @@ class NamedRow(QWidget):
         self.editor.given_up.connect(self._stop_editing)
 
     def sizeHint(self) -> QSize:
-        return QSize(200, ROW)
+        return QSize(200, text_height(ROW))
 
     def show_name(self, name: str, *, visible: bool) -> None:
         """Show how it is called; quietly if it is hidden."""
@@ -326,7 +326,7 @@ class UnderlayRow(QWidget):
         self.show_underlay(underlay)
 
     def sizeHint(self) -> QSize:
-        return QSize(200, ROW)
+        return QSize(200, text_height(ROW))
 
     def show_underlay(self, underlay: Underlay) -> None:
         """Show the underlay as it is now."""

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
 from bozzetto_app.i18n import tr
 from bozzetto_app.panels.objects.list_widget import GROUP_KEY, KIND, ROW, ObjectList
 from bozzetto_app.panels.objects.rows import Entry, entries_of, link_words, place_of_drop
+from bozzetto_app.style.theme import text_height
 from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.tab_order import put_in_tab_order
 
@@ -303,7 +304,7 @@ class ObjectsPanel(QWidget):
             # Parts are dropped on their model to leave all groups.
             drags = Qt.ItemFlag.ItemIsDragEnabled | Qt.ItemFlag.ItemIsDropEnabled
             item.setFlags(FLAGS | drags)
-        item.setSizeHint(QSize(80, ROW))
+        item.setSizeHint(QSize(80, text_height(ROW)))
         self.list.insertItem(row, item)
         self.list.setItemWidget(item, self._widget(entry))
 
