@@ -1,4 +1,8 @@
-"""XML from outside: no entities, nothing fetched, no bottomless nesting."""
+"""XML from outside: no entities, nothing fetched, no bottomless nesting.
+
+The names of namespaces that Adobe Illustrator defines in its document type are put in their places
+before the file is parsed; no parser ever sees a definition.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +20,27 @@ XML_SPACE: Final = "http://www.w3.org/XML/1998/namespace"
 GZIP: Final = b"\x1f\x8b"
 
 NOT_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+HEAD: Final = 20_000
+"""Bytes in which a document type begins."""
+
+MAX_NAMES: Final = 1_000
+"""Most places at which the name of a namespace is put in."""
+
+NAMED_SPACES: Final = re.compile(
+    rb"""<!DOCTYPE\s++svg\b[^\[<>]{0,400}\[
+    (?:\s*+
+      (?:<!ENTITY\s++[\w.-]{1,40}\s++"https?://[^"&%<>]{0,200}"\s*+>
+        |<!ATTLIST\s++svg\s++xmlns:[\w.-]{1,40}\s++CDATA\s++\#FIXED\s++"[^"&%<>]{0,200}"\s*+>)
+    )++\s*+\]\s*+>""",
+    re.VERBOSE,
+)
+"""A document type that gives short names to namespaces and does nothing else."""
+
+NAMED_SPACE: Final = re.compile(rb'<!ENTITY\s++([\w.-]+)\s++"([^"]+)"')
+
+USED_SPACE: Final = re.compile(rb"""=(["'])&([\w.-]{1,40});\1""")
 
 
 def writable(text: str) -> str:
@@ -86,7 +111,8 @@ def parse_events(
 
     A document type may be named, as many programs do; what it refers to is not fetched.
     One that defines something is refused before that is looked at, and with it every
-    entity: there the known attacks on XML readers live.
+    entity: there the known attacks on XML readers live. Only names for namespaces are accepted,
+    as Adobe Illustrator writes them, where they are whole values of attributes.
 
     Parameters
     ----------
@@ -131,8 +157,22 @@ def parse_events(
     if text is not None:
         parser.CharacterDataHandler = text
     try:
-        parser.Parse(data, True)
+        parser.Parse(_with_namespaces(data), True)
     except expat.ExpatError as error:
         raise FormatError(f"This is not well-formed XML: {words_of(error)}.") from error
     except (LookupError, ValueError) as error:  # an encoding that Python does not know
         raise FormatError(f"Its text encoding cannot be read: {words_of(error)}.") from error
+
+
+def _with_namespaces(data: bytes) -> bytes:
+    """Return a file with its namespaces written out, where its document type names them."""
+    head = NAMED_SPACES.search(data, 0, HEAD)
+    if head is None:
+        return data
+    names = dict(NAMED_SPACE.findall(head.group()))
+    body = data[head.end() :]
+    at_most(len(USED_SPACE.findall(body)), MAX_NAMES, "names of namespaces")
+    written = USED_SPACE.sub(
+        lambda use: b'="%s"' % names[use[2]] if use[2] in names else use.group(), body
+    )
+    return data[: head.start()] + written

@@ -50,6 +50,9 @@ FLATTENING: Final = 2e-4
 GROUPS: Final = {"svg", "g", "a", "switch"}
 """Elements that merely hold others."""
 
+EXTENDED: Final = "requiredExtensions"
+"""Attribute of what only the program that wrote it shows, such as Adobe Illustrator's own data."""
+
 UNREAD: Final = {"text": "text", "image": "picture", "foreignObject": "embedded page"}
 """Elements that show something other than lines, and what people call it."""
 
@@ -154,7 +157,7 @@ class _Reader:
             self.clones += 1
             at_most(self.clones, MAX_CLONES, "repeated elements")
         own = self.own(element)
-        if own.properties.get("display") == "none":
+        if own.properties.get("display") == "none" or EXTENDED in element.attributes:
             return
         if own.matrix is not None:
             with np.errstate(all="ignore"):
@@ -165,7 +168,7 @@ class _Reader:
         elif element.tag in GROUPS or frame is not None:
             if frame is not None or (element.tag == "svg" and not outermost):
                 matrix = matrix @ _nested_viewport(frame or element)
-            for child in element.children:
+            for child in _chosen(element) if element.tag == "switch" else element.children:
                 self.collect(child, matrix, look, depth=depth + 1)
         elif element.tag in UNREAD:
             self.unread[UNREAD[element.tag]] += look.visible
@@ -303,6 +306,18 @@ def millimetres(root: Element, canvas: Sheet | None) -> float:
     # What is written in millimetres comes back to the bit.
     sane = LEAST_SCALE <= scale <= 1.0 / LEAST_SCALE and abs(scale - 1.0) > ROUNDED
     return scale if sane else 1.0
+
+
+def _chosen(switch: Element) -> list[Element]:
+    """Return the one child of a ``switch`` that is shown, in English where there is a choice."""
+    children = [child for child in switch.children if EXTENDED not in child.attributes]
+    english = [child for child in children if _is_english(child)]
+    return (english or children)[:1]
+
+
+def _is_english(element: Element) -> bool:
+    languages = element.attributes.get("systemLanguage", "en").split(",")
+    return any(language.strip().lower().startswith("en") for language in languages)
 
 
 def _nested_viewport(element: Element) -> Array:

@@ -444,6 +444,62 @@ def test_other_programs_heads_are_read(encoding):
     assert len(drawing.strokes) == 1
 
 
+ILLUSTRATOR = """<?xml version="1.0" encoding="utf-8"?>
+<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd" [
+    <!ENTITY ns_svg "http://www.w3.org/2000/svg">
+    <!ENTITY ns_ai "http://ns.adobe.com/AdobeIllustrator/10.0/">
+    <!ATTLIST svg xmlns:xlink CDATA #FIXED "http://www.w3.org/1999/xlink">
+]>
+<svg xmlns="&ns_svg;" xmlns:i='&ns_ai;' viewBox="0 0 9 9">
+<switch>
+<foreignObject requiredExtensions="&ns_ai;" width="1" height="1"><i:pgfRef/></foreignObject>
+<g i:extraneous="self"><path d="M0 0L3 4"/><path d="M5 0L3 4"/></g>
+<path d="M7 0L3 4"/>
+</switch></svg>"""
+
+
+def test_a_drawing_of_adobe_illustrator_is_read_whole():
+    drawing = read_svg(ILLUSTRATOR.encode(), "test")
+    assert len(drawing.strokes) == 2
+    assert drawing.left_out == ()
+
+
+def test_a_choice_of_languages_is_one_of_them():
+    one, other = "<path d='M0 0L3 4' systemLanguage='{}'/>", "<path d='M0 0L6 8'/>"
+    for languages, length in (("de, en-GB", 5.0), ("de", 10.0)):
+        text = f"<svg viewBox='0 0 9 9'><switch>{one.format(languages)}{other}</switch></svg>"
+        (stroke,) = read_svg(text.encode(), "test").strokes
+        assert np.linalg.norm(np.ptp(stroke.points, axis=0)) == pytest.approx(length)
+
+
+def test_names_of_namespaces_cannot_blow_a_file_up():
+    head, _, body = ILLUSTRATOR.partition("<switch>")
+    many = head + '<g a="&ns_ai;"/>' * 2_000 + "<switch>" + body
+    with pytest.raises(FormatError, match="namespaces"):
+        read_svg(many.encode(), "test")
+
+
+@pytest.mark.parametrize(
+    "definition",
+    [
+        '<!ENTITY ns_svg "http://a/&ns_ai;">',
+        '<!ENTITY ns_svg SYSTEM "file:///etc/passwd">',
+        '<!ENTITY % ns_svg "http://a/">',
+        "<!ELEMENT svg ANY>",
+    ],
+)
+def test_whatever_else_a_document_type_defines_is_refused(definition):
+    text = ILLUSTRATOR.replace("<!ENTITY ns_svg", f"{definition}<!ENTITY ns_svg", 1)
+    with pytest.raises(FormatError, match="document type"):
+        read_svg(text.encode(), "test")
+
+
+def test_a_name_of_a_namespace_is_no_text():
+    text = ILLUSTRATOR.replace('<path d="M5', '<title>&ns_ai;</title><path d="M5')
+    with pytest.raises(FormatError, match="well-formed"):
+        read_svg(text.encode(), "test")
+
+
 def test_a_compressed_file_is_told_from_a_damaged_one():
     with pytest.raises(FormatError, match="compressed"):
         read_svg(gzip.compress(b"<svg/>"), "test")
