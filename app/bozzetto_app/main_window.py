@@ -398,9 +398,11 @@ class Window(QMainWindow):
     def _show_plugin_panel(self, title: str) -> None:
         self._plugin_dock.setWindowTitle(title)
         self._plugin_dock.setVisible(bool(title) and self.panels_shown)
-        if title:
+        if self._plugin_panel.comes_first:
             self._plugin_dock.raise_()
             QTimer.singleShot(0, self, self._make_room)
+        elif title:
+            self._docks[1].raise_()
         else:
             self._give_room_back()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from bozzetto.plugin import Modeler, hookimpl
+from bozzetto.plugin import Modeler, PanelHost, hookimpl
 
 
 @hookimpl
@@ -14,3 +14,14 @@ def bozzetto_modelers() -> Sequence[Modeler[Any, Any]]:
     from bozzetto_silhouette.modeler import Silhouette
 
     return [Silhouette()]
+
+
+@hookimpl
+def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
+    """Return the motion panel: the key poses of a shape, and what can be done to them."""
+    from PySide6.QtWidgets import QWidget
+
+    from bozzetto_silhouette.panel.motion_panel import MotionPanel
+
+    assert isinstance(parent, QWidget)
+    return MotionPanel(host, parent)

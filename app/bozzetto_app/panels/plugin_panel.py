@@ -117,6 +117,11 @@ class PluginPanel(QWidget):
         """Whether there is a plugin's widget to show."""
         return self._made is not None
 
+    @property
+    def comes_first(self) -> bool:
+        """Whether the widget is to be seen at once; see `bozzetto.plugin.hooks.bozzetto_panel`."""
+        return self._made is not None and not self._made.property("behind")
+
     def refresh(self) -> None:
         """Show what belongs to the selected object, and tell it of changes."""
         model = self._session.selection.model

@@ -9,7 +9,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Clip
-from bozzetto.plugin import Context, remembered
+from bozzetto.plugin import remembered
 from bozzetto_silhouette.model.state import KeyPose, SilhouetteState, Turn
 from bozzetto_silhouette.rigging.armature import Armature, armature_of
 from bozzetto_silhouette.rigging.posing import quaternions_of, turns_of
@@ -20,8 +20,13 @@ MOST_KEYS = 240
 NONE_YET = "There is no motion yet. Pose the shape and keep the pose as a key, or take a walk."
 
 
-def with_key(state: SilhouetteState, context: Context) -> SilhouetteState:
-    """Return the state with its pose as the last key.
+def key_at(state: SilhouetteState) -> int:
+    """Return the number of the key that the state is at, or the last one before its time."""
+    return min(int(np.floor(state.time / state.beat + 1e-6)), max(len(state.keys) - 1, 0))
+
+
+def with_key(state: SilhouetteState) -> SilhouetteState:
+    """Return the state with its pose as a key after the one that it is at.
 
     Raises
     ------
@@ -32,43 +37,84 @@ def with_key(state: SilhouetteState, context: Context) -> SilhouetteState:
         raise UserError("This shape has no joints. Draw a longer shape or a limb.")
     if len(state.keys) >= MOST_KEYS:
         raise UserError(f"A motion has {MOST_KEYS} key poses at most. Take some away.")
-    return replace(state, keys=(*state.keys, KeyPose(state.turns)))
+    number = key_at(state) + 1 if state.keys else 0
+    keys = (*state.keys[:number], KeyPose(state.turns), *state.keys[number:])
+    return replace(state, keys=keys, time=number * state.beat)
 
 
-def without_key(state: SilhouetteState, context: Context) -> SilhouetteState:
-    """Return the state without its last key.
-
-    Raises
-    ------
-    UserError
-        If there is none.
-    """
-    if not state.keys:
-        raise UserError(NONE_YET)
-    return replace(state, keys=state.keys[:-1])
-
-
-def at_next_key(state: SilhouetteState, context: Context) -> SilhouetteState:
-    """Return the state in the key pose after the time that it is at.
+def with_changed_key(state: SilhouetteState) -> SilhouetteState:
+    """Return the state with its pose in place of the key that it is at.
 
     Raises
     ------
     UserError
         If there is none.
     """
-    if not state.keys:
-        raise UserError(NONE_YET)
-    number = (int(np.floor(state.time / state.beat + 1e-6)) + 1) % len(state.keys)
+    number = _some_key(state)
+    keys = (*state.keys[:number], KeyPose(state.turns), *state.keys[number + 1 :])
+    return replace(state, keys=keys, time=number * state.beat)
+
+
+def without_key(state: SilhouetteState) -> SilhouetteState:
+    """Return the state without the key that it is at, in the one before.
+
+    Raises
+    ------
+    UserError
+        If there is none.
+    """
+    number = _some_key(state)
+    keys = (*state.keys[:number], *state.keys[number + 1 :])
+    left = replace(state, keys=keys, time=0.0)
+    return at_key(left, max(number - 1, 0)) if keys else left
+
+
+def with_moved_key(state: SilhouetteState, places: int) -> SilhouetteState:
+    """Return the state with the key that it is at so many places later; the last goes first.
+
+    Raises
+    ------
+    UserError
+        If there is none.
+    """
+    number = _some_key(state)
+    keys = [*state.keys]
+    to = (number + places) % len(keys)
+    keys.insert(to, keys.pop(number))
+    return at_key(replace(state, keys=tuple(keys)), to)
+
+
+def at_key(state: SilhouetteState, number: int) -> SilhouetteState:
+    """Return the state in a key pose; numbers go round.
+
+    Raises
+    ------
+    UserError
+        If there is none.
+    """
+    _some_key(state)
+    number %= len(state.keys)
     return replace(state, time=number * state.beat, turns=state.keys[number].turns)
 
 
-def at_rest(state: SilhouetteState, context: Context) -> SilhouetteState:
+def _some_key(state: SilhouetteState) -> int:
+    if not state.keys:
+        raise UserError(NONE_YET)
+    return key_at(state)
+
+
+def at_rest(state: SilhouetteState) -> SilhouetteState:
     """Return the state as it was drawn, without pose and motion."""
     return replace(state, keys=(), turns=(), time=0.0)
 
 
 def moved_on(state: SilhouetteState, seconds: float) -> SilhouetteState:
-    """Return the state a moment later in its motion.
+    """Return the state a moment later in its motion; see `at_time`."""
+    return at_time(state, state.time + seconds)
+
+
+def at_time(state: SilhouetteState, seconds: float) -> SilhouetteState:
+    """Return the state at a time of its motion, which goes on from its end at its beginning.
 
     Raises
     ------
@@ -78,7 +124,7 @@ def moved_on(state: SilhouetteState, seconds: float) -> SilhouetteState:
     armature = armature_of(state)
     if not state.keys or armature is None:
         raise UserError(NONE_YET)
-    time = (state.time + seconds) % (len(state.keys) * state.beat)
+    time = seconds % (len(state.keys) * state.beat)
     keys = _keys(armature, state)
     before, part = divmod(time / state.beat, 1.0)
     one, other = (keys[(int(before) + k) % len(keys)] for k in (0, 1))
@@ -93,6 +139,15 @@ def clip_of(armature: Armature, state: SilhouetteState) -> Clip | None:
     keys = np.concatenate([keys, keys[:1]])
     seconds: Array = state.beat * np.arange(len(keys), dtype=np.float64)
     return Clip(state.motion or "motion", seconds, keys)
+
+
+def figures_of(state: SilhouetteState) -> Array:
+    """Return the joints of every key pose from the front, (k, n, 2), mm, y up."""
+    armature = armature_of(state)
+    if armature is None or not state.keys:
+        return np.zeros((0, 0, 2))
+    rigs = [replace(armature.rig, turns=turns) for turns in _keys(armature, state)]
+    return np.array([rig.posed()[1][:, [0, 2]] for rig in rigs])
 
 
 # Asked for at every moment of a motion.

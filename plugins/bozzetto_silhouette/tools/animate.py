@@ -8,10 +8,13 @@ from bozzetto.plugin import Command, Context, Drag, NextStep, override
 from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.rigging.gait import swaying, walking
 from bozzetto_silhouette.rigging.key_poses import (
-    at_next_key,
+    at_key,
     at_rest,
+    key_at,
     moved_on,
+    with_changed_key,
     with_key,
+    with_moved_key,
     without_key,
 )
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
@@ -65,29 +68,43 @@ def motion_commands() -> Sequence[Command]:
         Command(
             "keep-pose",
             "Keep this pose as a key",
-            "Add the pose to the end of the motion, which goes through all of them in turn.",
-            with_key,
+            "Add the pose to the motion, after the key pose that is shown.",
+            lambda state, context: with_key(state),
             enabled=_has_parts,
+        ),
+        Command(
+            "change-pose",
+            "Change the key pose",
+            "Put this pose in the place of the key pose that is shown.",
+            lambda state, context: with_changed_key(state),
+            enabled=_has_motion,
         ),
         Command(
             "next-pose",
             "Go to the next key pose",
             "Show the next pose of the motion, to look at it or to go on from it.",
-            at_next_key,
+            lambda state, context: at_key(state, key_at(state) + 1),
+            enabled=_has_motion,
+        ),
+        Command(
+            "later-pose",
+            "Key pose later",
+            "Exchange the key pose that is shown and the one after it.",
+            lambda state, context: with_moved_key(state, 1),
             enabled=_has_motion,
         ),
         Command(
             "forget-pose",
-            "Forget the last key pose",
-            "Take the last pose out of the motion.",
-            without_key,
+            "Forget the key pose",
+            "Take the key pose that is shown out of the motion.",
+            lambda state, context: without_key(state),
             enabled=_has_motion,
         ),
         Command(
             "rest",
             "Back to rest",
             "Put all joints back to where they were drawn, and forget the motion.",
-            at_rest,
+            lambda state, context: at_rest(state),
             enabled=_is_posed,
         ),
     )

@@ -115,10 +115,39 @@ def test_kept_poses_become_a_motion_in_their_order():
     assert [key.turns for key in state.keys] == [one.turns, other.turns]
     middle = rig_of(later(state, 0.5 * state.beat))
     np.testing.assert_allclose(middle.posed()[1], rig_of(PERSON).joints, atol=1e-6)
-    assert ran(state, "next-pose").turns == other.turns
-    assert ran(ran(state, "next-pose"), "next-pose").turns == one.turns
-    assert len(ran(state, "forget-pose").keys) == 1
+    assert ran(state, "next-pose").turns == one.turns, "the pose kept last is shown; then the first"
+    assert ran(ran(state, "next-pose"), "next-pose").turns == other.turns
+    assert [key.turns for key in ran(state, "forget-pose").keys] == [one.turns]
     assert ran(state, "rest").turns == ran(state, "rest").keys == ()
+
+
+def test_a_key_pose_is_changed_moved_and_taken_out_where_the_motion_is():
+    walk = ran(PERSON, "walk")
+    number = 3
+    state = replace(walk, time=number * walk.beat, turns=walk.keys[5].turns)
+    changed = ran(state, "change-pose")
+    assert changed.keys[number] == walk.keys[5]
+    assert [k for k in range(8) if changed.keys[k] != walk.keys[k]] == [number]
+    moved = ran(state, "later-pose")
+    order = [0, 1, 2, 4, 3, 5, 6, 7]
+    assert moved.keys == tuple(walk.keys[k] for k in order)
+    assert moved.time == pytest.approx(4 * walk.beat)
+    assert moved.turns == walk.keys[3].turns
+    last = ran(replace(walk, time=7 * walk.beat), "later-pose")
+    assert last.keys == (walk.keys[7], *walk.keys[:7])
+    gone = ran(state, "forget-pose")
+    assert gone.keys == walk.keys[:3] + walk.keys[4:]
+    assert gone.turns == walk.keys[2].turns
+    kept = ran(state, "keep-pose")
+    assert kept.keys == (*walk.keys[:4], walk.keys[5], *walk.keys[4:])
+
+
+def test_a_motion_that_is_emptied_leaves_the_pose():
+    state = ran(PERSON, "walk")
+    for left in range(7, -1, -1):
+        state = ran(state, "forget-pose")
+        assert len(state.keys) == left
+    assert state.turns == ran(PERSON, "walk").keys[7].turns, "the one that stood there last"
 
 
 def test_a_film_from_the_command_line_has_the_motion():

@@ -1,0 +1,1 @@
+"""The panel of the window that shows the motion of a shape."""
