@@ -36,7 +36,7 @@ CHAPTERS = {
 }
 """The names of `bozzetto.plugin` in the order in which they are read."""
 
-BESIDE = ("API_VERSION", "hookimpl", "override")
+BESIDE = ("cached_property", "API_VERSION", "hookimpl", "override")
 """Names that a chapter explains in words."""
 
 HEAD = f"""# The contract
@@ -53,6 +53,8 @@ an index that does not exist raises `ValueError`.
 
 `override` is `typing.override` (on Python 3.11 that of `typing_extensions`): written over a method,
 it makes a type checker refuse a name or a signature that the contract does not have.
+`cached_property` is that of `functools`; on Python 3.11 it is one without a lock, for which no
+thread waits while another computes.
 """
 
 HOOKS = """## Hooks

@@ -11,11 +11,12 @@ import dataclasses
 import inspect
 from collections.abc import Iterator
 from dataclasses import is_dataclass
-from functools import cached_property
 from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from types import MemberDescriptorType, ModuleType
+
+from bozzetto.cached_properties import cached_property
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "toolkit.md"

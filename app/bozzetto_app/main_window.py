@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -21,6 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.actions.dynamic_menus import ChangingMenus

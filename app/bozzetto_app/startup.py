@@ -9,7 +9,6 @@ import os
 import sys
 import threading
 from collections.abc import Callable
-from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from time import monotonic
@@ -18,6 +17,7 @@ from typing import Final, TextIO
 from PySide6.QtCore import QEvent, QObject, QTimer
 from PySide6.QtWidgets import QApplication
 
+from bozzetto.cached_properties import cached_property
 from bozzetto.native_heap import bound_heap
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.application import Application

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.atomic_files import write_bytes
+from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on, readable
 from bozzetto.exchange.formats import Format, Kind, find, function, writers

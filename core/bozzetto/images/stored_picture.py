@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
+from bozzetto.cached_properties import cached_property
 from bozzetto.errors import FormatError, UserError
 from bozzetto.images.png import decode_picture, png_bytes
 

@@ -17,6 +17,7 @@ API_VERSION = (2, 1)
 if TYPE_CHECKING:
     from typing_extensions import override as override
 
+    from bozzetto.cached_properties import cached_property as cached_property
     from bozzetto.errors import Cancelled as Cancelled
     from bozzetto.errors import Unfinished as Unfinished
     from bozzetto.errors import UserError as UserError
@@ -47,6 +48,7 @@ else:
     __getattr__, __all__ = lazy_names(
         __name__,
         {
+            "bozzetto.cached_properties": "cached_property",
             "bozzetto.errors": "Cancelled Unfinished UserError",
             "bozzetto.parameters": "Parameter",
             "bozzetto.plugin.cache": "remembered",

@@ -7,12 +7,12 @@ x right, y down; the canvas is the camera's `viewport`.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 
 if TYPE_CHECKING:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, extent
-from bozzetto.plugin import override, remembered
+from bozzetto.plugin import cached_property, override, remembered
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
 from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tangents

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import bernstein
 from bozzetto.ink import FARTHEST, arc_length, distances_to_polyline
+from bozzetto.plugin import cached_property
 from bozzetto.view import Camera
 from bozzetto_car.body.chain_smoothing import smooth_chains
 from bozzetto_car.body.drag import drag_place

@@ -17,12 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
+from bozzetto.plugin import cached_property
 from bozzetto_car.camera.marked_view import MarkedView, Reprojection
 from bozzetto_car.solver.hand import bend_correlation
 from bozzetto_car.solver.prior import Cost, Prior

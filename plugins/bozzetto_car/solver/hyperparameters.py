@@ -15,12 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
+from bozzetto.plugin import cached_property
 from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.solver.evidence import (
     Evidence,

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from types import MappingProxyType
 from typing import Final, Literal
 
@@ -21,6 +20,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import frozen
+from bozzetto.plugin import cached_property
 
 MIRROR: Final = np.array([1.0, -1.0, 1.0])
 """The reflection in the plane of symmetry, as factors of the coordinates."""

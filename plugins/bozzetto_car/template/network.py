@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Final, Self
 
 import numpy as np
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.geometry import frozen
+from bozzetto.plugin import cached_property
 from bozzetto_car.template.model import MIRROR, Template
 
 HANDLE: Final = 1.0 / 3.0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import Final, Protocol
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Flags, Index
+from bozzetto.plugin import cached_property
 
 SAMPLES: Final = 48
 """Samples at equal steps by which a stroke is looked at."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -13,6 +12,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Mesh
+from bozzetto.plugin import cached_property
 
 MOST_CORNERS: Final = 64
 """Corners of a part: one with more is a little smaller than what it stands for."""

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto.plugin import cached_property
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.mirror_planes import mirror_normals, mirror_planes
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Mesh, Solid, Surface
+from bozzetto.plugin import cached_property
 
 SPECK: Final = 0.03
 """Share of the largest piece of a group below which another one belongs to what is near."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
 from bozzetto.geometry import Spline
+from bozzetto.plugin import cached_property
 
 SMOOTH_TURN: Final = np.radians(4.0)
 """Turn between stretches below which there is no corner."""

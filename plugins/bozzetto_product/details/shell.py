@@ -5,14 +5,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, Curve, Face, Mesh, ParameterCurve, Trim, shaded_faces
-from bozzetto.plugin import remembered
+from bozzetto.plugin import cached_property, remembered
 
 COARSE: Final = 2e-4
 """Distance of shown triangles from the surface, as share of the size of the whole."""

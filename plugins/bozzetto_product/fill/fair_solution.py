@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.plugin import cached_property
 from bozzetto_product.fill.domain import cross
 from bozzetto_product.fill.half_sides import Side
 from bozzetto_product.fill.mean_curvature import (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
 from operator import itemgetter
 from typing import TYPE_CHECKING, Final
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, BSplineSurface, Mesh
+from bozzetto.plugin import cached_property
 from bozzetto_product.fill.fill_mesh import piece_samples, radius_ratios, segments_of
 from bozzetto_product.fill.half_sides import HalfSide, Side
 from bozzetto_product.network.net import Loop

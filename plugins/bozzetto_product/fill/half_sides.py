@@ -5,12 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.plugin import cached_property
 from bozzetto_product.fill.edge_pieces import EdgePiece, run_from
 from bozzetto_product.fill.normal_field import NormalField
 from bozzetto_product.fill.quintic import DEGREE, POINTS, bernstein, gauss

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
-from bozzetto.plugin import remembered
+from bozzetto.plugin import cached_property, remembered
 
 STEPS: Final = 12
 """Steps of the moving frame on every span of a curve."""

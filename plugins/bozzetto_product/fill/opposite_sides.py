@@ -8,13 +8,13 @@ have runs through instead, from one's own to the other's, as in a surface that i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Curve
+from bozzetto.plugin import cached_property
 from bozzetto_product.fill.domain import Domain, cross
 from bozzetto_product.fill.half_sides import HalfSide
 from bozzetto_product.fill.quintic import DEGREE, POINTS, bernstein, spline_fit, spline_rows

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Brep, BSplineSurface, Curve, Mesh
-from bozzetto.plugin import override, remembered
+from bozzetto.plugin import cached_property, override, remembered
 from bozzetto_product.fill.domain import Domain, domain_of
 from bozzetto_product.fill.exact_patches import exact_patches
 from bozzetto_product.fill.fair_solution import FairSolution, LoopSides, fairest

@@ -16,13 +16,13 @@ which is linear in the control points (the gluing data of a bilinear domain).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.plugin import remembered
+from bozzetto.plugin import cached_property, remembered
 from bozzetto_product.fill.domain import Domain, cross
 from bozzetto_product.fill.domain_energy import local_energies
 from bozzetto_product.fill.quintic import DEGREE, POINTS, bernstein, gauss

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.geometry import Brep, BSplineSurface, Mesh, triangulate
-from bozzetto.plugin import override
+from bozzetto.plugin import cached_property, override
 from bozzetto_product.fill.fair_solution import LoopSides
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_brep import plane_brep_of, plane_parameters

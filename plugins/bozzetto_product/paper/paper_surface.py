@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Mesh
-from bozzetto.plugin import remembered
+from bozzetto.plugin import cached_property, remembered
 from bozzetto_product.fill.edge_pieces import EdgePiece
 from bozzetto_product.fill.fill_mesh import piece_samples, segments_of
 from bozzetto_product.network.net import Loop

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from bozzetto.geometry import Mesh
+from bozzetto.plugin import cached_property
 from bozzetto_product.details.bodies import DetailedBodies
 from bozzetto_product.details.shell import Owner
 from bozzetto_product.fill.fill import Fill

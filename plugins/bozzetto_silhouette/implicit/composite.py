@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
+from bozzetto.plugin import cached_property
 from bozzetto_silhouette.implicit.blend import flipped, smooth_maximum, summed
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed, Sample
 from bozzetto_silhouette.model.state import Operation

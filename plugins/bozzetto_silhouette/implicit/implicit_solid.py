@@ -7,13 +7,13 @@ that is about the signed distance to its surface, positive inside, and its gradi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Placement
+from bozzetto.plugin import cached_property
 
 
 class Sample(NamedTuple):

@@ -16,12 +16,12 @@ cost anything.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
+from bozzetto.plugin import cached_property
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 
 SPACING = 1e-3

@@ -16,11 +16,11 @@ point of the rim, at the distance e, ``u = -(2 r + e) e``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.plugin import cached_property
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.sewing import plan_gradients
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid

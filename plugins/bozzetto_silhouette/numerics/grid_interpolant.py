@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto.plugin import cached_property
 
 BORDER = 6
 """Nodes along the edge of a lattice where the spline is bent: it goes on there as in a mirror,

@@ -9,12 +9,12 @@ generators", 2005).
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto.plugin import cached_property
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 
 if TYPE_CHECKING:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.ink import signed_area
+from bozzetto.plugin import cached_property
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon

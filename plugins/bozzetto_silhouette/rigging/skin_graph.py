@@ -10,7 +10,6 @@ resistors in a row conduct less.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.geometry import Rig
+from bozzetto.plugin import cached_property
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -6,12 +6,12 @@ So a tree costs one union, however many parts it has, and parts that do not touc
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.plugin import cached_property
 from bozzetto_silhouette.implicit.composite import Composite
 from bozzetto_silhouette.implicit.implicit_solid import Implicit
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bozzetto.arrays import Array, Faces, Index
 from bozzetto.geometry import Placement
-from bozzetto.plugin import override
+from bozzetto.plugin import cached_property, override
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
-from bozzetto.plugin import remembered
+from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite, signature
 from bozzetto_silhouette.implicit.fillet_solid import DEPTH, FilletSolid, layers
 from bozzetto_silhouette.inflation.manifold_check import as_manifold

@@ -9,13 +9,13 @@ squares fit in this space is symmetric by construction, and never has to be made
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Flags
 from bozzetto.geometry import DEGREE, Spline, derived_points
+from bozzetto.plugin import cached_property
 from bozzetto_symmetry.fitting.space_curve import Reading, SpaceCurve, across
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.ink import arc_length
+from bozzetto.plugin import cached_property
 from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, strays

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -22,6 +21,7 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.ink import distances_to_polyline
+from bozzetto.plugin import cached_property
 from bozzetto_symmetry.ink.sides import Side, gap_between, join_ends, merge_alongside
 from bozzetto_symmetry.interpretation.candidate import Candidate, Read
 from bozzetto_symmetry.interpretation.pair import as_pair, overdrawn

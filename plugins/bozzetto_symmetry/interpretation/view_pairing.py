@@ -63,6 +63,9 @@ BENT: Final = 4.0
 LEAST: Final = 0.5
 """Share of both sides that must find partners."""
 
+ROUNDING: Final = 1e-12
+"""Share of what views say of a place that rounding may take from its least told direction."""
+
 KNOWN: Final = 1e-9
 """Information, per mm², that every direction has."""
 
@@ -295,8 +298,11 @@ def _covariances(first: Stereo, second: Stereo, points: Array, ways: Array) -> A
     unit = np.divide(ways, length, out=np.zeros_like(ways), where=length > 0)
     normals = np.column_stack((-unit[:, 1], unit[:, 0]))
     across = np.einsum("ni,nij->nj", normals, mirrored)[:, None]
-    every = np.nan_to_num(np.concatenate((rows, across), axis=1))
-    information = np.swapaxes(every, 1, 2) @ every + KNOWN * np.eye(3)
+    every = np.nan_to_num(np.concatenate((rows, across), axis=1), posinf=0.0, neginf=0.0)
+    told = np.swapaxes(every, 1, 2) @ every
+    # Beside an eye a view says so much of two directions that rounding takes what is known besides.
+    least = KNOWN + ROUNDING * np.trace(told, axis1=1, axis2=2)[:, None, None]
+    information = told + least * np.eye(3)
     return np.asarray(np.linalg.inv(information))
 
 

@@ -7,7 +7,6 @@ better code can solve it again.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from typing import Annotated, Literal
 
@@ -15,7 +14,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.ink import SnakeForces, Strokes
-from bozzetto.plugin import Group, Parameter, Part, PartsState
+from bozzetto.plugin import Group, Parameter, Part, PartsState, cached_property
 from bozzetto_symmetry.model.canvas import Canvas, DrawingPlane
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
+from bozzetto.plugin import cached_property
 
 Point = tuple[float, float, float]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
 from bozzetto.ink import distances_to_polyline
+from bozzetto.plugin import cached_property
 from bozzetto_symmetry.fitting.bundle_adjustment import Sight
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm

@@ -8,13 +8,13 @@ and by its mirror image: two views, so a point is where two rays meet (Bae, Kiji
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
+from bozzetto.plugin import cached_property
 from bozzetto.view import Camera, Rays
 from bozzetto_symmetry.model.perspective import focal_length, vanishing_point
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane

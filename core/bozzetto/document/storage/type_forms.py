@@ -16,13 +16,14 @@ import math
 import types
 from collections.abc import Hashable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from itertools import repeat
 from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.cached_properties import cached_property
 from bozzetto.document.storage.side_tables import Aside, Refusal, runs
 from bozzetto.document.storage.zip_container import DTYPES, MAX_AXES, all_finite, dtype_name
 from bozzetto.errors import words_of

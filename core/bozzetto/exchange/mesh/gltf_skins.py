@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto.cached_properties import cached_property
 from bozzetto.errors import FormatError
 from bozzetto.exchange.mesh.gltf_bones import Bones, bones_of
 from bozzetto.exchange.mesh.gltf_keys import moved_nodes

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array, Index, frozen
+from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import curve_derivative, span_parameters
 from bozzetto.geometry.brep.surface import BSplineSurface

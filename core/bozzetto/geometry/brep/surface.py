@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from math import comb
 from typing import TYPE_CHECKING, Final
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array, frozen
+from bozzetto.cached_properties import cached_property
 from bozzetto.geometry.basis import basis, lifted
 
 if TYPE_CHECKING:

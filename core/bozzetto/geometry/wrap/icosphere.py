@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index, frozen
+from bozzetto.cached_properties import cached_property
 
 VALENCE: Final = 6
 """Most triangles round a vertex: five round the twelve of the icosahedron, six round others."""

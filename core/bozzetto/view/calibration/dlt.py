@@ -10,13 +10,13 @@ orthographic sketch the parts mean nothing. So it is here to be shown and to sta
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
+from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 
 FEWEST: Final = 6
