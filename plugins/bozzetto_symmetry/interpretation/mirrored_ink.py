@@ -7,15 +7,19 @@ which the curve lies follows where the other half is seen.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.ink import resample
+from bozzetto.plugin import cached_property
 from bozzetto_symmetry.stereo.bowed_plane import FIGURES, BowedPlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 FINE: Final = 480
 """Places of the ink among which the nearest one is looked for."""
@@ -80,8 +84,16 @@ class InkLine:
 
     def nearest(self, places: Array) -> Index:
         """Return the numbers of the nearest places of the line."""
-        apart = ((places[:, None] - self.pixels) ** 2).sum(axis=2)
-        return np.asarray(apart.argmin(axis=1))
+        finite = np.isfinite(places).all(axis=1)
+        found = np.zeros(len(places), np.intp)
+        found[finite] = self._tree.query(places[finite])[1]
+        return found
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.pixels)
 
     def shown(self, feet: Index) -> Flags:
         """Return which feet are not beyond an end of the line."""

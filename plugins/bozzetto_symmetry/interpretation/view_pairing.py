@@ -252,9 +252,10 @@ def _settled(
     Least squares of what rays pass one another by, and of uneven stations, which decides where the
     epipolar lines run along the sides and the rays do not say which places belong together.
     """
+    from scipy.linalg import solveh_banded
+
     last = len(line) - 1.0
-    count = len(stations)
-    uneven = np.diff(np.eye(count), 2, axis=0) * STIFF if count > 2 else np.zeros((0, count))
+    stiff = _stiffness(len(stations))
     gaps = _gaps(first, second, rays, _at(line, stations))
     for _ in range(ROUNDS):
         ahead = np.clip(stations + NUDGE, 0.0, last)
@@ -265,8 +266,9 @@ def _settled(
         ) / np.maximum(ahead - back, 1e-9)
         known = np.isfinite(slope) & np.isfinite(gaps)
         slope, rest = np.where(known, slope, 0.0), np.where(known, gaps, 0.0)
-        normal = np.diag(slope**2 + STILL) + uneven.T @ uneven
-        step = np.linalg.solve(normal, -(slope * rest + uneven.T @ (uneven @ stations)))
+        normal = stiff.copy()
+        normal[-1] += slope**2 + STILL
+        step = solveh_banded(normal, -(slope * rest + _bent(stations)), check_finite=False)
         moved = np.maximum.accumulate(np.clip(stations + np.clip(step, -1.5, 1.5), 0.0, last))
         found = _gaps(first, second, rays, _at(line, moved))
         if not np.isfinite(found).all():
@@ -275,6 +277,26 @@ def _settled(
         if np.abs(step).max() < SETTLED:
             break
     return stations, float(np.sqrt(np.mean(np.nan_to_num(gaps, nan=FAR) ** 2)))
+
+
+def _stiffness(count: int) -> Array:
+    """Return the matrix of the squares of uneven stations, as its upper bands (3, n)."""
+    bands = np.zeros((3, count))
+    for row in range(count - 2):
+        bands[2, row : row + 3] += (1.0, 4.0, 1.0)
+        bands[1, row + 1 : row + 3] -= 2.0
+        bands[0, row + 2] += 1.0
+    return STIFF**2 * bands
+
+
+def _bent(stations: Array) -> Array:
+    """Return half the slope of the squares of uneven stations, (n,)."""
+    bent = STIFF**2 * np.diff(stations, 2)
+    slope = np.zeros(len(stations))
+    slope[:-2] += bent
+    slope[1:-1] -= 2.0 * bent
+    slope[2:] += bent
+    return slope
 
 
 def _gaps(first: Stereo, second: Stereo, rays: Rays, places: Array) -> Array:
