@@ -94,7 +94,7 @@ class PluginPanel(QWidget):
     Signals
     -------
     changed : str
-        Another modeler's widget is here: the modeler's title, or "" where there is none.
+        Another modeler's widget is here: its title, or the modeler's; "" where there is none.
     """
 
     changed = Signal(str)
@@ -140,7 +140,9 @@ class PluginPanel(QWidget):
             old.deleteLater()
         if modeler:
             self._make(modeler)
-        title = self._session.registry.info(modeler).title if self._made is not None else ""
+        title = ""
+        if self._made is not None:
+            title = self._made.windowTitle() or self._session.registry.info(modeler).title
         if old is not None or title:
             self.changed.emit(title)
 

@@ -37,9 +37,10 @@ def bozzetto_panel(modeler_id: str, parent: object, host: PanelHost) -> object:
 
     Only called where the manifest names "panel" among the modeler's abilities, when an object of
     it is selected. `parent` is a QWidget; the returned widget is shown in a dock, and destroyed
-    when an object of another modeler is selected. `host` gives it the object's state. It comes
-    to the front when it is first shown, unless its Qt property "behind" is true, for what few
-    objects need; a next step with `NextStep.panel` brings it to the front, too.
+    when an object of another modeler is selected. `host` gives it the object's state. Its
+    window title, or else the modeler's, stands above it. It comes to the front when it is first
+    shown, unless its Qt property "behind" is true, for what few objects need; a next step with
+    `NextStep.panel` brings it to the front, too.
     """
 
 

@@ -49,6 +49,9 @@ ROWS: Final[tuple[tuple[str, str, str, Change], ...]] = (
 )  # fmt: skip
 """Word on the button, step in the history, what it does, and how."""
 
+COLUMNS: Final = 3
+"""Of buttons."""
+
 ALWAYS: Final = ("Walk", "Sway", "Keep pose")
 """Buttons for which no motion is needed."""
 
@@ -68,6 +71,7 @@ class MotionPanel(QScrollArea):
         super().__init__(parent)
         self.setObjectName("motion")
         self.setProperty("behind", True)
+        self.setWindowTitle("Motion")
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -83,22 +87,21 @@ class MotionPanel(QScrollArea):
         grid.setSpacing(6)
         self.sentence = QLabel(inside)
         self.sentence.setWordWrap(True)
-        grid.addWidget(self.sentence, 0, 0, 1, 4)
+        grid.addWidget(self.sentence, 0, 0, 1, COLUMNS)
         self.strip = FilmStrip(inside)
         self.strip.key_chosen.connect(self._go_to_key)
         self.strip.time_dragged.connect(self._go_to_time)
-        grid.addWidget(self.strip, 1, 0, 1, 4)
+        grid.addWidget(self.strip, 1, 0, 1, COLUMNS)
         self.buttons: dict[str, QPushButton] = {}
         for number, (word, label, tip, change) in enumerate(ROWS):
             button = QPushButton(word, inside)
             button.setToolTip(tip)
             button.setAccessibleName(f"{word}: {tip}")
             button.clicked.connect(lambda _, c=change, said=label: self._change(c, said))
-            above = len(ALWAYS)
-            row, column = (2, number) if number < above else (3, number - above)
-            grid.addWidget(button, row, column)
+            row, column = divmod(number, COLUMNS)
+            grid.addWidget(button, 2 + row, column)
             self.buttons[word] = button
-        grid.setRowStretch(4, 1)
+        grid.setRowStretch(2 + len(ROWS), 1)
         self.setWidget(inside)
         host.on_change(self._refresh)
         self._refresh()
