@@ -28,7 +28,7 @@ THIN: Final = 0.97
 meshes and arcs about creases cost less than that."""
 
 MOST_BENT: Final = 8000
-"""Triangles of slabs that are turned, of open sheets, up to which they are made of prisms."""
+"""Prisms, of open sheets, up to which they are united."""
 
 LEAST_HOLLOW: Final = 0.01
 """Volume of a hollow, in cubes of the thickness, below which it is left full."""
@@ -143,7 +143,7 @@ def walled(
     offset = thickness if outward else -thickness
     slabs = slabs_of(sheets, offset, lean=not closed)
     checkpoint()
-    bent = sum(len(slab.faces) for slab in slabs if slab.is_turned)
+    bent = sum(len(slab.prisms) for slab in slabs)
     if closed and bent:
         return _by_field(body, numbers, thickness, outward, checkpoint)
     if bent > MOST_BENT:
@@ -199,11 +199,11 @@ def _united(slabs: Sequence[Slab], wedges: Sequence[Array]) -> tuple[Manifold, T
     tags: Tags = {}
     parts = []
     for number, slab in enumerate(slabs):
-        if slab.is_turned:
-            for prism in slab.prisms():
-                part, own = _prism(prism, number)
-                tags |= own
-                parts.append(part)
+        for prism in slab.prisms:
+            part, own = _prism(prism, number)
+            tags |= own
+            parts.append(part)
+        if not slab.kept:
             continue
         rest = len(slab.faces) - slab.kept
         groups = [(number, True, slab.kept), (number, False, rest)]
