@@ -26,7 +26,8 @@ from bozzetto_product.fill.patch_space import (
     PatchSpace,
     side_nodes,
 )
-from bozzetto_product.fill.quintic import DEGREE, refinement
+from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein, refinement
+from bozzetto_product.fill.swept import Sweep, sweep_of
 
 TANGENCY: Final = 1e5
 """Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""
@@ -50,6 +51,9 @@ PLATE_HANDICAP: Final = 3.0
 ROUGH: Final = 0.01
 """Distance of sides from polynomials, as share of the size of a loop, from which curvature is not
 evened: the polynomials' own says little there."""
+
+STIFFENING: Final = 1e-4
+"""Weight of the energy where a surface is fitted, in mean diagonals: it decides what is free."""
 
 RIDGE: Final = 1e-11
 """Share of the mean diagonal that is added to it, so that a matrix can be factored."""
@@ -199,19 +203,45 @@ def evened(start: FairSolution) -> FairSolution:
     return replace(made, evened=True)
 
 
+def fitted(start: FairSolution, sweep: Sweep) -> FairSolution:
+    """Return the surface nearest to a sweep, with a little of the energy of a start."""
+    space, loop = start.space, start.loop
+    stiffness, load = space.stiffness(start.order)
+    size = len(stiffness)
+    root = np.sqrt(np.maximum(beltrami_rows(start.nets).areas, 1e-14)).reshape(-1, 1)
+    values = bernstein(NODES)
+    values = np.einsum("ai,bj->abij", values, values).reshape(len(NODES) ** 2, -1)
+    basis = root * (values @ space.own_basis).reshape(len(root), size)
+    sides = (values @ (space.own_sides @ loop.controls)).reshape(-1, 3)
+    wanted = root * (sweep.places(space, loop.controls) - sides)
+    square = basis.T @ basis
+    share = STIFFENING * float(np.trace(square) / np.trace(stiffness))
+    matrix = np.zeros((3 * size, 3 * size))
+    for axis in range(3):
+        part = slice(axis * size, (axis + 1) * size)
+        matrix[part, part] = square + share * stiffness
+    right = (basis.T @ wanted - share * (load @ loop.controls)).T
+    scale = float(np.trace(matrix)) / (3 * size)
+    _add_tangency(matrix, right, space, loop, scale)
+    return _solved(matrix, right, space, loop, start.order, scale)
+
+
 def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     """Return the best of two energies, evened or not, by a score that needs no true surface.
 
-    What folds is taken only if all do.
+    Where two sides are swept into one another, that sweep takes the place of the energies. What
+    folds is taken only if all do.
     """
+    sweep = sweep_of(loop.sides, loop.origin, loop.size)
+    if sweep is not None:
+        made = scored(fitted(started(space, loop, BENDING_RATE), sweep))
+        if not is_folded(made.nets):
+            return _evened_or(made)
     best: FairSolution | None = None
     least = (True, np.inf)
     for order, handicap in ((BENDING_RATE, 1.0), (PLATE, PLATE_HANDICAP)):
         made = scored(started(space, loop, order))
-        if loop.rest < ROUGH:
-            even = scored(evened(made))
-            if even.score < GAIN * made.score and not is_folded(even.nets):
-                made = even
+        made = _evened_or(made)
         judged = (is_folded(made.nets), handicap * made.score)
         if best is None or judged < least:
             best, least = made, judged
@@ -219,6 +249,14 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
             break
     assert best is not None
     return best
+
+
+def _evened_or(start: FairSolution) -> FairSolution:
+    """Return the surface with evened curvature if it gains enough by it, else the start."""
+    if start.loop.rest >= ROUGH:
+        return start
+    even = scored(evened(start))
+    return even if even.score < GAIN * start.score and not is_folded(even.nets) else start
 
 
 def scored(solution: FairSolution) -> FairSolution:
