@@ -236,7 +236,7 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     if sweep is not None:
         made = scored(fitted(started(space, loop, BENDING_RATE), sweep))
         if not is_folded(made.nets):
-            return _evened_or(made)
+            return _evened_or(made) if np.isfinite(loop.normals).all() else made
     best: FairSolution | None = None
     least = (True, np.inf)
     for order, handicap in ((BENDING_RATE, 1.0), (PLATE, PLATE_HANDICAP)):

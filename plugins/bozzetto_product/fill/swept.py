@@ -21,7 +21,7 @@ from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein
 ALIKE: Final = 0.01
 """Distance of sides from a sweep, as share of the size of their loop, up to which they are one."""
 
-LEANING: Final = 0.25
+LEANING: Final = 0.5
 """Sine between the normals along the sides and those of the sweep, root mean square, up to which it
 is what they ask for."""
 
@@ -30,6 +30,9 @@ STRAIGHT: Final = 1e-3
 
 MOST_TURN: Final = 3.0
 """Largest turn, radians: beyond half a turn the other way is shorter."""
+
+WAYS: Final = 0.1
+"""Weight of the directions of the sides beside them against the places of a side that moves."""
 
 PUSHED: Final = 1e-4
 """Turn in radians below which a motion is a mere push."""
@@ -250,13 +253,13 @@ def _between(every: list[SidePlaces], first: int, last: int) -> Sweep | None:
     count = len(every)
     start, end = every[first], every[last].reversed()
     one, two = start.by_length(), end.by_length()
-    screw = _motion(one, two)
-    if screw is None:
-        return None
-    away = np.linalg.norm(screw.moved(one, np.ones(len(one))) - two, axis=1).max()
     orbits = [(every[first - 1].reversed(), start.places[0])]
     if count == 4:
         orbits.append((every[(first + 1) % count], start.places[-1]))
+    screw = _motion(one, two, np.array([_end_slopes(side) for side, _ in orbits]))
+    if screw is None:
+        return None
+    away = np.linalg.norm(screw.moved(one, np.ones(len(one))) - two, axis=1).max()
     shares = [screw.shares(side.places, place) for side, place in orbits]
     for (side, place), share in zip(orbits, shares, strict=True):
         orbit = screw.moved(np.broadcast_to(place, side.places.shape), share)
@@ -271,10 +274,27 @@ def _between(every: list[SidePlaces], first: int, last: int) -> Sweep | None:
     return Sweep(first, last, screw, float(away))
 
 
-def _motion(one: Array, two: Array) -> Screw | None:
-    """Return the rigid motion of places to others (Kabsch 1976); None where they do not tell it."""
+def _end_slopes(side: SidePlaces) -> Array:
+    """Return the unit directions of a side at its start and its end, (2, 3)."""
+    slopes = side.slopes[[0, -1]]
+    length = np.linalg.norm(slopes, axis=1, keepdims=True)
+    return np.asarray(slopes / np.maximum(length, 1e-300))
+
+
+def _motion(one: Array, two: Array, ways: Array) -> Screw | None:
+    """Return the rigid motion of places to others (Kabsch 1976); None where nothing tells it.
+
+    Parameters
+    ----------
+    one, two : (n, 3) float
+        Places.
+    ways : (k, 2, 3) float
+        Unit directions in which the motion begins and ends: of a line they tell the turn about it.
+    """
     middle, other = one.mean(axis=0), two.mean(axis=0)
-    left, values, right = np.linalg.svd((one - middle).T @ (two - other))
+    square = (one - middle).T @ (two - other)
+    square += WAYS * np.linalg.norm(square) * (ways[:, 0].T @ ways[:, 1])
+    left, values, right = np.linalg.svd(square)
     if values[1] < STRAIGHT * values[0]:
         return None
     sense = np.sign(np.linalg.det(right.T @ left.T))
