@@ -9,11 +9,12 @@ sides say that they are swept, the surface is fitted to the motion.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, frozen
 from bozzetto_product.fill.half_sides import Side
 from bozzetto_product.fill.patch_space import PatchSpace
 from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein
@@ -37,8 +38,8 @@ WAYS: Final = 0.1
 PUSHED: Final = 1e-4
 """Turn in radians below which a motion is a mere push."""
 
-SAMPLES: Final = 41
-"""Places along each side."""
+HALF: Final = frozen(np.linspace(0.0, 1.0, 21), np.float64)
+"""Parameters along half a side at which it is compared."""
 
 RESTING: Final = 0.05
 """Share of the greatest speed below which a place rests, as on the axis: it has no direction."""
@@ -124,41 +125,50 @@ class Screw:
 
 @dataclass(frozen=True, eq=False)
 class SidePlaces:
-    """Places along a side in the frame of its loop, as the loop runs.
+    """Places along a side in the frame of its loop.
 
     Parameters
     ----------
+    side : Side
     places, slopes : (n, 3) float
-    normals : (n, 3) float
-        NaN where the side is a crease.
+    back : bool
+        They run against the loop.
     """
 
+    side: Side
     places: Array
     slopes: Array
-    normals: Array
+    back: bool = False
 
     @classmethod
     def of(cls, side: Side, origin: Array, size: float) -> SidePlaces:
-        """Return places at even parameters of both halves."""
-        at = np.linspace(0.0, 1.0, SAMPLES // 2 + 1)
+        """Return places at even parameters of both halves, as the loop runs."""
         rows = []
         for half, sense in zip(side.halves, (1, -1), strict=True):
-            normals = half.normals(at)
-            normals = np.full((len(at), 3), np.nan) if normals is None else normals
-            own = ((half.value(at) - origin) / size, sense * half.value(at, 1) / size, normals)
-            rows.append(tuple(row[::sense] for row in own))
-        first, second = rows
-        return cls(*(np.concatenate((a, b[1:])) for a, b in zip(first, second, strict=True)))
+            places, slopes = half.value(HALF), sense * half.value(HALF, 1)
+            rows.append((((places - origin) / size)[::sense], (slopes / size)[::sense]))
+        return cls(side, *(np.concatenate((a, b[1:])) for a, b in zip(*rows, strict=True)))
 
     def reversed(self) -> SidePlaces:
         """Return the places the other way round."""
-        return SidePlaces(self.places[::-1], -self.slopes[::-1], self.normals[::-1])
+        return SidePlaces(self.side, self.places[::-1], -self.slopes[::-1], not self.back)
+
+    @cached_property
+    def normals(self) -> Array:
+        """Unit normals of the surface, (n, 3); NaN where the side is a crease."""
+        rows = []
+        for half, sense in zip(self.side.halves, (1, -1), strict=True):
+            normals = half.normals(HALF)
+            normals = np.full((len(HALF), 3), np.nan) if normals is None else normals
+            rows.append(normals[::sense])
+        made = np.concatenate((rows[0], rows[1][1:]))
+        return made[::-1] if self.back else made
 
     def by_length(self) -> Array:
         """Return places at even lengths, (n, 3)."""
         steps = np.linalg.norm(np.diff(self.places, axis=0), axis=1)
         length = np.concatenate(((0.0,), np.cumsum(steps)))
-        at = np.linspace(0.0, length[-1], SAMPLES)
+        at = np.linspace(0.0, length[-1], len(self.places))
         return np.column_stack([np.interp(at, length, axis) for axis in self.places.T])
 
 
