@@ -45,6 +45,10 @@ GAIN: Final = 0.3
 """Share of the variation of curvature below which an evened surface is believed: profiles like
 an S lose their shape where less is gained."""
 
+EVEN: Final = 0.1
+"""Variation of curvature below which an evened surface is believed rather than a sweep: of
+spheres, tori and saddles it was 0.02 at most."""
+
 PLATE_HANDICAP: Final = 3.0
 """Factor on the variation of a plate: the rate of bending is the better start."""
 
@@ -229,26 +233,26 @@ def fitted(start: FairSolution, sweep: Sweep) -> FairSolution:
 def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     """Return the best of two energies, evened or not, by a score that needs no true surface.
 
-    Where two sides are swept into one another, that sweep takes the place of the energies. What
-    folds is taken only if all do.
+    Where two sides are swept into one another, that sweep takes their place, unless the tangent
+    planes along all sides tell a surface of even curvature, such as a sphere. What folds is taken
+    only if all do.
     """
-    sweep = sweep_of(loop.sides, loop.origin, loop.size)
-    if sweep is not None:
-        made = scored(fitted(started(space, loop, BENDING_RATE), sweep))
-        if not is_folded(made.nets):
-            return _evened_or(made) if np.isfinite(loop.normals).all() else made
-    best: FairSolution | None = None
-    least = (True, np.inf)
-    for order, handicap in ((BENDING_RATE, 1.0), (PLATE, PLATE_HANDICAP)):
-        made = scored(started(space, loop, order))
-        made = _evened_or(made)
-        judged = (is_folded(made.nets), handicap * made.score)
-        if best is None or judged < least:
-            best, least = made, judged
-        if best.evened:
-            break
-    assert best is not None
-    return best
+    start = started(space, loop, BENDING_RATE)
+    best = _evened_or(scored(start))
+    if not (best.evened and best.score < EVEN and np.isfinite(loop.normals).all()):
+        sweep = sweep_of(loop.sides, loop.origin, loop.size)
+        if sweep is not None:
+            swept = scored(fitted(start, sweep))
+            if not is_folded(swept.nets):
+                return swept
+    if best.evened:
+        return best
+    plate = _evened_or(scored(started(space, loop, PLATE)))
+    judged = [
+        (is_folded(made.nets), handicap * made.score)
+        for made, handicap in ((best, 1.0), (plate, PLATE_HANDICAP))
+    ]
+    return plate if judged[1] < judged[0] else best
 
 
 def _evened_or(start: FairSolution) -> FairSolution:

@@ -101,7 +101,8 @@ class Screw:
 
     def turned(self, vectors: Array, share: Array) -> Array:
         """Return vectors after shares (n,) of the turn, (n, 3)."""
-        return self.moved(self.foot + vectors, share) - self.foot - share[:, None] * self.push
+        moved = self.moved(self.foot + vectors, share)
+        return np.asarray(moved - self.foot - share[:, None] * self.push)
 
     def speeds(self, places: Array) -> Array:
         """Return the derivatives of places by the share of the motion, (n, 3)."""
@@ -147,7 +148,9 @@ class SidePlaces:
         for half, sense in zip(side.halves, (1, -1), strict=True):
             places, slopes = half.value(HALF), sense * half.value(HALF, 1)
             rows.append((((places - origin) / size)[::sense], (slopes / size)[::sense]))
-        return cls(side, *(np.concatenate((a, b[1:])) for a, b in zip(*rows, strict=True)))
+        (first, leave), (second, arrive) = rows
+        places, slopes = np.concatenate((first, second[1:])), np.concatenate((leave, arrive[1:]))
+        return cls(side, places, slopes)
 
     def reversed(self) -> SidePlaces:
         """Return the places the other way round."""
@@ -233,7 +236,7 @@ def _on_side(controls: Array, count: int, side: int, at: Array) -> Array:
     points = np.concatenate((ring[side], ring[(side + 1) % count][:1]))
     first = bernstein(np.minimum(2.0 * at, 1.0)) @ points[: DEGREE + 1]
     second = bernstein(np.maximum(2.0 * at - 1.0, 0.0)) @ points[DEGREE:]
-    return np.where((at <= 0.5)[:, None], first, second)
+    return np.asarray(np.where((at <= 0.5)[:, None], first, second))
 
 
 def sweep_of(sides: tuple[Side, ...], origin: Array, size: float) -> Sweep | None:

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import Mesh
 
 SMOOTH: Final = float(np.cos(np.radians(10.0)))
@@ -66,11 +66,11 @@ def _prisms(vertices: Array, ways: Array, faces: Index) -> Array:
     return np.asarray((middles + WIDER * (corners - middles)).reshape(-1, 6, 3))
 
 
-def _near_turned(vertices: Array, ways: Array, faces: Index) -> Array:
+def _near_turned(vertices: Array, ways: Array, faces: Index) -> Flags:
     """Return which triangles are within the thickness of one whose offset looks back, (m,) bool."""
     one, other = _across(vertices[faces]), _across((vertices + ways)[faces])
     lengths = np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1)
-    turned = (one * other).sum(axis=1) < BACK * lengths
+    turned = np.asarray((one * other).sum(axis=1) < BACK * lengths)
     if not turned.any():
         return turned
     from scipy.spatial import cKDTree
