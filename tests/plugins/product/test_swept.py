@@ -91,6 +91,26 @@ def test_wide_strips_over_an_edge_do_not_sag(radius, width):
     assert off(between(rail, rail + np.array((0.0, width, 0.0))), rail) < 5e-4
 
 
+@pytest.mark.parametrize("width", [20.0, 60.0])
+@pytest.mark.parametrize("degrees", [40, 60, 120])
+def test_strips_over_a_wedge_do_not_sag(degrees, width):
+    """They sagged by 1 to 6 %."""
+    half, radius, leg = np.radians(0.5 * degrees), 4.0, 50.0
+    way = np.array(((-np.sin(half), 0.0, -np.cos(half)), (np.sin(half), 0.0, -np.cos(half))))
+    turn = np.linspace(np.pi - half, half, 25)
+    arc = radius * np.column_stack((np.cos(turn), 0 * turn, np.sin(turn) - 1.0 / np.sin(half)))
+    first, last = arc[0], arc[-1]
+    share = np.linspace(0.0, 1.0, 20)[:, None]
+    rail = np.vstack(
+        (
+            (leg * way[0] + share * (first - leg * way[0]))[:-1],
+            arc,
+            (last + share * (leg * way[1] - last))[1:],
+        )
+    )
+    assert off(between(rail, rail + np.array((0.0, width, 0.0))), rail) < 1e-3
+
+
 @pytest.mark.parametrize("seed", range(7440, 7480))
 def test_other_surfaces_are_filled_as_well_as_before(seed):
     """What is no sweep is not taken for one, or is as near to one as told."""
