@@ -27,7 +27,7 @@ from bozzetto_product.fill.patch_space import (
     side_nodes,
 )
 from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein, refinement
-from bozzetto_product.fill.swept import Sweep, sweep_of
+from bozzetto_product.fill.sweep import Sweep, sweep_of
 
 TANGENCY: Final = 1e5
 """Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""

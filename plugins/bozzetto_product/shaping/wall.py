@@ -16,7 +16,7 @@ import numpy as np
 from bozzetto.arrays import Array, Index, frozen
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
-from bozzetto_product.shaping.short_edges import contracted, moved_apart
+from bozzetto_product.shaping.slivers import contracted, moved_apart
 from bozzetto_product.shaping.wall_field import SAMPLES_PER_WALL, offset_by_field, places_on
 from bozzetto_product.shaping.wall_slabs import Sheets, Slab, slabs_of, wedges_of
 

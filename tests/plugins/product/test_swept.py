@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto_product.fill.swept import Screw, sweep_of
+from bozzetto_product.fill.sweep import Screw, sweep_of
 from tests.plugins.product.known_surfaces import (
     error_percent,
     estimated_normals,

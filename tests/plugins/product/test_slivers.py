@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from bozzetto_product.shaping.short_edges import contracted, moved_apart
+from bozzetto_product.shaping.slivers import contracted, moved_apart
 
 
 def overlapping(count: int, by: float) -> Manifold:
