@@ -49,6 +49,10 @@ EVEN: Final = 0.1
 """Variation of curvature below which an evened surface is believed rather than a sweep: of
 spheres, tori and saddles it was 0.02 at most."""
 
+TOLD: Final = 0.3
+"""Distance of a sweep from the surface of least energy, as share of its distance from the sides,
+from which it tells more than that does."""
+
 PLATE_HANDICAP: Final = 3.0
 """Factor on the variation of a plate: the rate of bending is the better start."""
 
@@ -234,8 +238,9 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     """Return the best of two energies, evened or not, by a score that needs no true surface.
 
     Where two sides are swept into one another, that sweep takes their place, unless the tangent
-    planes along all sides tell a surface of even curvature, such as a sphere. What folds is taken
-    only if all do.
+    planes along all sides tell a surface of even curvature, such as a sphere, or the sides are no
+    nearer to the sweep than it is to the surface of least energy. What folds is taken only if all
+    do.
     """
     start = started(space, loop, BENDING_RATE)
     best = _evened_or(scored(start))
@@ -243,7 +248,7 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
         sweep = sweep_of(loop.sides, loop.origin, loop.size)
         if sweep is not None:
             swept = scored(fitted(start, sweep))
-            if not is_folded(swept.nets):
+            if not is_folded(swept.nets) and _apart(swept, best) > TOLD * sweep.off:
                 return swept
     if best.evened:
         return best
@@ -253,6 +258,15 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
         for made, handicap in ((best, 1.0), (plate, PLATE_HANDICAP))
     ]
     return plate if judged[1] < judged[0] else best
+
+
+def _apart(one: FairSolution, other: FairSolution) -> float:
+    """Return the root mean square distance of two surfaces along the normals of the first."""
+    values = bernstein(NODES)
+    apart = np.einsum("ai,kijd,bj->kabd", values, one.nets - other.nets, values, optimize=True)
+    rows = beltrami_rows(one.nets)
+    along = (apart.reshape(rows.normals.shape) * rows.normals).sum(axis=-1)
+    return float(np.sqrt((rows.areas * along**2).sum() / max(float(rows.areas.sum()), 1e-300)))
 
 
 def _evened_or(start: FairSolution) -> FairSolution:
