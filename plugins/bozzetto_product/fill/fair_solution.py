@@ -26,7 +26,8 @@ from bozzetto_product.fill.patch_space import (
     PatchSpace,
     side_nodes,
 )
-from bozzetto_product.fill.quintic import DEGREE, refinement
+from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein, refinement
+from bozzetto_product.fill.sweep import Sweep, sweep_of
 
 TANGENCY: Final = 1e5
 """Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""
@@ -44,12 +45,23 @@ GAIN: Final = 0.3
 """Share of the variation of curvature below which an evened surface is believed: profiles like
 an S lose their shape where less is gained."""
 
+EVEN: Final = 0.1
+"""Variation of curvature below which an evened surface is believed rather than a sweep: of
+spheres, tori and saddles it was 0.02 at most."""
+
+TOLD: Final = 0.3
+"""Distance of a sweep from the surface of least energy, as share of its distance from the sides,
+from which it tells more than that does."""
+
 PLATE_HANDICAP: Final = 3.0
 """Factor on the variation of a plate: the rate of bending is the better start."""
 
 ROUGH: Final = 0.01
 """Distance of sides from polynomials, as share of the size of a loop, from which curvature is not
 evened: the polynomials' own says little there."""
+
+STIFFENING: Final = 1e-4
+"""Weight of the energy where a surface is fitted, in mean diagonals: it decides what is free."""
 
 RIDGE: Final = 1e-11
 """Share of the mean diagonal that is added to it, so that a matrix can be factored."""
@@ -199,26 +211,70 @@ def evened(start: FairSolution) -> FairSolution:
     return replace(made, evened=True)
 
 
+def fitted(start: FairSolution, sweep: Sweep) -> FairSolution:
+    """Return the surface nearest to a sweep, with a little of the energy of a start."""
+    space, loop = start.space, start.loop
+    stiffness, load = space.stiffness(start.order)
+    size = len(stiffness)
+    root = np.sqrt(np.maximum(beltrami_rows(start.nets).areas, 1e-14)).reshape(-1, 1)
+    values = bernstein(NODES)
+    values = np.einsum("ai,bj->abij", values, values).reshape(len(NODES) ** 2, -1)
+    basis = root * (values @ space.own_basis).reshape(len(root), size)
+    sides = (values @ (space.own_sides @ loop.controls)).reshape(-1, 3)
+    wanted = root * (sweep.places(space, loop.controls) - sides)
+    square = basis.T @ basis
+    share = STIFFENING * float(np.trace(square) / np.trace(stiffness))
+    matrix = np.zeros((3 * size, 3 * size))
+    for axis in range(3):
+        part = slice(axis * size, (axis + 1) * size)
+        matrix[part, part] = square + share * stiffness
+    right = (basis.T @ wanted - share * (load @ loop.controls)).T
+    scale = float(np.trace(matrix)) / (3 * size)
+    _add_tangency(matrix, right, space, loop, scale)
+    return _solved(matrix, right, space, loop, start.order, scale)
+
+
 def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     """Return the best of two energies, evened or not, by a score that needs no true surface.
 
-    What folds is taken only if all do.
+    Where two sides are swept into one another, that sweep takes their place, unless the tangent
+    planes along all sides tell a surface of even curvature, such as a sphere, or the sides are no
+    nearer to the sweep than it is to the surface of least energy. What folds is taken only if all
+    do.
     """
-    best: FairSolution | None = None
-    least = (True, np.inf)
-    for order, handicap in ((BENDING_RATE, 1.0), (PLATE, PLATE_HANDICAP)):
-        made = scored(started(space, loop, order))
-        if loop.rest < ROUGH:
-            even = scored(evened(made))
-            if even.score < GAIN * made.score and not is_folded(even.nets):
-                made = even
-        judged = (is_folded(made.nets), handicap * made.score)
-        if best is None or judged < least:
-            best, least = made, judged
-        if best.evened:
-            break
-    assert best is not None
-    return best
+    start = started(space, loop, BENDING_RATE)
+    best = _evened_or(scored(start))
+    if not (best.evened and best.score < EVEN and np.isfinite(loop.normals).all()):
+        sweep = sweep_of(loop.sides, loop.origin, loop.size)
+        if sweep is not None:
+            swept = scored(fitted(start, sweep))
+            if not is_folded(swept.nets) and _apart(swept, best) > TOLD * sweep.off:
+                return swept
+    if best.evened:
+        return best
+    plate = _evened_or(scored(started(space, loop, PLATE)))
+    judged = [
+        (is_folded(made.nets), handicap * made.score)
+        for made, handicap in ((best, 1.0), (plate, PLATE_HANDICAP))
+    ]
+    return plate if judged[1] < judged[0] else best
+
+
+def _apart(one: FairSolution, other: FairSolution) -> float:
+    """Return the root mean square distance of two surfaces along the normals of the first."""
+    values = bernstein(NODES)
+    apart = np.einsum("ai,kijd,bj->kabd", values, one.nets - other.nets, values, optimize=True)
+    rows = beltrami_rows(one.nets)
+    along = (apart.reshape(rows.normals.shape) * rows.normals).sum(axis=-1)
+    return float(np.sqrt((rows.areas * along**2).sum() / max(float(rows.areas.sum()), 1e-300)))
+
+
+def _evened_or(start: FairSolution) -> FairSolution:
+    """Return the surface with evened curvature if it gains enough by it, else the start."""
+    if start.loop.rest >= ROUGH:
+        return start
+    even = scored(evened(start))
+    return even if even.score < GAIN * start.score and not is_folded(even.nets) else start
 
 
 def scored(solution: FairSolution) -> FairSolution:

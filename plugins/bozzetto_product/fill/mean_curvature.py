@@ -15,6 +15,9 @@ from bozzetto_product.fill.quintic import NODES, POINTS, WEIGHTS, bernstein
 FOLD_GRID: Final = 9
 """Places along each direction of a patch at which folds are looked for."""
 
+FINE_GRID: Final = 4 * FOLD_GRID - 3
+"""Places at which what looks like a fold is looked at again."""
+
 
 @dataclass(frozen=True, eq=False)
 class BeltramiRows:
@@ -90,8 +93,15 @@ def variation(rows: BeltramiRows, nets: Array, space: PatchSpace) -> float:
 
 
 def is_folded(nets: Array) -> bool:
-    """Whether normals of places beside one another in a patch point to opposite sides."""
-    at = np.linspace(0.03, 0.97, FOLD_GRID)
+    """Whether normals of places beside one another in a patch point to opposite sides.
+
+    What looks like a fold is looked at again on a finer grid: it may be a bend.
+    """
+    return _turns_over(nets, FOLD_GRID) and _turns_over(nets, FINE_GRID)
+
+
+def _turns_over(nets: Array, count: int) -> bool:
+    at = np.linspace(0.03, 0.97, count)
     values, slopes = bernstein(at), bernstein(at, 1)
     by_u = np.einsum("ai,kijd,bj->kabd", slopes, nets, values, optimize=True)
     by_v = np.einsum("ai,kijd,bj->kabd", values, nets, slopes, optimize=True)

@@ -16,6 +16,7 @@ import numpy as np
 from bozzetto.arrays import Array, Index, frozen
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
+from bozzetto_product.shaping.slivers import contracted, moved_apart
 from bozzetto_product.shaping.wall_field import SAMPLES_PER_WALL, offset_by_field, places_on
 from bozzetto_product.shaping.wall_slabs import Sheets, Slab, slabs_of, wedges_of
 
@@ -27,7 +28,7 @@ THIN: Final = 0.97
 meshes and arcs about creases cost less than that."""
 
 MOST_BENT: Final = 8000
-"""Triangles of slabs that are turned, of open sheets, up to which they are made of prisms."""
+"""Prisms, of open sheets, up to which they are united."""
 
 LEAST_HOLLOW: Final = 0.01
 """Volume of a hollow, in cubes of the thickness, below which it is left full."""
@@ -38,15 +39,6 @@ tells apart, below anything seen."""
 
 ROUNDING: Final = 1e-9
 """Share of the size below which a coordinate is nought."""
-
-TOUCHING: Final = 1e-8
-"""Distance, as share of the size, within which corners are at one place."""
-
-APART: Final = 2e-6
-"""Length, as share of the size, by which corners that only touch are moved apart."""
-
-MOST_APART: Final = 6
-"""Rounds in which that is tried, each time by more."""
 
 TURN: Final = frozen(
     np.array(((2, 3, 6), (3, -6, 2), (6, 2, -3)))
@@ -151,7 +143,7 @@ def walled(
     offset = thickness if outward else -thickness
     slabs = slabs_of(sheets, offset, lean=not closed)
     checkpoint()
-    bent = sum(len(slab.faces) for slab in slabs if slab.is_turned)
+    bent = sum(len(slab.prisms) for slab in slabs)
     if closed and bent:
         return _by_field(body, numbers, thickness, outward, checkpoint)
     if bent > MOST_BENT:
@@ -207,11 +199,11 @@ def _united(slabs: Sequence[Slab], wedges: Sequence[Array]) -> tuple[Manifold, T
     tags: Tags = {}
     parts = []
     for number, slab in enumerate(slabs):
-        if slab.is_turned:
-            for prism in slab.prisms():
-                part, own = _prism(prism, number)
-                tags |= own
-                parts.append(part)
+        for prism in slab.prisms:
+            part, own = _prism(prism, number)
+            tags |= own
+            parts.append(part)
+        if not slab.kept:
             continue
         rest = len(slab.faces) - slab.kept
         groups = [(number, True, slab.kept), (number, False, rest)]
@@ -245,21 +237,27 @@ def _sharp(
     """Return the body less its hollow, or a coat about it; None where slabs ran into themselves."""
     from manifold3d import Manifold, OpType
 
-    if outward:
-        limit = Manifold.batch_boolean([body, added], OpType.Add)
-        parts = [part for part in limit.decompose() if part.volume() > thickness**3]
-    else:
-        limit = body - added
-        parts = [part for part in limit.decompose() if part.volume() > _least(thickness)]
-        if abs(limit.volume()) <= _least(thickness):
-            return None
-    if not parts:
+    limit = Manifold.batch_boolean([body, added], OpType.Add) if outward else body - added
+    full = _bodies(limit, thickness)
+    if full.is_empty():
         return None
-    return _between(body, Manifold.compose(parts), tags, thickness, outward, rounded=False)
+    return _between(body, full, tags, thickness, outward, rounded=False)
 
 
-def _least(thickness: float) -> float:
-    return float(LEAST_HOLLOW * thickness**3)
+def _bodies(part: Manifold, thickness: float) -> Manifold:
+    """Return what is left without hollows, and without specks."""
+    from manifold3d import Manifold
+
+    least = LEAST_HOLLOW * thickness**3
+    return Manifold.compose([each for each in part.decompose() if each.volume() > least])
+
+
+def _without_specks(part: Manifold, thickness: float) -> Manifold:
+    """Return what is left without bodies and hollows that are specks."""
+    from manifold3d import Manifold
+
+    least = LEAST_HOLLOW * thickness**3
+    return Manifold.compose([each for each in part.decompose() if abs(each.volume()) > least])
 
 
 def _by_field(
@@ -269,19 +267,16 @@ def _by_field(
     outward: bool,
     checkpoint: Callable[[], None],
 ) -> Wall | None:
-    from manifold3d import Manifold
-
     own = body.to_mesh64()
     mesh = Mesh(own.vert_properties[:, :3].astype(np.float32), own.tri_verts.astype(np.int32))
     vertices, faces = offset_by_field(mesh, thickness, outward, checkpoint)
     if not len(faces):
         return None
     limit, found = _manifold(vertices, faces, [(NOBODY, False, len(faces))])
-    parts = [part for part in limit.decompose() if part.volume() > _least(thickness)]
-    if not parts:
+    full = _bodies(limit, thickness)
+    if full.is_empty():
         return None
-    whole = Manifold.compose(parts)
-    return _between(body, whole, tags | found, thickness, outward, rounded=True)
+    return _between(body, full, tags | found, thickness, outward, rounded=True)
 
 
 def _between(
@@ -311,11 +306,16 @@ def _between(
         faces = faces[:, ::-1]
     else:
         inner = inner[:, ::-1]
-    whole = _mesh(
-        np.concatenate((vertices, other)), np.concatenate((faces, inner + len(vertices))), size
-    )
     more = [(number, False, count) for number, _, count in more]
-    return Wall(whole, (*groups, *more), rounded, float(away.min()), float(away.max()))
+    return _wall(
+        np.concatenate((vertices, other)),
+        np.concatenate((faces, inner + len(vertices))),
+        [*groups, *more],
+        size,
+        rounded=rounded,
+        thinnest=float(away.min()),
+        thickest=float(away.max()),
+    )
 
 
 def _with_balls(limit: Manifold, places: Array, thickness: float, outward: bool) -> Manifold:
@@ -328,8 +328,7 @@ def _with_balls(limit: Manifold, places: Array, thickness: float, outward: bool)
     ball = Manifold.sphere(thickness, BALL_SEGMENTS)
     balls = [ball.translate(place) for place in places.tolist()]
     added = Manifold.batch_boolean(balls, OpType.Add)
-    parts = (limit + added if outward else limit - added).decompose()
-    return Manifold.compose([part for part in parts if part.volume() > _least(thickness)])
+    return _bodies(limit + added if outward else limit - added, thickness)
 
 
 def _opened(meshes: Sequence[Mesh], walls: Wall) -> Wall | None:
@@ -354,47 +353,59 @@ def _opened(meshes: Sequence[Mesh], walls: Wall) -> Wall | None:
         far.vertices.astype(float) @ TURN.T, far.faces[:, ::-1].astype(np.intp), groups
     )
     tags |= other
-    made = body - hollow
+    made = _without_specks(body - hollow, walls.thinnest)
     size = _size(made)
     vertices, faces, found = _taken(made.simplify(SLIVER * size), tags)
     if not len(faces):
         return None
-    whole = _mesh(vertices, faces, size)
-    return Wall(whole, tuple(found), walls.rounded, walls.thinnest, walls.thickest)
+    return _wall(
+        vertices,
+        faces,
+        found,
+        size,
+        rounded=walls.rounded,
+        thinnest=walls.thinnest,
+        thickest=walls.thickest,
+    )
 
 
 def _size(part: Manifold) -> float:
     return float(np.linalg.norm(np.ptp(np.reshape(part.bounding_box(), (2, 3)), axis=0)))
 
 
-def _mesh(vertices: Array, faces: Index, size: float) -> Mesh:
-    """Return triangles turned back, of which those that only touch share no place.
-
-    A file of triangles without numbers would join what touches along an edge, and bound nothing.
-    """
-    places = (vertices @ TURN).astype(np.float32)
-    places[np.abs(places) < ROUNDING * size] = 0.0
-    mesh = Mesh(places, faces.astype(np.int32))
-    for number in range(1, MOST_APART):
-        near = np.round(mesh.vertices.astype(float) / (TOUCHING * size))
-        _, same, times = np.unique(near, axis=0, return_inverse=True, return_counts=True)
-        touching = times[same.ravel()] > 1
-        if not touching.any():
-            break
-        places = mesh.vertices.astype(float)
-        step = number * APART * size * mesh.vertex_normals()[touching]
-        places[touching] -= step
-        mesh = Mesh(places.astype(np.float32), mesh.faces)
-    return mesh
-
-
 def _plate(added: Manifold, tags: Tags, thickness: float) -> Wall | None:
     """Return open surfaces as a plate."""
     size = _size(added)
-    vertices, faces, groups = _taken(added.simplify(SLIVER * size), tags)
+    whole = _without_specks(added.simplify(SLIVER * size), thickness)
+    vertices, faces, groups = _taken(whole, tags)
     if not len(faces):
         return None
-    return Wall(_mesh(vertices, faces, size), tuple(groups), False, thickness, thickness)
+    return _wall(
+        vertices, faces, groups, size, rounded=False, thinnest=thickness, thickest=thickness
+    )
+
+
+def _wall(
+    vertices: Array,
+    faces: Index,
+    groups: Sequence[tuple[int, bool, int]],
+    size: float,
+    *,
+    rounded: bool,
+    thinnest: float,
+    thickest: float,
+) -> Wall:
+    """Return triangles turned back, closed also for files that know corners by their places."""
+    vertices, faces, kept = contracted(vertices @ TURN, faces, SLIVER * size)
+    label = np.repeat(np.arange(len(groups)), [count for *_, count in groups])[kept]
+    counts = np.bincount(label, minlength=len(groups)).tolist()
+    left = [
+        (number, own, count)
+        for (number, own, _), count in zip(groups, counts, strict=True)
+        if count
+    ]
+    vertices[np.abs(vertices) < ROUNDING * size] = 0.0
+    return Wall(moved_apart(vertices, faces, size), tuple(left), rounded, thinnest, thickest)
 
 
 def _taken(part: Manifold, tags: Tags) -> tuple[Array, Index, list[tuple[int, bool, int]]]:

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import Mesh
 
 SMOOTH: Final = float(np.cos(np.radians(10.0)))
@@ -45,34 +45,40 @@ class Slab:
     vertices : (2 n, 3) float
         Those of the surface, then those of the offset, mm.
     faces : (m, 3) int
-        Outward; first all of the surface.
+        Outward; first all of the surface, but for those under prisms.
     kept : int
         How many faces are the surface itself.
+    prisms : (k, 6, 3) float
+        Corners of what lies over single triangles, where the slab is thicker than the surface's
+        radius: it would run into itself.
     """
 
     vertices: Array
     faces: Index
     kept: int
+    prisms: Array
 
-    @property
-    def is_turned(self) -> bool:
-        """Whether a face of the offset looks back: the slab is thicker than the surface's radius.
 
-        Prisms over its triangles make such a slab, each by itself.
-        """
-        count = len(self.vertices) // 2
-        faces = self.faces[: self.kept]
-        one, other = (_across(self.vertices[faces + start]) for start in (0, count))
-        lengths = np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1)
-        return bool(((one * other).sum(axis=1) < BACK * lengths).any())
+def _prisms(vertices: Array, ways: Array, faces: Index) -> Array:
+    """Return the corners of the slab over each triangle, (k, 6, 3)."""
+    corners = np.stack((vertices[faces], (vertices + ways)[faces]), axis=1)
+    middles = corners.mean(axis=2, keepdims=True)
+    return np.asarray((middles + WIDER * (corners - middles)).reshape(-1, 6, 3))
 
-    def prisms(self) -> list[Array]:
-        """Return the corners of the slab over each triangle of the surface, each (6, 3)."""
-        count = len(self.vertices) // 2
-        faces = self.faces[: self.kept]
-        corners = self.vertices[np.stack((faces, faces + count), axis=1)]
-        middles = corners.mean(axis=2, keepdims=True)
-        return list((middles + WIDER * (corners - middles)).reshape(-1, 6, 3))
+
+def _near_turned(vertices: Array, ways: Array, faces: Index) -> Flags:
+    """Return which triangles are within the thickness of one whose offset looks back, (m,) bool."""
+    one, other = _across(vertices[faces]), _across((vertices + ways)[faces])
+    lengths = np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1)
+    turned = np.asarray((one * other).sum(axis=1) < BACK * lengths)
+    if not turned.any():
+        return turned
+    from scipy.spatial import cKDTree
+
+    used = np.unique(faces[turned])
+    thickness = float(np.linalg.norm(ways[used], axis=1).max())
+    away = np.asarray(cKDTree(vertices[used]).query(vertices)[0])
+    return np.asarray((away <= thickness)[faces].any(axis=1))
 
 
 def _across(corners: Array) -> Array:
@@ -214,6 +220,9 @@ def _lean(sheets: Sheets, ways: list[Array], own: Use, other: Use, offset: float
 
 def _slab(vertices: Array, ways: Array, faces: Index, places: Index, inward: bool) -> Slab:
     """Return a slab; surfaces on both sides of an edge cut the wall over it along one diagonal."""
+    near = _near_turned(vertices, ways, faces)
+    prisms = _prisms(vertices, ways, faces[near])
+    faces = faces[~near]
     count = len(vertices)
     start, end = border_sides(faces).T
     swap = places[start] > places[end]
@@ -228,7 +237,7 @@ def _slab(vertices: Array, ways: Array, faces: Index, places: Index, inward: boo
     walls = walls.reshape(-1, 3)
     every = np.concatenate((faces, faces[:, ::-1] + count, walls))
     every = every if inward else every[:, ::-1]
-    return Slab(np.concatenate((vertices, vertices + ways)), every, len(faces))
+    return Slab(np.concatenate((vertices, vertices + ways)), every, len(faces), prisms)
 
 
 def border_sides(faces: Index) -> Index:

@@ -21,8 +21,6 @@ from bozzetto_product import modeler
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.network_fills import fill_net
 from bozzetto_product.hand_over.imported import product_of_network
-from bozzetto_product.loops.orientation import orient_loops
-from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.report import border_of
 from bozzetto_product.shaping.group_fairing import faired
 from bozzetto_product.shaping.pressure import inflated, volume_of_pressure
@@ -32,6 +30,7 @@ from bozzetto_product.shaping.wall import walled
 from tests.plugins.product.known_surfaces import points_of
 from tests.plugins.product.noisy_sheets import sheets
 from tests.plugins.product.random_networks import cells, quilt, tube
+from tests.plugins.product.sketch_fills import fills_of_sketch
 from tests.plugins.product.test_group_fairing import MIRROR
 from tests.plugins.product.test_pressure import disc, middle_of_a_sheet, places
 from tests.plugins.product.test_pull import bump, over, profile, side
@@ -127,23 +126,6 @@ def _pulls() -> Iterator[Row]:
 # -- walls -----------------------------------------------------------------------------------
 
 
-def _loop(net: Net, edges: frozenset[int]) -> Loop | None:
-    """Edges in their order round a loop."""
-    left, first = set(edges), min(edges)
-    left.remove(first)
-    row, at = [(first, True)], net.edges[first].end
-    while left:
-        here = (e for e in sorted(left) if at in (net.edges[e].start, net.edges[e].end))
-        edge = next(here, None)
-        if edge is None:
-            return None
-        left.remove(edge)
-        forward = net.edges[edge].start == at
-        row.append((edge, forward))
-        at = net.edges[edge].end if forward else net.edges[edge].start
-    return tuple(row)
-
-
 def products() -> Iterator[tuple[str, tuple[Fill, ...]]]:
     """Yield the sample, and random products: closed bodies, tubes, sheets."""
     path = Path(modeler.__file__).parent / "samples" / "mouse.json"
@@ -152,12 +134,7 @@ def products() -> Iterator[tuple[str, tuple[Fill, ...]]]:
     yield "mouse", tuple(one.fill for one in result.filled if one.fill is not None)
     for kind, make, count in (("cells", cells, 14), ("tube", tube, 8), ("quilt", quilt, 8)):
         for seed in range(WALL_SEED, WALL_SEED + count):
-            sketch = make(seed)
-            net = sketch.net()
-            rings = [_loop(net, edges) for edges in sketch.truth(net, strict=False)]
-            loops = orient_loops(net, [ring for ring in rings if ring is not None]).loops
-            fills = fill_net(net, loops)
-            yield kind, tuple(f for f in fills if f is not None and not f.folded)
+            yield kind, fills_of_sketch(make(seed))
 
 
 def thickness(fills: tuple[Fill, ...], mesh: Mesh, asked: float) -> np.ndarray:

@@ -15,6 +15,8 @@ from bozzetto_product.hand_over.imported import product_of_network
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.shaping.wall import walled
+from tests.plugins.product.random_networks import tube
+from tests.plugins.product.sketch_fills import fills_of_sketch
 
 PRODUCT = ProductModeler()
 
@@ -199,6 +201,18 @@ def test_without_a_wall_nothing_changes_and_a_preview_has_none() -> None:
     assert PRODUCT.solve(walls, Job("preview")).walls == ()
     (part,) = PRODUCT.shapes(state, PRODUCT.solve(state, Job())).surfaces
     assert isinstance(part, Surface)
+
+
+@pytest.mark.parametrize("seed", [6001, 6003, 7103])
+def test_tubes_that_bend_more_than_the_wall_is_thick_are_closed_by_places(seed: int) -> None:
+    """Prisms over single triangles leave slivers, and specks, that single precision cannot tell."""
+    meshes = [fill.mesh for fill in fills_of_sketch(tube(seed))]
+    size = np.linalg.norm(np.ptp(np.concatenate([mesh.vertices for mesh in meshes]), axis=0))
+    wall = walled(meshes, float(0.01 * size))
+    assert wall is not None
+    assert solid_of(wall.mesh).volume() > 0.0
+    assert len(np.unique(wall.mesh.vertices, axis=0)) == len(wall.mesh.vertices)
+    assert sum(count for *_, count in wall.groups) == len(wall.mesh.faces)
 
 
 def test_a_plate_over_a_sharp_crease_stays_within_its_surfaces() -> None:
