@@ -32,6 +32,12 @@ STRIDE, KNEE, SWING, TWIST = np.deg2rad([24.0, 30.0, 16.0, 4.0])
 LEAN, WAVE = np.deg2rad([2.5, 4.0])
 """Largest turns of the spine and of limbs while swaying."""
 
+FOOT = 0.2
+"""Height, as share of the whole, below which a limb that stands ends."""
+
+TRUNK = ("Body", "Spine")
+"""Names of what the limbs hang on."""
+
 _, DEEP, UPWARD = np.eye(3)
 """Axes of the model: away from the viewer, and up."""
 
@@ -47,12 +53,22 @@ class _Limb(NamedTuple):
         From where it begins outwards.
     way : (3,) float array
         From its beginning to its end, mm.
+    height : float
+        Of its end above the lowest joint of all, as share of the height of all.
     """
 
     stem: str
     side: str
     joints: list[int]
     way: Array
+    height: float
+
+    @property
+    def stands(self) -> bool:
+        """Whether it is a leg of what is seen from its side: no trunk, and no tail."""
+        return (
+            self.stem not in TRUNK and -self.way[2] > abs(float(self.way[0])) and self.height < FOOT
+        )
 
 
 def walking(state: SilhouetteState, context: Context) -> SilhouetteState:
@@ -67,7 +83,7 @@ def walking(state: SilhouetteState, context: Context) -> SilhouetteState:
     limbs = _limbs(armature)
     sided = [limb for limb in limbs if limb.side and limb.stem.startswith("Leg")]
     legs = sided or sorted(
-        (limb for limb in limbs if -limb.way[2] > abs(limb.way[0])),
+        (limb for limb in limbs if limb.stands),
         key=lambda limb: float(armature.rig.joints[limb.joints[0], 0]),
     )
     if len(legs) < 2:
@@ -110,7 +126,7 @@ def swaying(state: SilhouetteState, context: Context) -> SilhouetteState:
     turns = np.zeros((POSES, len(armature.radii), 3))
     beat = 2.0 * np.pi * np.arange(POSES) / POSES
     for limb in limbs:
-        size = LEAN if limb.stem in ("Spine", "Body") else WAVE
+        size = LEAN if limb.stem in TRUNK else WAVE
         sense = -1.0 if limb.side == ".R" else 1.0
         for rank, joint in enumerate(limb.joints):
             if armature.rig.parents[joint] >= 0 and not limb.stem.startswith("Leg"):
@@ -135,13 +151,16 @@ def _limbs(armature: Armature) -> list[_Limb]:
     for joint, name in enumerate(rig.names):
         stem, side = re.fullmatch(r"(.*?)(?:-\d+)?(\.[LR])?", name).groups("")  # type: ignore[union-attr]
         rows.setdefault((stem, side), []).append(joint)
+    low = rig.joints[:, 2].min()
+    tall = max(float(np.ptp(rig.joints[:, 2])), 1e-300)
     limbs = []
     for (stem, side), joints in rows.items():
         first = int(rig.parents[joints[0]])
         way = rig.joints[joints[-1]] - rig.joints[max(first, 0)]
         held: Sequence[int] = [joint for joint in joints if (rig.parents == joint).any()]
         if held:
-            limbs.append(_Limb(stem, side, list(held), way))
+            height = float(rig.joints[joints[-1], 2] - low) / tall
+            limbs.append(_Limb(stem, side, list(held), way, height))
     return limbs
 
 

@@ -107,6 +107,23 @@ def test_left_and_right_walk_alike_half_a_cycle_apart():
         np.testing.assert_allclose(np.abs(rig.turns[left]), np.abs(half.turns[right]), atol=1e-6)
 
 
+def test_what_walks_seen_from_its_side_keeps_its_trunk_still_and_moves_its_four_feet():
+    state = ran(HORSE, "walk")
+    rig = rig_of(HORSE)
+    places = np.array([rig_of(later(state, t)).posed()[1] for t in np.linspace(0.0, 1.1, 12)])
+    moved = np.linalg.norm(places - places[0], axis=2).max(axis=0)
+    size = np.ptp(rig.joints[:, 2])
+    trunk = [k for k, name in enumerate(rig.names) if name.startswith("Body")]
+    assert len(trunk) >= 4
+    assert moved[trunk].max() < 1e-9
+    ends = np.setdiff1d(np.arange(len(rig.names)), rig.parents)
+    feet = [k for k in ends if rig.joints[k, 2] < rig.joints[:, 2].min() + 0.1 * size]
+    assert len(feet) == 4
+    assert (moved[feet] > 0.1 * size).all()
+    others = [k for k in ends if k not in feet]
+    assert moved[others].max() < 1e-9, "head, ears and tail hang on a trunk that is still"
+
+
 def test_kept_poses_become_a_motion_in_their_order():
     one = turned(PERSON, 1, (0, 1, 0), 30)
     other = turned(PERSON, 1, (0, 1, 0), -30)
