@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QPushButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -22,6 +21,7 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.settings import keep_plugin_disabled
 from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import tones
+from bozzetto_app.toolkit.panel_scroll import PanelScroll
 from bozzetto_app.widgets.toggle import Toggle
 
 if TYPE_CHECKING:
@@ -71,10 +71,7 @@ class PluginManager(Page):
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__("plugins", tr("Plugins", "Plugins"), parent)
         self._session = session
-        self._area = QScrollArea()
-        self._area.setWidgetResizable(True)
-        self._area.setFrameShape(QFrame.Shape.NoFrame)
-        self._area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._area = PanelScroll()
         self.column.addWidget(self._area, 1)
         self.column.addWidget(
             quiet(

@@ -6,14 +6,13 @@ from collections.abc import Callable, Sequence
 from datetime import datetime
 from typing import TYPE_CHECKING, Final
 
-from PySide6.QtCore import QDateTime, QLocale, Qt
+from PySide6.QtCore import QDateTime, QLocale
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QMessageBox,
     QPushButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -21,6 +20,7 @@ from shiboken6 import isValid
 
 from bozzetto_app.dialogs.dialog import Page, label, quiet
 from bozzetto_app.i18n import tr
+from bozzetto_app.toolkit.panel_scroll import PanelScroll
 
 if TYPE_CHECKING:
     from bozzetto.document.recovery.recovery import CrashedSession
@@ -76,10 +76,7 @@ class RecoveryDialog(Page):
         for number, session in enumerate(sessions):
             self._cards.addWidget(self._card(session, first=number == 0))
         self._cards.addStretch(1)
-        self._area = QScrollArea()
-        self._area.setWidgetResizable(True)
-        self._area.setFrameShape(QFrame.Shape.NoFrame)
-        self._area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._area = PanelScroll()
         page = QWidget()
         page.setLayout(self._cards)
         self._area.setWidget(page)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,6 +30,10 @@ def window(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[WindowSh
     from bozzetto.plugin.host.registry import Registry
     from bozzetto_app.testing.window_shell import WindowShell
 
+    collects = gc.isenabled()
+    gc.disable()  # in a worker's thread it would take widgets along; see `gc_on_main_thread`
     shell = WindowShell(Registry(), tmp_path)
     yield shell
     shell.close()
+    if collects:
+        gc.enable()

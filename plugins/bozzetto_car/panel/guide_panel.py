@@ -10,19 +10,17 @@ from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QFormLayout,
-    QFrame,
     QHBoxLayout,
     QLabel,
     QListWidget,
     QListWidgetItem,
     QPushButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
 
 from bozzetto.plugin import PanelHost, override
-from bozzetto_app.toolkit import PanelWorker
+from bozzetto_app.toolkit import PanelScroll, PanelWorker
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.node_chart import NodeChart
 from bozzetto_car.panel.template_pictures import TemplatePictures
@@ -51,7 +49,7 @@ TIPS: Final = (
 CHECKED, UNCHECKED = Qt.CheckState.Checked, Qt.CheckState.Unchecked
 
 
-class GuidePanel(QScrollArea):
+class GuidePanel(PanelScroll):
     """The panel that guides a person through the marking of a car's sketches.
 
     Parameters
@@ -65,9 +63,6 @@ class GuidePanel(QScrollArea):
     def __init__(self, host: PanelHost, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("car-guide")
-        self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._host = host
         self._guide: Guide | None = None
         self._state: CarState | None = None

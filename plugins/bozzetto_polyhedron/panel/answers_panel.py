@@ -7,10 +7,8 @@ from typing import Final
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QIcon, QImage, QPixmap
 from PySide6.QtWidgets import (
-    QFrame,
     QGridLayout,
     QLabel,
-    QScrollArea,
     QSizePolicy,
     QToolButton,
     QWidget,
@@ -18,7 +16,7 @@ from PySide6.QtWidgets import (
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import PanelHost, override
-from bozzetto_app.toolkit import PanelWorker, palette_of
+from bozzetto_app.toolkit import PanelScroll, PanelWorker, palette_of
 from bozzetto_polyhedron.commands.answers import with_answer
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.panel.answer_pictures import AnswerPicture, Gallery, gallery_of
@@ -33,7 +31,7 @@ SIZE: Final = (96, 80)
 COLUMNS: Final = 2
 
 
-class AnswersPanel(QScrollArea):
+class AnswersPanel(PanelScroll):
     """The panel that shows the ranked answers of the chosen body.
 
     Parameters
@@ -47,9 +45,6 @@ class AnswersPanel(QScrollArea):
     def __init__(self, host: PanelHost, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("answers")
-        self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._host = host
         self._state: PolyhedronState | None = None
         self._gallery = Gallery("", "")

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
-from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QPushButton, QScrollArea, QWidget
+from PySide6.QtCore import QSize, QTimer
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
 from bozzetto.plugin import Context, PanelHost, override
-from bozzetto_app.toolkit import PanelWorker
+from bozzetto_app.toolkit import PanelScroll, PanelWorker
 from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.panel.film_strip import FilmStrip, Strip
 from bozzetto_silhouette.rigging.armature import armature_of
@@ -56,7 +56,7 @@ ALWAYS: Final = ("Walk", "Sway", "Keep pose")
 """Buttons for which no motion is needed."""
 
 
-class MotionPanel(QScrollArea):
+class MotionPanel(PanelScroll):
     """The panel that shows the key poses of the chosen shape.
 
     Parameters
@@ -72,9 +72,6 @@ class MotionPanel(QScrollArea):
         self.setObjectName("motion")
         self.setProperty("behind", True)
         self.setWindowTitle("Motion")
-        self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._host = host
         self._figures = PanelWorker(self)
         self._changes = PanelWorker(self)

@@ -7,13 +7,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QApplication, QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QVBoxLayout, QWidget
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.panels.properties.drag_pace import DragPace
 from bozzetto_app.panels.properties.place_form import PlaceForm
 from bozzetto_app.panels.properties.report import Figures
 from bozzetto_app.settings import settings
+from bozzetto_app.toolkit.panel_scroll import PanelScroll
 from bozzetto_app.widgets.section import Section, hairline
 from bozzetto_app.widgets.tab_order import put_in_tab_order
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["ParametersPanel"]
 
 
-class ParametersPanel(QScrollArea):
+class ParametersPanel(PanelScroll):
     """The forms of the selected model and of its chosen part, and the figures of its result."""
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
@@ -35,9 +36,6 @@ class ParametersPanel(QScrollArea):
         self.setObjectName("parameters")
         self.setWindowTitle(tr("Parameters", "Parameters"))
         self.setAccessibleName(self.windowTitle())
-        self.setWidgetResizable(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setMinimumWidth(264)
 
         self._empty = QLabel()
