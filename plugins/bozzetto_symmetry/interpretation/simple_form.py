@@ -74,13 +74,15 @@ class SimpleForm:
         steep = surface.gradients(points)
         normals = steep / np.linalg.norm(steep, axis=1, keepdims=True)
         aside = np.cross(normals, along)
-        seen, moved_across = [], []
-        for sides in (np.ones(3), MIRROR):
-            rows = across_image(image_slopes(stereo, points * sides) * sides, along)
-            moved_across.append(np.abs(np.einsum("ni,ni->n", rows, aside)))
-            seen.append(stereo.project(points * sides))
-        known = _information(*moved_across, _alike(*seen))
-        rays = stereo.rays(seen[0]).directions
+        near, far = stereo.project(points), stereo.project(points * MIRROR)
+        one, other = (
+            np.abs(
+                (across_image(image_slopes(stereo, points * sides) * sides, along) * aside).sum(1)
+            )
+            for sides in (np.ones(3), MIRROR)
+        )
+        known = _information(one, other, _alike(near, far))
+        rays = stereo.rays(near).directions
         slope = (rays * steep).sum(axis=1)
         way = rays - (rays * along).sum(axis=1, keepdims=True) * along
         reach = np.linalg.norm(way, axis=1) / np.maximum(np.abs(slope), 1e-9)
@@ -92,9 +94,9 @@ class SimpleForm:
 
 
 def _alike(near: Array, far: Array) -> Array:
-    """Return how alike the hand errs at two images of each place, 0 … 1.
+    """Return how alike the hand errs at the images (n, 2) px of places and of their mirror images.
 
-    A tremor is alike over a 25th of the curve; where it crosses the centre plane both are one.
+    A tremor is alike over a 25th of the curve, and 1 where the curve crosses the centre plane.
     """
     reach = TREMOR * float(np.nansum(np.linalg.norm(np.diff(near, axis=0), axis=1)))
     apart = np.linalg.norm(near - far, axis=1)
@@ -113,6 +115,4 @@ def _information(one: Array, other: Array, alike: Array) -> Array:
     """
     mean, half = 0.5 * (one + other), 0.5 * (one - other)
     # In the sum and the difference of the two the errors are independent.
-    return np.asarray(
-        2.0 * mean**2 / (1.0 + alike) + 2.0 * half**2 / np.maximum(1.0 - alike, ONE)
-    )
+    return np.asarray(2.0 * mean**2 / (1.0 + alike) + 2.0 * half**2 / np.maximum(1.0 - alike, ONE))
