@@ -62,6 +62,12 @@ TOLERANCE: Final = 2.0
 """How much more a wider window may change than noise of single samples explains, before it is
 too wide. Noise of samples that are averaged on a grid is no longer quite independent."""
 
+PIECES: Final = 16
+"""Parts of a line, each with a noise of its own."""
+
+CALM: Final = 0.1
+"""Share of these parts that are the calmest."""
+
 HAND_DEGREE: Final = 5
 """Degree of the polynomials that separate the slow wavering of the hand from the form."""
 
@@ -181,12 +187,39 @@ def hand_noise(points: Array, *, closed: bool = False) -> float:
     closed : bool
         The line is a ring; its first point is not repeated.
     """
+    return _residual(points, _hand_window(points, closed), HAND_DEGREE, closed)
+
+
+def calmest_noise(points: Array, *, closed: bool = False) -> float:
+    """Return the standard deviation of what is no form where the line is calmest, px.
+
+    As `hand_noise`, over the calmest tenth of the line: corners are no form of a low degree
+    either, but never all of a line. Of ink that a program made or filtered it is a few thousandths
+    of a pixel; of a hand, even one whose tremor is slow, a hundredth and more.
+
+    Parameters
+    ----------
+    points : (n, 2) float
+        Equally spaced.
+    closed : bool
+        The line is a ring; its first point is not repeated.
+    """
+    window = _hand_window(points, closed)
+    if 2 * window <= HAND_DEGREE or 2 * window + 1 > len(points):
+        return 0.0
+    soft = _local_polynomial(points, window, HAND_DEGREE, closed)
+    pieces = np.array_split(_across(points - soft, soft) ** 2, PIECES)
+    calm = np.quantile([piece.mean() for piece in pieces], CALM)
+    return float(np.sqrt(calm / (1.0 - _hat(window, HAND_DEGREE)[window, window])))
+
+
+def _hand_window(points: Array, closed: bool) -> int:
+    """Return half the window, in steps, about which the noise of the hand is measured."""
     ring = np.vstack((points, points[:1])) if closed else points
     length = length_of(ring)
     step = length / max(1, len(ring) - 1)
     half = float(np.clip(HAND_SHARE * length, *HAND_WIDTH))
-    window = min(round(half / step), (len(points) - 1) // 2)
-    return _residual(points, window, HAND_DEGREE, closed)
+    return min(round(half / step), (len(points) - 1) // 2)
 
 
 def _loop(points: Array) -> Array | None:

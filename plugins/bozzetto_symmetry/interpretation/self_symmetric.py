@@ -11,6 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import Side
+from bozzetto_symmetry.ink.stroke_line import calmest_noise
 from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, matched_part, price
 from bozzetto_symmetry.interpretation.flat_crossing import flattened
 from bozzetto_symmetry.interpretation.folding import Folding, foldings
@@ -27,9 +28,9 @@ halves of a careful hand stray by."""
 LIKELY: Final = 1.7
 """Price of a simpler curve, px, up to which a hand may well have meant it."""
 
-TREMBLING: Final = 0.2
-"""Tremor that can be told, px, from which on a hand errs by so much; steadier ink means what it
-shows."""
+TREMBLING: Final = (0.2, 0.01)
+"""Tremor that can be told, px, from which on a hand errs by so much: of all of a line, and of its
+calmest places. Ink that is steadier by both means what it shows."""
 
 SAME: Final = 1e-6
 """Distance from the plane, in lengths of the curve, at which a place is the crossing itself."""
@@ -66,11 +67,17 @@ def as_crossing(stereo: Stereo, side: Side, more: float = 0.0) -> Iterator[Candi
     # hand may well have meant is no merit.
     simpler = [*bars, *level]
     dear = more + (NEEDLESS if simpler else 0.0)
-    meant = more + LIKELY * min(1.0, side.noise / TREMBLING)
+    meant = more + LIKELY * _trembling(side.noise, pixels, ring)
     likely = [one.whole.cost for one in simpler if one.whole.cost <= meant]
     least = min(likely, default=0.0) + dear
     for folding, half in found:
         yield Candidate(half, partial(_read, stereo, folding, pixels, ring, (dear, least), None))
+
+
+def _trembling(noise: float, pixels: Array, ring: bool) -> float:
+    """Return how surely a line was drawn by a hand: 1, or less for ink that is steadier."""
+    told = noise, calmest_noise(pixels, closed=ring)
+    return max(min(1.0, each / enough) for each, enough in zip(told, TREMBLING, strict=True))
 
 
 def _folded(stereo: Stereo, pixels: Array, ring: bool) -> list[tuple[Folding, HalfInSpace]]:

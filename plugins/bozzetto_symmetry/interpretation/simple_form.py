@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -10,6 +11,12 @@ from bozzetto.arrays import Array
 from bozzetto_symmetry.stereo.bowed_plane import BowedPlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import across_image, image_slopes
+
+TREMOR: Final = 0.04
+"""Share of a curve over which a tremor is alike."""
+
+ONE: Final = 0.1
+"""Least part of the error of a hand that two images do not share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,11 +74,15 @@ class SimpleForm:
         steep = surface.gradients(points)
         normals = steep / np.linalg.norm(steep, axis=1, keepdims=True)
         aside = np.cross(normals, along)
-        known = np.zeros(len(points))
-        for sides in (np.ones(3), MIRROR):
-            rows = across_image(image_slopes(stereo, points * sides) * sides, along)
-            known += np.einsum("ni,ni->n", rows, aside) ** 2
-        rays = stereo.rays(stereo.project(points)).directions
+        near, far = stereo.project(points), stereo.project(points * MIRROR)
+        one, other = (
+            np.abs(
+                (across_image(image_slopes(stereo, points * sides) * sides, along) * aside).sum(1)
+            )
+            for sides in (np.ones(3), MIRROR)
+        )
+        known = _information(one, other, _alike(near, far))
+        rays = stereo.rays(near).directions
         slope = (rays * steep).sum(axis=1)
         way = rays - (rays * along).sum(axis=1, keepdims=True) * along
         reach = np.linalg.norm(way, axis=1) / np.maximum(np.abs(slope), 1e-9)
@@ -80,3 +91,28 @@ class SimpleForm:
         sigma = np.sqrt(1.0 / np.maximum(known, 1e-12) + reach**2 * moved)
         apart = np.linalg.norm(points[:, None] - points, axis=2)
         return np.asarray((sigma + apart).min(axis=1, initial=np.inf))
+
+
+def _alike(near: Array, far: Array) -> Array:
+    """Return how alike the hand errs at the images (n, 2) px of places and of their mirror images.
+
+    A tremor is alike over a 25th of the curve, and 1 where the curve crosses the centre plane.
+    """
+    reach = TREMOR * float(np.nansum(np.linalg.norm(np.diff(near, axis=0), axis=1)))
+    apart = np.linalg.norm(near - far, axis=1)
+    return np.asarray(np.exp(-((apart / max(2.0 * reach, 1e-9)) ** 2)))
+
+
+def _information(one: Array, other: Array, alike: Array) -> Array:
+    """Return what two measurements of one figure say whose errors are alike, 1/mm² for 1 px.
+
+    Parameters
+    ----------
+    one, other : (n,) float
+        How far the image moves with the figure, px/mm; not negative.
+    alike : (n,) float
+        Correlation of their errors.
+    """
+    mean, half = 0.5 * (one + other), 0.5 * (one - other)
+    # In the sum and the difference of the two the errors are independent.
+    return np.asarray(2.0 * mean**2 / (1.0 + alike) + 2.0 * half**2 / np.maximum(1.0 - alike, ONE))

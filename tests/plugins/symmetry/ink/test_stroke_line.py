@@ -11,8 +11,15 @@ from hypothesis.extra.numpy import arrays
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto_symmetry.ink.stroke_line import CLOSING, MOST, hand_noise, pen_down, smooth_line
-from tests.plugins.symmetry.scenes import ACROSS, FLAT, LOOPS, PAIRS, camera, drawn
+from bozzetto_symmetry.ink.stroke_line import (
+    CLOSING,
+    MOST,
+    calmest_noise,
+    hand_noise,
+    pen_down,
+    smooth_line,
+)
+from tests.plugins.symmetry.scenes import ACROSS, FLAT, LOOPS, PAIRS, camera, drawn, tremor
 
 VIEWS = [(10, 15), (30, 20), (60, 30), (85, 10)]
 OPEN = {**PAIRS, **ACROSS, **FLAT}
@@ -105,8 +112,19 @@ def test_a_dot_is_refused() -> None:
         smooth_line(np.full((9, 2), 7.0))
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_corners_do_not_hide_how_steady_a_hand_is(seed: int) -> None:
+    made = np.random.default_rng(seed)
+    side = np.linspace(0.0, 1.0, 200)[:, None]
+    bent = np.vstack((side * (150.0, 40.0), (150.0, 40.0) + side[1:] * (-30.0, 160.0)))
+    assert calmest_noise(bent) < 1e-6
+    assert calmest_noise(bent + tremor(len(bent), 1.0, made)) > 0.01
+
+
 def test_short_lines_have_no_noise_to_tell() -> None:
-    assert hand_noise(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])) == 0.0
+    short = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+    assert hand_noise(short) == 0.0
+    assert calmest_noise(short) == 0.0
 
 
 @settings(max_examples=40, deadline=None)
