@@ -99,4 +99,5 @@ def test_garbage_gives_a_sound_car_or_a_sentence(template: Template) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1, 1 + sized(1, 13)))
 def test_ten_thousand_sets_of_garbage(template: Template, seed: int) -> None:
-    assert survive_garbage(template, seed, 257) >= 200
+    count = sized(65, 257)
+    assert survive_garbage(template, seed, count) >= 200 / 257 * count
