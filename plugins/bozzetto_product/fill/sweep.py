@@ -9,12 +9,12 @@ sides say that they are swept, the surface is fitted to the motion.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, frozen
+from bozzetto.plugin import cached_property
 from bozzetto_product.fill.half_sides import Side
 from bozzetto_product.fill.patch_space import PatchSpace
 from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein
