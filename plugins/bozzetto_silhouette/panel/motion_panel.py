@@ -9,6 +9,7 @@ from typing import Final
 from PySide6.QtCore import QSize, QTimer
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
+from bozzetto.errors import UserError
 from bozzetto.plugin import Context, PanelHost, override
 from bozzetto_app.toolkit import PanelScroll, PanelWorker
 from bozzetto_silhouette.model.state import SilhouetteState
@@ -33,6 +34,8 @@ NOTHING: Final = "Draw a shape with limbs: it can be posed, and moved."
 NO_MOTION: Final = (
     "No motion yet. Take a walk or a sway; or switch Pose on, drag joints, and keep each pose."
 )
+
+NO_JOINTS: Final = "This shape has no joints. Draw a longer shape or a limb."
 
 Change = Callable[[SilhouetteState], SilhouetteState]
 
@@ -74,8 +77,8 @@ class MotionPanel(PanelScroll):
         self.setWindowTitle("Motion")
         self._host = host
         self._figures = PanelWorker(self)
-        self._changes = PanelWorker(self)
-        self._drawn: object = None
+        self._drawn: tuple[object, object] = (None, None)
+        self._posable: object = None
         self._soon = QTimer(self, singleShot=True, interval=PATIENCE)
         self._soon.timeout.connect(self._draw_figures)
         inside = QWidget()
@@ -106,7 +109,7 @@ class MotionPanel(PanelScroll):
     @property
     def busy(self) -> bool:
         """Whether the panel does not show the newest state yet."""
-        return self._soon.isActive() or self._figures.busy or self._changes.busy
+        return self._soon.isActive() or self._figures.busy
 
     @override
     def sizeHint(self) -> QSize:
@@ -123,16 +126,20 @@ class MotionPanel(PanelScroll):
         if state is None:
             return
         count = len(state.keys)
+        posable = bool(state.nodes) and self._posable is state.nodes
         for word, button in self.buttons.items():
-            button.setEnabled(bool(state.nodes) if word in ALWAYS else count > 0)
+            button.setEnabled(posable and (word in ALWAYS or count > 0))
+        self.strip.setEnabled(posable)
         self.strip.show_keys(count, state.time / state.beat)
         if count:
-            seconds = count * state.beat
             what = f"{count} key pose{'s' * (count > 1)}"
+            seconds = count * state.beat
             self._say(f"{what}, {seconds:.4g} s. P plays the motion with the tool Animate.")
-        else:
+        elif posable or self._drawn[0] is not state.nodes:
             self._say(NO_MOTION if state.nodes else NOTHING)
-        if self._drawn is None or self._drawn != (state.nodes, state.keys):
+        else:
+            self._say(NO_JOINTS if state.nodes else NOTHING)
+        if self._drawn[0] is not state.nodes or self._drawn[1] is not state.keys:
             self._soon.start()
 
     def _say(self, words: str) -> None:
@@ -140,15 +147,18 @@ class MotionPanel(PanelScroll):
             self.sentence.setText(words)
 
     def _draw_figures(self) -> None:
+        """Have the joints found, which may take long, and the figures made."""
         state = self._state
         if state is None:
             return
-        self._drawn = (state.nodes, state.keys)
-        self._figures.ask(
-            lambda: _strip_of(state),
-            self.strip.show_figures,
-            lambda _: self.strip.show_figures(None),
-        )
+
+        def done(strip: Strip | None) -> None:
+            self._drawn = (state.nodes, state.keys)
+            self._posable = None if strip is None else state.nodes
+            self.strip.show_figures(strip)
+            self._refresh()
+
+        self._figures.ask(lambda: _strip_of(state), done, lambda _: done(None))
 
     def _go_to_key(self, number: int) -> None:
         self._change(lambda state: at_key(state, number), "Go to a key pose")
@@ -161,22 +171,20 @@ class MotionPanel(PanelScroll):
         self._change(gone, "Go to a time", going=going)
 
     def _change(self, change: Change, label: str, *, going: bool = False) -> None:
-        """Change the newest state in a thread: joints may have to be found first."""
+        """Change the state; the joints are known, so that it is done at once."""
         state = self._state
-        if state is None:
+        if state is None or self._posable is not state.nodes:
             return
-
-        def done(made: SilhouetteState) -> None:
-            if self._state is state:
-                self._host.change(made, label, going=going)
-            else:
-                self._change(change, label, going=going)
-
-        self._changes.ask(lambda: change(state), done, lambda problem: self._say(str(problem)))
+        try:
+            made = change(state)
+        except UserError as problem:
+            self._say(str(problem))
+        else:
+            self._host.change(made, label, going=going)
 
 
 def _strip_of(state: SilhouetteState) -> Strip | None:
     armature = armature_of(state)
-    if armature is None:
+    if armature is None or (armature.rig.parents < 0).all():
         return None
     return Strip(figures_of(state), armature.rig.parents, armature.radii)
