@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import msgspec
@@ -32,7 +32,7 @@ from bozzetto.exchange.mesh.gltf_texture import SAMPLER, Corners, corners_of, la
 from bozzetto.exchange.mesh.polygons import is_degenerate, without_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
-from bozzetto.geometry.rig import Rig
+from bozzetto.geometry.rig import Rig, same_rig
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
 
 TO_FILE: Final = Placement(tuple(AXES.ravel().tolist()), 1.0 / MM_PER_METRE)
@@ -119,7 +119,7 @@ def write_shapes(
         meshes.append(_mesh(file, looks, part, uvs))
         if skin is None:
             continue
-        known = next((k for k, rig in enumerate(rigs) if _alike(rig, skin.rig)), len(rigs))
+        known = next((k for k, rig in enumerate(rigs) if same_rig(rig, skin.rig)), len(rigs))
         nodes[number]["skin"] = known
         if known == len(rigs):
             rigs.append(skin.rig)
@@ -165,18 +165,6 @@ def write_shapes(
         scene["textures"] = [{"source": k, "sampler": 0} for k in range(len(looks.images))]
         scene["samplers"] = [SAMPLER]
     return _packed(msgspec.json.encode(scene), bytes(file.blob))
-
-
-def _alike(one: Rig, other: Rig) -> bool:
-    """Whether two rigs are the same in all they say."""
-    if one is other:
-        return True
-    for entry in fields(Rig):
-        a, b = getattr(one, entry.name), getattr(other, entry.name)
-        same = a == b if isinstance(a, tuple) else np.array_equal(a, b)
-        if (a is None) != (b is None) or not same:
-            return False
-    return True
 
 
 def _mesh(file: GltfBuffers, looks: Looks, part: Solid | Surface, uvs: bool) -> dict[str, Any]:
