@@ -16,7 +16,7 @@ from bozzetto.exchange.mesh.face_groups import proper_groups
 from bozzetto.exchange.mesh.gltf_buffers import GltfBuffers
 from bozzetto.exchange.mesh.gltf_groups import in_groups
 from bozzetto.exchange.mesh.gltf_looks import Looks
-from bozzetto.exchange.mesh.gltf_motion import add_clip, animation, filmed_skins, rigid_motions
+from bozzetto.exchange.mesh.gltf_motion import add_clip, animation, drawn_parts, filmed
 from bozzetto.exchange.mesh.gltf_reader import read_shapes as read_shapes
 from bozzetto.exchange.mesh.gltf_scene import (
     AXES,
@@ -29,7 +29,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
 )
 from bozzetto.exchange.mesh.gltf_skin import follows, rig_in_file, rig_nodes
 from bozzetto.exchange.mesh.gltf_texture import SAMPLER, Corners, corners_of, laid_out
-from bozzetto.exchange.mesh.polygons import is_degenerate, without_degenerate
+from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Rig, same_rig
@@ -63,17 +63,8 @@ def write_motion(frames: Sequence[Shapes], seconds: Sequence[float]) -> bytes:
     UserError
         If parts come, go, or change their shape.
     """
-    drawn = [_drawn(frame) for frame in frames]
-    return write_shapes(filmed_skins(drawn, seconds), motions=rigid_motions(drawn), seconds=seconds)
-
-
-def _drawn(shapes: Shapes) -> Shapes:
-    """Return the parts of which there is anything to write."""
-    parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
-    return Shapes(
-        solids=tuple(part for part in parts if isinstance(part, Solid)),
-        surfaces=tuple(part for part in parts if isinstance(part, Surface)),
-    )
+    shapes, motions = filmed(frames, seconds)
+    return write_shapes(shapes, motions=motions, seconds=seconds)
 
 
 def write_shapes(
@@ -102,7 +93,7 @@ def write_shapes(
     uvs : bool
         Whether parts without a texture get places in one that somebody may paint.
     """
-    levels = [list(_drawn(level).meshes()) for level in (shapes, *coarser)]
+    levels = [list(drawn_parts(level).meshes()) for level in (shapes, *coarser)]
     parts = levels[0]
     file = GltfBuffers()
     looks = Looks(file)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.exchange.mesh.gltf_skin import local_places, local_turns
+from bozzetto.exchange.mesh.polygons import without_degenerate
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Clip, Rig
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
@@ -23,6 +24,29 @@ STILL: Final = 1e-7
 
 Put = Callable[..., int]
 """Adds an accessor of values, kind and component type, and gives its number."""
+
+
+def filmed(
+    frames: Sequence[Shapes], seconds: Sequence[float]
+) -> tuple[Shapes, list[list[Placement]]]:
+    """Return the first frame, with a clip of each skin, and where its parts are in each frame.
+
+    Raises
+    ------
+    UserError
+        If parts come, go, or change their shape.
+    """
+    drawn = [drawn_parts(frame) for frame in frames]
+    return filmed_skins(drawn, seconds), rigid_motions(drawn)
+
+
+def drawn_parts(shapes: Shapes) -> Shapes:
+    """Return the parts of which there is anything to write."""
+    parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
+    return Shapes(
+        solids=tuple(part for part in parts if isinstance(part, Solid)),
+        surfaces=tuple(part for part in parts if isinstance(part, Surface)),
+    )
 
 
 def rigid_motions(frames: Sequence[Shapes]) -> list[list[Placement]]:

@@ -8,11 +8,11 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.exchange.handover import MM_PER, FileFrame
-from bozzetto.exchange.mesh.gltf_motion import is_still, quaternions
-from bozzetto.exchange.mesh.polygons import without_degenerate
+from bozzetto.exchange.mesh.gltf_motion import drawn_parts, is_still, quaternions
 from bozzetto.exchange.usd.looks import Looks
-from bozzetto.exchange.usd.meshes import mesh_prim
+from bozzetto.exchange.usd.mesh_prims import mesh_prim
 from bozzetto.exchange.usd.prims import FULL, PLACES, Names, Prim, samples, tokens
 from bozzetto.exchange.usd.skeletons import BINDING, RATE, put_skin, skeleton_prims
 from bozzetto.geometry.placement import Placement
@@ -73,7 +73,7 @@ def stage_text(
     text : str
     pictures : dict of str to bytes
     """
-    parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
+    parts = list(drawn_parts(shapes).meshes())
     root = _Holder(Prim("Xform", ROOT), f"/{ROOT}")
     looks = Looks(f"/{ROOT}/{root.names.new(MATERIALS)}", picture_name)
     rigs: list[tuple[Rig, _Holder, str]] = []
@@ -134,7 +134,7 @@ def _figure(root: _Holder, part: Solid | Surface) -> tuple[_Holder, str]:
     return holder, f"{holder.path}/{name}"
 
 
-def _put_motion(made: Prim, motion: Sequence[Placement], times: np.ndarray) -> None:
+def _put_motion(made: Prim, motion: Sequence[Placement], times: Array) -> None:
     """Let a mesh move rigidly; not where it stands still."""
     if all(map(is_still, motion)):
         return

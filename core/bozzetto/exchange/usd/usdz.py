@@ -10,9 +10,11 @@ from __future__ import annotations
 import io
 import struct
 import zipfile
+from collections.abc import Sequence
 from typing import Final
 
 from bozzetto.exchange.handover import FileFrame
+from bozzetto.exchange.mesh.gltf_motion import filmed
 from bozzetto.exchange.usd.stage import stage_text
 from bozzetto.geometry.shapes import Shapes
 
@@ -44,6 +46,26 @@ def write_shapes(shapes: Shapes, frame: FileFrame, *, uvs: bool = False) -> byte
         Whether parts without a picture get places in one that somebody may paint.
     """
     return packed(*stage_text(shapes, frame, picture_name, uvs=uvs))
+
+
+def write_motion(frames: Sequence[Shapes], seconds: Sequence[float]) -> bytes:
+    """Write a package of parts that move rigidly or by their joints, in metres with Y up.
+
+    Parameters
+    ----------
+    frames : sequence of Shapes
+        The same parts at each time, in the world, mm.
+    seconds : sequence of float
+        These times, growing.
+
+    Raises
+    ------
+    UserError
+        If parts come, go, or change their shape.
+    """
+    frame = FileFrame("m", "y")
+    shapes, motions = filmed([one.placed(frame.placement) for one in frames], seconds)
+    return packed(*stage_text(shapes, frame, picture_name, motions=motions, seconds=seconds))
 
 
 def picture_name(number: int) -> str:
