@@ -64,7 +64,8 @@ def skeleton_prims(name: str, title: str, path: str, skin: Skin) -> list[Prim]:
 
 def joint_paths(rig: Rig) -> list[str]:
     """Return the path of every joint, its parents first."""
-    names, paths = Names(), []
+    names = Names()
+    paths: list[str] = []
     for name, parent in zip(rig.names, rig.parents.tolist(), strict=True):
         own = names.new(name, "joint")
         paths.append(own if parent < 0 else f"{paths[parent]}/{own}")
