@@ -96,7 +96,7 @@ def file_commands(window: Window) -> Iterator[Action]:
         "save",
         enabled=lambda: session.gestures.motion.can_play,
         why_not=lambda: tr("File", "Nothing moves here. Take a tool that moves an object."),
-        tip=tr("File", "The next seconds as an animated GLB or GIF, as Play would show them"),
+        tip=tr("File", "The next seconds as an animated GLB, USDZ or GIF, as Play would show them"),
     )
     yield Action(
         "file.turntable",

@@ -268,12 +268,15 @@ class FileQuestions:
 
     def ask_film(self) -> None:
         """Ask for a file and for how long, and make a film of what moves."""
-        kinds = f"{tr('Files', 'Animation')} (*.glb);;{tr('Files', 'Moving picture')} (*.gif)"
+        from bozzetto.workbench.films import ENDINGS
+
+        animation, moving = tr("Files", "Animation"), tr("Files", "Moving picture")
+        kinds = f"{animation} (*.glb);;{animation} (*.usdz);;{moving} (*.gif)"
         path, is_asked = self._place(tr("Files", "Film of what moves"), kinds, "")
         if path is None or not (is_asked or self._may_replace(path)):
             return
-        if path.suffix.lower() not in (".glb", ".gif"):
-            said = tr("Files", "A film is a .glb or a .gif. Choose one of these endings.")
+        if path.suffix.lower() not in ENDINGS:
+            said = tr("Files", "A film is a .glb, a .usdz or a .gif. Choose one of these endings.")
             self._session.notices.complain(UserError(said))
             return
         films = self._session.files.exchange.films

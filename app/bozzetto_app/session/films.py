@@ -57,7 +57,7 @@ class Films(QObject):
         Parameters
         ----------
         path : Path
-            Its ending, .glb or .gif, says what is written.
+            Its ending, .glb, .usdz or .gif, says what is written.
         seconds : float
             How long it is.
         """
@@ -70,13 +70,14 @@ class Films(QObject):
 
         def work(job: Job) -> None:
             from bozzetto.atomic_files import write_bytes
-            from bozzetto.workbench.films import frames, gif_of, glb_of
+            from bozzetto.workbench.films import animation_of, frames, gif_of
 
             films = frames(bench, document, seconds, RATE, job)
-            if path.suffix.lower() == ".gif":
+            ending = path.suffix.lower()
+            if ending == ".gif":
                 data = gif_of(bench, films, RATE, size, lambda scene, document: seen)
             else:
-                data = glb_of(bench, films, RATE)
+                data = animation_of(bench, films, RATE, ending)
             write_bytes(path, data)
 
         def done(_: None) -> None:

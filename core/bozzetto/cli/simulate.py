@@ -20,7 +20,7 @@ from bozzetto.cli.output import (
 def simulate(options: argparse.Namespace) -> int:
     """Move what moves by itself; the exit code."""
     from bozzetto.atomic_files import write_bytes
-    from bozzetto.workbench.films import ENDINGS, frames, glb_of
+    from bozzetto.workbench.films import ENDINGS, animation_of, frames
 
     refuse_overwriting([options.document], [options.output], None)
     ending = options.output.suffix.lower()
@@ -28,10 +28,10 @@ def simulate(options: argparse.Namespace) -> int:
     document = open_document(bench, options.document)
     films = frames(bench, document, options.seconds, options.rate)
     if ending in ENDINGS:
-        if ending == ".glb":
-            data = glb_of(bench, films, options.rate, options.object, warn)
-        else:
+        if ending == ".gif":
             data = _gif(bench, films, options)
+        else:
+            data = animation_of(bench, films, options.rate, ending, options.object, warn)
         make_folder(options.output)
         write_bytes(options.output, data)
     else:
@@ -62,7 +62,7 @@ def add_simulate(commands: Any) -> None:
         "--output",
         type=Path,
         required=True,
-        help="a film: .glb with an animation, or .gif; or as it is in the end: .bozz, .step …",
+        help="a film: .glb or .usdz (animations), .gif; or as it is in the end: .bozz, .step …",
     )
     command.add_argument("--seconds", type=float, default=4.0)
     command.add_argument("--rate", type=float, default=25.0, help="frames a second; default 25")

@@ -271,21 +271,19 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
         for solid in written.solids:
             check_solid(solid)
         left_out += pictures_left_out(tuple(parts.meshes()), tuple(written.meshes()))
+    given: dict[str, Any] = {}
     if "levels" in chosen.keeps:
-        coarser = [_readably_named(with_place(level, chosen)) for level in ready.coarser]
-        data = function(chosen, "write_shapes")(written, coarser=coarser, uvs=wanted.uvs)
-        return Exported(chosen, data, parts, left_out, notes=_notes(chosen, ready))
-    if not chosen.choices:
-        data = function(chosen, "write_shapes")(written)
-        return Exported(chosen, data, parts, left_out, notes=_notes(chosen, ready))
-    frame = frame_of(chosen, wanted)
-    written = written.placed(frame.placement)
-    if not chosen.beside:
-        data, beside = function(chosen, "write_shapes")(written, frame), ()
-    else:
-        stem = Path(path).stem
-        data = function(chosen, "write_shapes")(written, frame, beside=stem)
-        beside = function(chosen, "files_beside")(written, stem)
+        given["coarser"] = [_readably_named(with_place(one, chosen)) for one in ready.coarser]
+    if "uvs" in chosen.keeps:
+        given["uvs"] = wanted.uvs
+    if chosen.choices:
+        given["frame"] = frame_of(chosen, wanted)
+        written = written.placed(given["frame"].placement)
+    beside: tuple[tuple[str, bytes], ...] = ()
+    if chosen.beside:
+        given["beside"] = Path(path).stem
+        beside = function(chosen, "files_beside")(written, Path(path).stem)
+    data = function(chosen, "write_shapes")(written, **given)
     return Exported(chosen, data, parts, left_out, beside, _notes(chosen, ready))
 
 
@@ -334,7 +332,13 @@ def _notes(chosen: Format, ready: Ready) -> tuple[str, ...]:
     if wanted.levels and "mesh" in chosen.holds and "levels" not in chosen.keeps:
         found.append(f"{chosen.short} files hold one level of detail: the finest. GLB holds all.")
     if wanted.uvs and "mesh" in chosen.holds and "uvs" not in chosen.keeps:
-        found.append(f"{chosen.short} files get no places for a picture (UVs). GLB does.")
+        found.append(f"{chosen.short} files get no places for a picture (UVs). GLB and USD do.")
+    if "bones" in chosen.keeps and "motions" not in chosen.keeps:
+        skins = [part.skin for part in ready.placed.meshes() if part.skin is not None]
+        if any(len(skin.clips) > 1 for skin in skins):
+            found.append(
+                f"{chosen.short} files play one motion: the first. The others lie beside it."
+            )
     if "mesh" in chosen.holds and wanted.triangles is not None:
         count = triangle_count(ready.triangles)
         if count > wanted.triangles:

@@ -16,7 +16,8 @@ image     –                                             ``read_pixels(data) ->
 ========  ============================================  ====================================
 
 Where a person may choose the unit or the axis that points up, ``write_shapes`` takes the
-``frame`` of the file too, and gets shapes that are in it already.
+``frame`` of the file too, and gets shapes that are in it already. Coarser levels and places for a
+picture to come are asked for by ``coarser`` and ``uvs``, where the format keeps them.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
-Feature = Literal["colors", "bones", "levels", "uvs", "trims"]
+Feature = Literal["colors", "bones", "motions", "levels", "uvs", "trims"]
 Choice = Literal["unit", "up"]
 
 
@@ -54,10 +55,10 @@ class Format:
         Which ways we go.
     module : str
         The module of the functions, in this package.
-    keeps : tuple of {"colors", "bones", "levels", "uvs", "trims"}
+    keeps : tuple of {"colors", "bones", "motions", "levels", "uvs", "trims"}
         What is written of a mesh besides its shape: painted colours, the bones that it follows,
-        coarser levels of detail, places for a picture to come; and whether faces of exact
-        surfaces may be trimmed.
+        all motions of these side by side, coarser levels of detail, places for a picture to come;
+        and whether faces of exact surfaces may be trimmed.
     flat : bool
         Shapes are written as seen through a camera.
     frame : FileFrame
@@ -98,6 +99,8 @@ EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
 """Kinds of content that CAD programs take as they are."""
 
 PAINTED: Final[tuple[Feature, ...]] = ("colors",)
+
+POSABLE: Final[tuple[Feature, ...]] = ("colors", "bones", "uvs")
 
 TRIMMED: Final[tuple[Feature, ...]] = ("trims",)
 
@@ -143,7 +146,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.glb",
-        ("colors", "bones", "levels", "uvs"),
+        ("colors", "bones", "motions", "levels", "uvs"),
         frame=METRES,
         links=True,
     ),
@@ -171,6 +174,31 @@ FORMATS: Final = (
         choices=ANY,
         beside=True,
         links=True,
+    ),
+    Format(
+        "usda",
+        "USD scene",
+        (".usda", ".usd"),
+        ("mesh",),
+        True,
+        False,
+        "usd.usda",
+        POSABLE,
+        frame=METRES,
+        choices=ANY,
+        beside=True,
+    ),
+    Format(
+        "usdz",
+        "USD package for phones",
+        (".usdz",),
+        ("mesh",),
+        True,
+        False,
+        "usd.usdz",
+        POSABLE,
+        frame=METRES,
+        choices=UNIT,
     ),
     Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, "mesh.ply", PAINTED, choices=ANY),
     Format(

@@ -126,13 +126,13 @@ def _properties_left_out(parts: Sequence[Solid | Surface], chosen: Format) -> li
     painted = [s for s in parts if s.mesh.colors is not None or s.texture is not None]
     if painted and "colors" not in chosen.keeps:
         what = f"the colours of {_count_parts(painted)}"
-        advice = "save as GLB, 3MF, OBJ or PLY to keep them"
+        advice = "save as GLB, USD, 3MF, OBJ or PLY to keep them"
         found.append(LeftOut(what, _names(painted), "it holds shapes without colours", advice))
     jointed = [s for s in parts if s.skin is not None]
     if jointed and "bones" not in chosen.keeps:
         what = f"the bones of {_count_parts(jointed)}"
         reason = "the shape is written as it is posed now"
-        advice, posed = "save as GLB to keep them", any(map(_is_posed, jointed))
+        advice, posed = "save as GLB or USD to keep them", any(map(_is_posed, jointed))
         found.append(LeftOut(what, _names(jointed), reason, advice, is_content=posed))
     return found
 

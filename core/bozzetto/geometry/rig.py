@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -124,6 +124,18 @@ class Rig:
                 arm = places[joint] - self.joints[parent]
                 places[joint] = places[parent] + rotations[parent] @ arm
         return rotations, places
+
+
+def same_rig(one: Rig, other: Rig) -> bool:
+    """Whether two rigs are the same in all they say."""
+    if one is other:
+        return True
+    for entry in fields(Rig):
+        a, b = getattr(one, entry.name), getattr(other, entry.name)
+        same = a == b if isinstance(a, tuple) else np.array_equal(a, b)
+        if (a is None) != (b is None) or not same:
+            return False
+    return True
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Films of what moves: a document let go for a while, as GLB with an animation or as GIF."""
+"""Films of what moves: a document let go for a while, as an animation or as GIF."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LONGEST: Final = 0.05
 MOST_FRAMES: Final = 3600
 """Frames of a film: a minute at 60 a second."""
 
-ENDINGS: Final = (".glb", ".gif")
+ENDINGS: Final = (".glb", ".usdz", ".gif")
 """Of the files that are films."""
 
 
@@ -84,21 +84,37 @@ def frames(
         yield document
 
 
-def glb_of(
+def animation_of(
     bench: Workbench,
     films: Iterable[Document],
     rate: float,
+    ending: str = ".glb",
     names: Sequence[str] | None = None,
     warn: Callable[[Sequence[str]], Any] = lambda warnings: None,
 ) -> bytes:
-    """Return a GLB with an animation of some objects, by default of all that are visible.
+    """Return a file with an animation of some objects, by default of all that are visible.
+
+    Parameters
+    ----------
+    bench : Workbench
+        Solves what is shown.
+    films : iterable of Document
+        See `frames`.
+    rate : float
+        Frames a second.
+    ending : {".glb", ".usdz"}
+        Of the file.
+    names : sequence of str, optional
+        Of the objects.
+    warn : callable
+        Is given sentences about what is left out.
 
     Raises
     ------
     UserError
         If there is no shape.
     """
-    from bozzetto.exchange.mesh.glb import write_motion
+    from bozzetto.exchange.formats import FORMATS, find, function
     from bozzetto.geometry import meshed
 
     shapes: list[Any] = []
@@ -110,7 +126,10 @@ def glb_of(
         shapes.append(meshed(objects.shapes))
     if not any(shapes[0].meshes()):
         raise UserError("There is no shape to write. Turn a drawing into a solid first.")
-    return write_motion(shapes, [number / rate for number in range(len(shapes))])
+    write_motion = function(find(f"film{ending}", FORMATS), "write_motion")
+    seconds = [number / rate for number in range(len(shapes))]
+    made: bytes = write_motion(shapes, seconds)
+    return made
 
 
 def gif_of(

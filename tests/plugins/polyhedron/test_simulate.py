@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import struct
 import subprocess
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +56,18 @@ def test_a_film_has_a_node_for_every_bar_and_moves_them(four_bar, tmp_path):
     said = json.loads(data[20 : 20 + struct.unpack("<I", data[12:16])[0]])
     assert [node["name"] for node in said["nodes"]] == [f"Bars bar {k}" for k in (1, 2, 3)]
     assert {each["target"]["node"] for each in said["animations"][0]["channels"]} == {0, 1, 2}
+
+
+def test_a_film_as_usdz_moves_every_bar(four_bar, tmp_path):
+    target = tmp_path / "film.usdz"
+    words = ["simulate", str(four_bar), "-o", str(target), "--seconds", "0.4", "--rate", "10"]
+    assert main(words) == 0
+    with zipfile.ZipFile(target) as package:
+        text = package.read("model.usda").decode()
+    assert re.findall(r'displayName = "(.*)"', text)[:3] == [f"Bars bar {k}" for k in (1, 2, 3)]
+    turned = re.findall(r"xformOp:orient.timeSamples = \{(.*)\}", text)
+    assert [len(re.findall(r"[\d.]+: \(", one)) for one in turned] == [5, 5, 5]
+    assert "endTimeCode = 9.6" in text
 
 
 def test_a_gif_has_all_frames(four_bar, tmp_path):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import msgspec
@@ -16,7 +16,7 @@ from bozzetto.exchange.mesh.face_groups import proper_groups
 from bozzetto.exchange.mesh.gltf_buffers import GltfBuffers
 from bozzetto.exchange.mesh.gltf_groups import in_groups
 from bozzetto.exchange.mesh.gltf_looks import Looks
-from bozzetto.exchange.mesh.gltf_motion import add_clip, animation, filmed_skins, rigid_motions
+from bozzetto.exchange.mesh.gltf_motion import add_clip, animation, drawn_parts, filmed
 from bozzetto.exchange.mesh.gltf_reader import read_shapes as read_shapes
 from bozzetto.exchange.mesh.gltf_scene import (
     AXES,
@@ -29,10 +29,10 @@ from bozzetto.exchange.mesh.gltf_scene import (
 )
 from bozzetto.exchange.mesh.gltf_skin import follows, rig_in_file, rig_nodes
 from bozzetto.exchange.mesh.gltf_texture import SAMPLER, Corners, corners_of, laid_out
-from bozzetto.exchange.mesh.polygons import is_degenerate, without_degenerate
+from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
-from bozzetto.geometry.rig import Rig
+from bozzetto.geometry.rig import Rig, same_rig
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
 
 TO_FILE: Final = Placement(tuple(AXES.ravel().tolist()), 1.0 / MM_PER_METRE)
@@ -63,17 +63,8 @@ def write_motion(frames: Sequence[Shapes], seconds: Sequence[float]) -> bytes:
     UserError
         If parts come, go, or change their shape.
     """
-    drawn = [_drawn(frame) for frame in frames]
-    return write_shapes(filmed_skins(drawn, seconds), motions=rigid_motions(drawn), seconds=seconds)
-
-
-def _drawn(shapes: Shapes) -> Shapes:
-    """Return the parts of which there is anything to write."""
-    parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
-    return Shapes(
-        solids=tuple(part for part in parts if isinstance(part, Solid)),
-        surfaces=tuple(part for part in parts if isinstance(part, Surface)),
-    )
+    shapes, motions = filmed(frames, seconds)
+    return write_shapes(shapes, motions=motions, seconds=seconds)
 
 
 def write_shapes(
@@ -102,7 +93,7 @@ def write_shapes(
     uvs : bool
         Whether parts without a texture get places in one that somebody may paint.
     """
-    levels = [list(_drawn(level).meshes()) for level in (shapes, *coarser)]
+    levels = [list(drawn_parts(level).meshes()) for level in (shapes, *coarser)]
     parts = levels[0]
     file = GltfBuffers()
     looks = Looks(file)
@@ -119,7 +110,7 @@ def write_shapes(
         meshes.append(_mesh(file, looks, part, uvs))
         if skin is None:
             continue
-        known = next((k for k, rig in enumerate(rigs) if _alike(rig, skin.rig)), len(rigs))
+        known = next((k for k, rig in enumerate(rigs) if same_rig(rig, skin.rig)), len(rigs))
         nodes[number]["skin"] = known
         if known == len(rigs):
             rigs.append(skin.rig)
@@ -165,18 +156,6 @@ def write_shapes(
         scene["textures"] = [{"source": k, "sampler": 0} for k in range(len(looks.images))]
         scene["samplers"] = [SAMPLER]
     return _packed(msgspec.json.encode(scene), bytes(file.blob))
-
-
-def _alike(one: Rig, other: Rig) -> bool:
-    """Whether two rigs are the same in all they say."""
-    if one is other:
-        return True
-    for entry in fields(Rig):
-        a, b = getattr(one, entry.name), getattr(other, entry.name)
-        same = a == b if isinstance(a, tuple) else np.array_equal(a, b)
-        if (a is None) != (b is None) or not same:
-            return False
-    return True
 
 
 def _mesh(file: GltfBuffers, looks: Looks, part: Solid | Surface, uvs: bool) -> dict[str, Any]:

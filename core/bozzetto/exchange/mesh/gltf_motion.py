@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.exchange.mesh.gltf_skin import local_places, local_turns
+from bozzetto.exchange.mesh.polygons import without_degenerate
 from bozzetto.geometry.placement import Placement
 from bozzetto.geometry.rig import Clip, Rig
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
@@ -24,6 +24,29 @@ STILL: Final = 1e-7
 
 Put = Callable[..., int]
 """Adds an accessor of values, kind and component type, and gives its number."""
+
+
+def filmed(
+    frames: Sequence[Shapes], seconds: Sequence[float]
+) -> tuple[Shapes, list[list[Placement]]]:
+    """Return the first frame, with a clip of each skin, and where its parts are in each frame.
+
+    Raises
+    ------
+    UserError
+        If parts come, go, or change their shape.
+    """
+    drawn = [drawn_parts(frame) for frame in frames]
+    return filmed_skins(drawn, seconds), rigid_motions(drawn)
+
+
+def drawn_parts(shapes: Shapes) -> Shapes:
+    """Return the parts of which there is anything to write."""
+    parts = [part for part in shapes.meshes() if len(without_degenerate(part.mesh.faces))]
+    return Shapes(
+        solids=tuple(part for part in parts if isinstance(part, Solid)),
+        surfaces=tuple(part for part in parts if isinstance(part, Surface)),
+    )
 
 
 def rigid_motions(frames: Sequence[Shapes]) -> list[list[Placement]]:
@@ -127,8 +150,7 @@ def add_clip(
         places = local_places(rig, clip.shifts)
         away = (places != local_places(rig, None)).any(axis=(0, 2))
         rows.insert(0, ("translation", "VEC3", places, away))
-    for before, after in itertools.pairwise(turns):
-        after[np.einsum("ni,ni->n", before, after) < 0.0] *= -1.0
+    turns = nearest(turns)
     if not any(moving.any() for *_, moving in rows):
         return
     times = clip.seconds.astype("<f4").reshape(-1, 1)
@@ -171,7 +193,7 @@ def animation(
     keys: int | None = None
     for node, motion in enumerate(motions):
         poses = [change.after(pose).after(back) for pose in motion]
-        if all(_is_still(pose) for pose in poses):
+        if all(is_still(pose) for pose in poses):
             continue
         if keys is None:
             keys = put(times, "SCALAR", component, min=times[0].tolist(), max=times[-1].tolist())
@@ -194,10 +216,13 @@ def quaternions(turns: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return unit quaternions (t, 4), x y z w, of rotations (t, 3, 3), each near the one before."""
     from scipy.spatial.transform import Rotation
 
-    made = Rotation.from_matrix(turns).as_quat()
-    flips = np.where(np.einsum("ti,ti->t", made[1:], made[:-1]) < 0.0, -1.0, 1.0)
-    made[1:] *= np.cumprod(flips)[:, None]
-    return np.asarray(made)
+    return nearest(np.asarray(Rotation.from_matrix(turns).as_quat()))
+
+
+def nearest(turns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return quaternions, (t, …, 4), each the one of its rotation that is near the one before."""
+    flips = np.where((turns[1:] * turns[:-1]).sum(axis=-1) < 0.0, -1.0, 1.0)
+    return np.concatenate((turns[:1], turns[1:] * np.cumprod(flips, axis=0)[..., None]))
 
 
 def _nearest_motion(before: NDArray[Any], after: NDArray[Any]) -> Placement | None:
@@ -216,6 +241,7 @@ def _nearest_motion(before: NDArray[Any], after: NDArray[Any]) -> Placement | No
     return Placement(tuple(float(value) for value in turn.ravel()), 1.0, (x, y, z))
 
 
-def _is_still(pose: Placement) -> bool:
+def is_still(pose: Placement) -> bool:
+    """Whether a pose is where its part began."""
     turned = float(np.abs(np.subtract(pose.rotation, np.eye(3).ravel())).max())
     return turned < STILL and float(np.abs(pose.offset).max()) < STILL

@@ -16,7 +16,7 @@ from bozzetto.geometry import Shapes
 from bozzetto.ink import Drawing
 from bozzetto.plugin import Context, Job
 from bozzetto.plugin.host.registry import Registry
-from bozzetto.workbench.films import frames, glb_of
+from bozzetto.workbench.films import animation_of, frames
 from bozzetto.workbench.links import with_state
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_silhouette.model.state import SilhouetteState
@@ -172,7 +172,7 @@ def test_a_film_from_the_command_line_has_the_motion():
     model = bench.sources.from_drawing("bozzetto.silhouette", DRAWING, {"resolution": 32})
     model = with_state(bench.registry, model, ran(model.state, "sway"))
     film = frames(bench, Document((model,)), 0.4, 10)
-    gltf, values = opened(glb_of(bench, film, 10))
+    gltf, values = opened(animation_of(bench, film, 10))
     (animation,) = gltf["animations"]
     assert animation["channels"]
     times = values(animation["samplers"][0]["input"])

@@ -1,0 +1,1 @@
+"""Universal Scene Description (USD), written: as text, and as a package for phones."""
