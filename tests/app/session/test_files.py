@@ -251,10 +251,10 @@ def test_an_export_that_is_cancelled_while_its_file_is_made_writes_nothing(
     draw(session, settle)
     begun, gate, written = threading.Event(), threading.Event(), stl.write_shapes
 
-    def slow(*arguments):
+    def slow(*arguments, **named):
         begun.set()
         gate.wait(10)
-        return written(*arguments)
+        return written(*arguments, **named)
 
     monkeypatch.setattr(stl, "write_shapes", slow)
     session.files.exchange.export(tmp_path / "out.stl")
