@@ -401,10 +401,10 @@ class Window(QMainWindow):
         if self._plugin_panel.comes_first:
             self._plugin_dock.raise_()
             QTimer.singleShot(0, self, self._make_room)
-        elif title:
+            return
+        if title:
             self._docks[1].raise_()
-        else:
-            self._give_room_back()
+        self._give_room_back()
 
     def _show_what_guides(self) -> None:
         """Show the modeler's own panel, once, where the next step is done there.

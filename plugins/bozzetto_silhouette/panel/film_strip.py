@@ -70,7 +70,6 @@ class FilmStrip(QWidget):
         super().__init__(parent)
         self.setObjectName("film-strip")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setMouseTracking(True)
         policy = QSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
@@ -85,9 +84,13 @@ class FilmStrip(QWidget):
             self.count = count
             self.updateGeometry()
         self.time = time
-        key = int(np.floor(time + 1e-6)) + 1
-        self.setAccessibleName(f"Key pose {key} of {count}" if count else "No key poses")
+        self.setAccessibleName(f"Key pose {self.key + 1} of {count}" if count else "No key poses")
         self.update()
+
+    @property
+    def key(self) -> int:
+        """The number of the key that is shown, or of the last one before the time."""
+        return int(np.floor(self.time + 1e-6))
 
     def show_figures(self, strip: Strip | None) -> None:
         """Show the figures of all keys; None while they are not known."""
@@ -158,7 +161,7 @@ class FilmStrip(QWidget):
         if step is None or not self.count:
             super().keyPressEvent(event)
             return
-        self.key_chosen.emit((int(np.floor(self.time + 1e-6)) + step) % self.count)
+        self.key_chosen.emit((self.key + step) % self.count)
 
     def _drag_to(self, x: float, *, going: bool) -> None:
         share = (x - MARGIN) / max(self.width() - 2 * MARGIN, 1.0)
@@ -179,14 +182,13 @@ class FilmStrip(QWidget):
         text = QColor(self.palette().color(QPalette.ColorRole.WindowText))
         accent = QColor(*palette_of(self).accent)
         self._paint_bar(painter, text, accent)
-        now = int(np.floor(self.time + 1e-6))
         for key in range(self.count):
             place = QRectF(self.frame(key)).adjusted(0.75, 0.75, -0.75, -0.75)
-            painter.setPen(QPen(accent if key == now else _faint(text, 0.18), 1.5))
+            painter.setPen(QPen(accent if key == self.key else _faint(text, 0.18), 1.5))
             painter.setBrush(_faint(text, 0.04))
             painter.drawRoundedRect(place, 4.0, 4.0)
             if self._strip is not None and key < len(self._strip.places):
-                self._paint_figure(painter, place, key, accent if key == now else text)
+                self._paint_figure(painter, place, key, accent if key == self.key else text)
         if self.hasFocus():
             painter.setPen(QPen(QColor(*palette_of(self).second), 1.0))
             painter.setBrush(Qt.BrushStyle.NoBrush)

@@ -147,7 +147,7 @@ class MotionPanel(PanelScroll):
             self.sentence.setText(words)
 
     def _draw_figures(self) -> None:
-        """Have the joints found, which may take long, and the figures made."""
+        """Have the joints found and the figures made: some hundredths of a second."""
         state = self._state
         if state is None:
             return

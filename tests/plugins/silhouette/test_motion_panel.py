@@ -182,6 +182,7 @@ def test_parameters_stay_in_front_and_a_touch_poses_the_shape_in_the_window(wind
     panel = window.window.findChild(MotionPanel, "motion")
     (tabs,) = (b for b in window.window.findChildren(QTabBar) if b.count() and b.isVisible())
     assert tabs.tabText(tabs.currentIndex()) == "Parameters"
+    window.wait_until(panel.buttons["Sway"].isEnabled)
     panel.buttons["Sway"].click()
     window.wait_until(lambda: len(window.state.keys) == 8 and not panel.busy)
     touched(panel.strip, 2)
