@@ -87,21 +87,22 @@ class MotionPanel(PanelScroll):
         grid.setSpacing(6)
         self.sentence = QLabel(inside)
         self.sentence.setWordWrap(True)
-        grid.addWidget(self.sentence, 0, 0, 1, COLUMNS)
         self.strip = FilmStrip(inside)
         self.strip.key_chosen.connect(self._go_to_key)
         self.strip.time_dragged.connect(self._go_to_time)
-        grid.addWidget(self.strip, 1, 0, 1, COLUMNS)
         self.buttons: dict[str, QPushButton] = {}
         for number, (word, label, tip, change) in enumerate(ROWS):
             button = QPushButton(word, inside)
             button.setToolTip(tip)
             button.setAccessibleName(f"{word}: {tip}")
             button.clicked.connect(lambda _, c=change, said=label: self._change(c, said))
-            row, column = divmod(number, COLUMNS)
-            grid.addWidget(button, 2 + row, column)
+            grid.addWidget(button, *divmod(number, COLUMNS))
             self.buttons[word] = button
-        grid.setRowStretch(2 + len(ROWS), 1)
+        # Below the buttons, which stay where they are: a second click is on the same one.
+        below = grid.rowCount()
+        grid.addWidget(self.sentence, below, 0, 1, COLUMNS)
+        grid.addWidget(self.strip, below + 1, 0, 1, COLUMNS)
+        grid.setRowStretch(below + 2, 1)
         self.setWidget(inside)
         host.on_change(self._refresh)
         self._refresh()

@@ -17,6 +17,9 @@ from bozzetto_silhouette.rigging.posing import quaternions_of, turns_of
 MOST_KEYS = 240
 """Poses of a motion: a minute at four a second."""
 
+ASIDE = np.radians(40.0)
+"""Angle by which the figures of poses are seen from further right than the front."""
+
 NONE_YET = "There is no motion yet. Pose the shape and keep the pose as a key, or take a walk."
 
 
@@ -142,12 +145,16 @@ def clip_of(armature: Armature, state: SilhouetteState) -> Clip | None:
 
 
 def figures_of(state: SilhouetteState) -> Array:
-    """Return the joints of every key pose from the front, (k, n, 2), mm, y up."""
+    """Return the joints of every key pose, seen from front right, (k, n, 2), mm, y up.
+
+    From the front a walk towards us looks as if nothing moved.
+    """
     armature = armature_of(state)
     if armature is None or not state.keys:
         return np.zeros((0, 0, 2))
     rigs = [replace(armature.rig, turns=turns) for turns in _keys(armature, state)]
-    return np.array([rig.posed()[1][:, [0, 2]] for rig in rigs])
+    x, y, z = np.moveaxis(np.array([rig.posed()[1] for rig in rigs]), 2, 0)
+    return np.stack((np.cos(ASIDE) * x + np.sin(ASIDE) * y, z), axis=2)
 
 
 # Asked for at every moment of a motion.

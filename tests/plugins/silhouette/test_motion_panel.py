@@ -17,10 +17,11 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
 
+from bozzetto.view import Camera
 from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.panel.film_strip import BAR, FilmStrip
 from bozzetto_silhouette.panel.motion_panel import MotionPanel
-from bozzetto_silhouette.rigging.key_poses import at_key, figures_of
+from bozzetto_silhouette.rigging.key_poses import ASIDE, at_key, figures_of
 from bozzetto_silhouette.rigging.posing import rig_of
 from tests.plugins.silhouette.outlines import circle
 from tests.plugins.silhouette.rigging.characters import state_of_rings
@@ -75,14 +76,31 @@ def touched(strip: FilmStrip, key: int) -> None:
     QTest.mouseClick(strip, LEFT, pos=strip.frame(key).center())
 
 
-def test_figures_are_the_joints_of_every_key_from_the_front():
+def test_figures_are_the_joints_of_every_key_as_a_camera_at_the_front_right_sees_them():
     state = ran(PERSON, "walk")
     figures = figures_of(state)
     assert figures.shape == (8, len(rig_of(PERSON).joints), 2)
+    eye = 1000.0 * np.array((np.sin(ASIDE), -np.cos(ASIDE), 0.0))
+    camera = Camera("orthographic", tuple(eye), height=100.0, viewport=(100.0, 100.0))
     for key in range(8):
-        places = rig_of(at_key(state, key)).posed()[1]
-        np.testing.assert_allclose(figures[key], places[:, [0, 2]], atol=1e-9)
+        pixels, _ = camera.project(rig_of(at_key(state, key)).posed()[1])
+        np.testing.assert_allclose(figures[key], (pixels - 50.0) * (1.0, -1.0), atol=1e-6)
     assert figures_of(PERSON).size == 0
+
+
+def test_a_walk_towards_us_is_seen_in_the_figures():
+    figures = figures_of(ran(PERSON, "walk"))
+    moved = np.linalg.norm(figures - figures[0], axis=2).max()
+    assert moved > 0.08 * np.ptp(figures[..., 1])
+
+
+def test_a_second_quick_click_is_on_the_same_button(shown, calm):
+    host, panel = shown(PERSON)
+    place = panel.buttons["Walk"].mapTo(panel, panel.buttons["Walk"].rect().center())
+    for _ in range(2):
+        QTest.mouseClick(panel.childAt(place), LEFT)
+        calm(panel)
+    assert host.labels == ["Walk", "Walk"]
 
 
 def test_a_touch_on_a_figure_shows_that_pose(shown, calm):
