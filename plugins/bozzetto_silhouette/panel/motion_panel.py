@@ -95,7 +95,7 @@ class MotionPanel(PanelScroll):
             button = QPushButton(word, inside)
             button.setToolTip(tip)
             button.setAccessibleName(f"{word}: {tip}")
-            button.clicked.connect(lambda _, c=change, said=label: self._change(c, said))
+            button.clicked.connect(lambda _, c=change, said=label: self._press(c, said))
             grid.addWidget(button, *divmod(number, COLUMNS))
             self.buttons[word] = button
         # Below the buttons, which stay where they are: a second click is on the same one.
@@ -170,6 +170,17 @@ class MotionPanel(PanelScroll):
             return at_key(state, int(keys)) if exact else at_time(state, keys * state.beat)
 
         self._change(gone, "Go to a time", going=going)
+
+    def _press(self, change: Change, label: str) -> None:
+        """Do what a button says, unless that is there already: no step of the history is empty."""
+
+        def changed(state: SilhouetteState) -> SilhouetteState:
+            made = change(state)
+            if made == state:
+                raise UserError("That is how it is already.")
+            return made
+
+        self._change(changed, label)
 
     def _change(self, change: Change, label: str, *, going: bool = False) -> None:
         """Change the state; the joints are known, so that it is done at once."""

@@ -100,7 +100,8 @@ def test_a_second_quick_click_is_on_the_same_button(shown, calm):
     for _ in range(2):
         QTest.mouseClick(panel.childAt(place), LEFT)
         calm(panel)
-    assert host.labels == ["Walk", "Walk"]
+    assert host.labels == ["Walk"], "the second one changes nothing, and is no step"
+    assert panel.sentence.text() == "That is how it is already."
 
 
 def test_a_touch_on_a_figure_shows_that_pose(shown, calm):

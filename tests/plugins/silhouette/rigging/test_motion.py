@@ -107,9 +107,15 @@ def test_left_and_right_walk_alike_half_a_cycle_apart():
         np.testing.assert_allclose(np.abs(rig.turns[left]), np.abs(half.turns[right]), atol=1e-6)
 
 
-def test_what_walks_seen_from_its_side_keeps_its_trunk_still_and_moves_its_four_feet():
-    state = ran(HORSE, "walk")
-    rig = rig_of(HORSE)
+MIRRORED = state_of_rings(
+    [ring * (-1.0, 1.0) for ring in fitted(svg_rings(COMMITTED / "horse_skimage.svg"))], 48
+)
+
+
+@pytest.mark.parametrize("horse", [HORSE, MIRRORED], ids=["to the right", "to the left"])
+def test_what_walks_seen_from_its_side_keeps_its_trunk_still_and_moves_its_four_feet(horse):
+    state = ran(horse, "walk")
+    rig = rig_of(horse)
     places = np.array([rig_of(later(state, t)).posed()[1] for t in np.linspace(0.0, 1.1, 12)])
     moved = np.linalg.norm(places - places[0], axis=2).max(axis=0)
     size = np.ptp(rig.joints[:, 2])
