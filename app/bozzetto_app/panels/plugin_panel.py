@@ -61,6 +61,9 @@ class _Host:
             session.objects.end_drag()
         self._going = key if going else ""
 
+    def complain(self, problem: UserError) -> None:
+        self._session.notices.complain(problem)
+
     def on_change(self, callback: Callable[[], None]) -> None:
         self._callbacks.append(callback)
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
+    from bozzetto.errors import UserError
     from bozzetto.plugin.next_step import NextStep
 
 
@@ -40,6 +41,10 @@ class PanelHost(Protocol):
             Whether more of the same follows, as while a slider is dragged: all such changes of one
             label and the one that ends them are one step.
         """
+        ...
+
+    def complain(self, problem: UserError) -> None:
+        """Tell the person why something cannot be done, as every other refusal is told."""
         ...
 
     def on_change(self, callback: Callable[[], None]) -> None:

@@ -121,7 +121,7 @@ class AnswersPanel(PanelScroll):
             try:
                 self._host.change(with_answer(state, body, number), "Choose an answer")
             except UserError as problem:
-                self.sentence.setText(str(problem))
+                self._host.complain(problem)
 
 
 def _pixmap(each: AnswerPicture, scale: float) -> QPixmap:

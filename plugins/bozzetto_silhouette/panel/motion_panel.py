@@ -190,7 +190,7 @@ class MotionPanel(PanelScroll):
         try:
             made = change(state)
         except UserError as problem:
-            self._say(str(problem))
+            self._host.complain(problem)
         else:
             self._host.change(made, label, going=going)
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import pytest
 from PySide6.QtWidgets import QPushButton
 
+from bozzetto.errors import UserError
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels.plugin_panel import PluginPanel
 from bozzetto_app.session.session import Session
@@ -134,6 +135,21 @@ def test_it_is_told_of_another_object_of_its_kind(session, panel, plugin):
     assert plugin.seen[-1] == 0
     button.click()
     assert [model.state.turns for model in session.drawing.document] == [1, 1]
+
+
+def test_what_a_panel_complains_of_is_told_where_every_refusal_is(session, panel, plugin):
+    heard = []
+    session.notices.noticed.connect(heard.append)
+
+    def made(host):
+        button = QPushButton("Refuse")
+        button.clicked.connect(lambda: host.complain(UserError("Draw a limb first.")))
+        return button
+
+    plugin.made = made
+    draw(session)
+    panel.findChild(QPushButton).click()
+    assert [(each.kind, each.text) for each in heard[-1:]] == [("error", "Draw a limb first.")]
 
 
 def test_a_locked_object_stays_as_it_is(session, panel):

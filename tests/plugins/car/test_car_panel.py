@@ -31,6 +31,7 @@ from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.shape_constraints import soundness_names
 from bozzetto_car.view.next_step import next_mark_step
+from tests.panel_host import StandInHost
 from tests.plugins.car.penned import blank, guided, places_of, view_of
 from tests.plugins.car.sketched import PICTURE
 
@@ -172,29 +173,6 @@ def test_the_small_car_turns_the_shorter_way():
 # -- the widget ------------------------------------------------------------------------------------
 
 
-class Host:
-    """The program, as far as a panel sees it."""
-
-    def __init__(self, state):
-        self.state, self.steps, self.callbacks = state, [], []
-
-    def change(self, state, label):
-        self.steps.append(label)
-        self.put(state)
-
-    def put(self, state):
-        self.state = state
-        for callback in self.callbacks:
-            callback()
-
-    @property
-    def next_step(self):
-        return next_mark_step(self.state)
-
-    def on_change(self, callback):
-        self.callbacks.append(callback)
-
-
 @pytest.fixture
 def shown(qtbot):
     """A function that shows a panel for a state, and waits until it has looked at it."""
@@ -203,7 +181,7 @@ def shown(qtbot):
     kept = []
 
     def show(state):
-        host, parent = Host(state), QWidget()
+        host, parent = StandInHost(state, next_mark_step), QWidget()
         kept.append(parent)
         parent.resize(280, 900)
         qtbot.addWidget(parent)
@@ -263,7 +241,7 @@ def test_buttons_pass_points_over(shown, qtbot):
     panel.hide_.click()
     calm(qtbot, panel)
     assert host.state.sketch.skipped == (first,)
-    assert len(host.steps) == 3
+    assert len(host.labels) == 3
 
 
 def test_a_click_on_the_chart_asks_for_a_node(shown, twelve, qtbot):
@@ -354,7 +332,7 @@ def _has_color(widget, color):
 
 
 def test_nothing_is_lost_when_the_panel_goes_while_it_works(twelve, qtbot):
-    host, parent = Host(twelve), QWidget()
+    host, parent = StandInHost(twelve, next_mark_step), QWidget()
     qtbot.addWidget(parent)
     panel = GuidePanel(host, parent)
     parent.show()

@@ -19,6 +19,7 @@ from bozzetto_polyhedron.model.state import Choice, PolyhedronState
 from bozzetto_polyhedron.panel.answer_pictures import gallery_of, words_of
 from bozzetto_polyhedron.panel.answers_panel import AnswersPanel
 from bozzetto_polyhedron.solve.pipeline import solved
+from tests.panel_host import StandInHost
 from tests.plugins.polyhedron.drawn_bodies import fitted, strokes_of
 from tests.plugins.polyhedron.objects import OBJECTS
 
@@ -78,26 +79,10 @@ def test_a_drawing_without_answers_says_what_to_do() -> None:
         assert gallery.sentence.endswith(".")
 
 
-class Host:
-    """The program, as far as a panel sees it."""
-
-    def __init__(self, state: PolyhedronState) -> None:
-        self.state, self.labels, self.callbacks = state, [], []
-
-    def change(self, state: PolyhedronState, label: str) -> None:
-        self.state = state
-        self.labels.append(label)
-        for callback in self.callbacks:
-            callback()
-
-    def on_change(self, callback) -> None:
-        self.callbacks.append(callback)
-
-
 def test_a_touch_on_a_picture_chooses_that_answer(qtbot, house: PolyhedronState) -> None:
     holder = QWidget()
     qtbot.addWidget(holder)
-    host = Host(house)
+    host = StandInHost(house)
     panel = AnswersPanel(host, holder)
     qtbot.waitUntil(lambda: bool(panel.cards) and not panel.busy, timeout=10_000)
     assert [card.isChecked() for card in panel.cards].index(True) == 0

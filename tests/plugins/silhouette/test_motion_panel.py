@@ -23,6 +23,7 @@ from bozzetto_silhouette.panel.film_strip import BAR, FilmStrip
 from bozzetto_silhouette.panel.motion_panel import MotionPanel
 from bozzetto_silhouette.rigging.key_poses import ASIDE, at_key, figures_of
 from bozzetto_silhouette.rigging.posing import rig_of
+from tests.panel_host import StandInHost
 from tests.plugins.silhouette.outlines import circle
 from tests.plugins.silhouette.rigging.characters import state_of_rings
 from tests.plugins.silhouette.rigging.test_motion import PERSON, ran
@@ -30,23 +31,6 @@ from tests.plugins.silhouette.rigging.test_motion import PERSON, ran
 LEFT = Qt.MouseButton.LeftButton
 
 SNAKE = state_of_rings([np.array([(-60, 0), (60, -4), (62, 0), (60, 4)], float)], 32)
-
-
-class Host:
-    """The program, as far as a panel sees it."""
-
-    def __init__(self, state: SilhouetteState) -> None:
-        self.state, self.labels, self.going, self.callbacks = state, [], [], []
-
-    def change(self, state: SilhouetteState, label: str, *, going: bool = False) -> None:
-        self.state = state
-        self.labels.append(label)
-        self.going.append(going)
-        for callback in self.callbacks:
-            callback()
-
-    def on_change(self, callback) -> None:
-        self.callbacks.append(callback)
 
 
 @pytest.fixture
@@ -57,7 +41,7 @@ def shown(qtbot):
         holder = QWidget()
         holders.append(holder)
         qtbot.addWidget(holder)
-        host = Host(state)
+        host = StandInHost(state)
         panel = MotionPanel(host, holder)
         panel.resize(300, 400)
         holder.show()
@@ -101,7 +85,7 @@ def test_a_second_quick_click_is_on_the_same_button(shown, calm):
         QTest.mouseClick(panel.childAt(place), LEFT)
         calm(panel)
     assert host.labels == ["Walk"], "the second one changes nothing, and is no step"
-    assert panel.sentence.text() == "That is how it is already."
+    assert host.problems == ["That is how it is already."]
 
 
 def test_a_touch_on_a_figure_shows_that_pose(shown, calm):
@@ -188,7 +172,8 @@ def test_what_cannot_walk_says_why(shown):
     host, panel = shown(snake)
     panel.buttons["Walk"].click()
     assert host.labels == []
-    assert "two limbs that point down" in panel.sentence.text()
+    (problem,) = host.problems
+    assert "two limbs that point down" in problem
 
 
 def test_parameters_stay_in_front_and_a_touch_poses_the_shape_in_the_window(window):

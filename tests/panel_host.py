@@ -1,0 +1,40 @@
+"""The program, as far as a plugin's own panel sees it."""
+
+
+class StandInHost:
+    """A `bozzetto.plugin.PanelHost` that keeps a state and writes down what it is asked for.
+
+    Parameters
+    ----------
+    state : State
+        The selected object's state.
+    next_step : callable, optional
+        What `next_step` says of a state.
+    """
+
+    def __init__(self, state, next_step=None):
+        self.state = state
+        self.labels, self.going, self.problems = [], [], []
+        self._next_step = next_step
+        self._callbacks = []
+
+    @property
+    def next_step(self):
+        return self._next_step(self.state)
+
+    def change(self, state, label, *, going=False):
+        self.labels.append(label)
+        self.going.append(going)
+        self.put(state)
+
+    def put(self, state):
+        """Put another state there, as an undo does."""
+        self.state = state
+        for callback in self._callbacks:
+            callback()
+
+    def complain(self, problem):
+        self.problems.append(problem.message)
+
+    def on_change(self, callback):
+        self._callbacks.append(callback)
