@@ -130,6 +130,10 @@ def put(make_window, settle, asked):
         session.files.exchange.import_file(info.samples[SAMPLES[modeler]])
         settle(session, window.keeper)
         drawn = session.drawing.document
+        if modeler == "bozzetto.silhouette":
+            # What is pressed is the same on a coarse solid, which is there again at once.
+            coarse = [replace(model, state=replace(model.state, resolution=32)) for model in drawn]
+            drawn = replace(drawn, models=tuple(coarse))
 
         def restore(state):
             close_dialogs(window)

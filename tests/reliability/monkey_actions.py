@@ -245,6 +245,9 @@ def mouse_drag(monkey: Monkey) -> None:
     button = chance.choices((LEFT, MIDDLE, RIGHT), (6, 5, 1))[0]
     keys = chance.choice(KEYS)
     places = [QPointF(window.canvas.mapTo(window, QPointF(*place))) for place in _path(monkey)]
+    under = window.childAt(places[0].toPoint())
+    if under is not None and _drags(under):
+        return
     _mouse(monkey, window, QEvent.Type.MouseButtonPress, places[0], button, button, keys)
     for place in places[1:]:
         _mouse(monkey, window, QEvent.Type.MouseMove, place, NONE, button, keys)

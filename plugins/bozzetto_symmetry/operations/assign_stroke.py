@@ -20,6 +20,7 @@ from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import MOST_STROKES
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
+from bozzetto_symmetry.stereo.epipolar_signal import Signal
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 ALONG: Final = 14.0
@@ -196,7 +197,7 @@ def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState, re
     they must leave less of it waiting, in its own view.
     """
     here = any(is_one_view(strokes[0].camera, stroke.camera) for stroke in curve.strokes)
-    if rest and not here:
+    if (rest and not here) or not shares_lines(curve, strokes, state):
         return float("inf")
     both = _trace(replace(curve, strokes=curve.strokes.extended(strokes)), state)
     if (
@@ -208,6 +209,31 @@ def _as_pair(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState, re
     ):
         return float("inf")
     return both.cost
+
+
+def shares_lines(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState) -> bool:
+    """Return whether new strokes cross epipolar lines that ink of a curve in their view crosses.
+
+    What comes nowhere nearer to its lines than a pair may cost is no second side of it. That is
+    known at once, where matching the two takes some hundredths of a second. Ink in other views says
+    nothing: it shares other lines.
+    """
+    camera = strokes[0].camera
+    drawn = [on_canvas(s, camera) for s in curve.strokes if is_one_view(camera, s.camera)]
+    if len(drawn) < len(curve.strokes):
+        return True
+    stereo = Stereo.of(camera, state.plane)
+    old, new = (
+        [Signal.of(stereo, resample(stroke.points, count=LOOKS)) for stroke in ink]
+        for ink in (drawn, strokes)
+    )
+    return any(_apart(one, two.shifted(stereo, one)) <= SURE_PAIR for one in old for two in new)
+
+
+def _apart(one: Signal, two: Signal) -> float:
+    """Return the least distance of the epipolar lines of two strokes, px; negative: they overlap."""
+    gap = max(two.angles.min() - one.angles.max(), one.angles.min() - two.angles.max())
+    return float(gap) * float(min(one.scales.min(), two.scales.min()))
 
 
 def _is_chance(pair: Trace, state: SymmetryState) -> bool:

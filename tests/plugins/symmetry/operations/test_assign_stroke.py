@@ -14,7 +14,7 @@ from bozzetto.plugin import Job
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.modeler import Symmetry
-from bozzetto_symmetry.operations.assign_stroke import add_drawing, add_strokes
+from bozzetto_symmetry.operations.assign_stroke import add_drawing, add_strokes, shares_lines
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import meant_drawings as m
@@ -54,6 +54,31 @@ def test_two_sides_wait_until_their_partners_come() -> None:
         assert reading(state, number) == "pair"
         made = trace_of(state.curves[number], state)
         assert np.median(s.distances(made.points, side)) < 2e-3 * s.DIAGONAL
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_sides_of_a_pair_share_lines_in_every_view(seed: int) -> None:
+    random = np.random.default_rng(7100 + seed)
+    for name, side in {**s.PAIRS, **s.LOOPS}.items():
+        kind = "orthographic" if random.random() < 0.3 else "perspective"
+        view = s.camera(random.uniform(-180, 180), random.uniform(-80, 80), kind=kind)
+        near, far = (
+            stroke(curve, view, noise=1.5, random=random, sense=int(random.choice([-1, 1])))
+            for curve in (side, side * MIRROR)
+        )
+        for one, other in ((near, far), (far, near)):
+            state = add_strokes(SymmetryState(), (one,))
+            assert shares_lines(state.curves[0], (other,), state), name
+
+
+def test_what_is_drawn_far_above_shares_no_line() -> None:
+    low, high = (
+        stroke(s.PAIRS["S-wave"] * (1.0, 1.0, 0.3) + (0.0, 0.0, height)) for height in (-60, 60)
+    )
+    state = add_strokes(SymmetryState(), (low,))
+    assert not shares_lines(state.curves[0], (high,), state)
+    turned = stroke(s.PAIRS["S-wave"] + (0.0, 0.0, 60.0), s.camera(-40, 10))
+    assert shares_lines(state.curves[0], (turned,), state), "another view has other lines"
 
 
 @pytest.mark.slow
