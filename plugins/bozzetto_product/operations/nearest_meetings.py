@@ -50,6 +50,8 @@ def nearest_inside(
             ends = np.linalg.norm(spline.control_points[[0, -1]] - here, axis=1)
             if not spline.closed and ends.min() <= reach:
                 continue  # it is the end that is meant
+            if not across and spline.least_distances(here[None])[0] > reach:
+                continue
             shares = (
                 plane_crossings(spline, state.symmetry) if across else [_foot_share(spline, here)]
             )

@@ -231,7 +231,7 @@ def shares_lines(curve: Curve, strokes: tuple[Stroke, ...], state: SymmetryState
 
 
 def _apart(one: Signal, two: Signal) -> float:
-    """Return the least distance of the epipolar lines of two strokes, px; negative: they overlap."""
+    """Return the least distance of the epipolar lines of two strokes, px; negative: shared."""
     gap = max(two.angles.min() - one.angles.max(), one.angles.min() - two.angles.max())
     return float(gap) * float(min(one.scales.min(), two.scales.min()))
 

@@ -63,6 +63,18 @@ def test_foot_points_are_the_nearest_of_a_brute_search(spline):
     assert (found <= best + 1e-9 * 100).all()
 
 
+@pytest.mark.parametrize("spline", [drawn(), drawn(True), uneven(), drawn(size=2)])
+def test_bounds_of_distances_are_below_them_and_near(spline):
+    random = np.random.default_rng(1)
+    points = random.normal(size=(80, spline.control_points.shape[1])) * 100
+    points = np.vstack([points, spline.value(random.uniform(0, 1, 20))])
+    away = np.linalg.norm(spline.value(spline.foot_points(points)) - points, axis=1)
+    least = spline.least_distances(points)
+    assert (least <= away + 1e-9).all()
+    assert (least >= 0).all()
+    assert (away - least <= 0.05 * spline.length).all()
+
+
 def test_foot_points_of_the_curves_own_places_are_these_places():
     spline = drawn(size=2)
     at = np.linspace(0, 1, 50)
