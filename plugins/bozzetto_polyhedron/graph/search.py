@@ -8,10 +8,11 @@ from typing import Final
 from bozzetto.arrays import Flags
 from bozzetto_polyhedron.graph.clustering import clustered
 from bozzetto_polyhedron.graph.dashes import rows_of_dashes
+from bozzetto_polyhedron.graph.detours import with_detours
 from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of, refitted
 from bozzetto_polyhedron.graph.grouping import ACROSS_DASHES, Members, dashed, grouped
 from bozzetto_polyhedron.graph.likelihood import Fits, Spread
-from bozzetto_polyhedron.graph.repair import repair
+from bozzetto_polyhedron.graph.repair import LEAST_GAIN, repair
 from bozzetto_polyhedron.graph.segments import Segments
 
 ACROSS: Final = (0.004, 0.006, 0.009, 0.013)
@@ -39,6 +40,9 @@ MANY_LINES: Final = 48
 MENDED: Final = 3
 """Drafts that are mended, each of another spread."""
 
+MORE: Final = 3
+"""Further drafts that are mended, one after the other, until one is that of a solid."""
+
 
 def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None]) -> Draft:
     """Find the likeliest lines and corners.
@@ -57,8 +61,9 @@ def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None])
     chains = list(dict.fromkeys(tuple(sorted(each)) for each in rows))
     starts = []
     groups: dict[tuple[int, float], tuple[Members, ...]] = {}
-    for spread in SPREADS:
-        fits = Fits(segments, spread)
+    every = [Fits(segments, spread) for spread in SPREADS]
+    for fits in every:
+        spread = fits.spread
         for number, each in enumerate(chains):
             checkpoint()
             key = number, spread.across
@@ -67,8 +72,13 @@ def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None])
             starts.append(first_draft(groups[key], fits))
     many = min(len(each.lines) for each in starts) > MANY_LINES
     chosen = diverse(starts, 1 if many else MENDED)
-    mended = [settled(each, checkpoint) for each in chosen]
-    return min(mended, key=lambda each: each.cost)
+    mended = [settled(each, every, checkpoint) for each in chosen]
+    best = min(mended, key=_doubt)
+    for start in sorted(set(starts) - set(chosen), key=lambda each: each.cost)[:MORE]:
+        if many or best.is_whole:
+            break
+        best = min(best, settled(start, every, checkpoint), key=_doubt)
+    return with_best_spread(with_detours(best, checkpoint), every)
 
 
 def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
@@ -95,25 +105,43 @@ def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
     return chosen
 
 
-def settled(draft: Draft, checkpoint: Callable[[], None]) -> Draft:
+def settled(draft: Draft, every: Sequence[Fits], checkpoint: Callable[[], None]) -> Draft:
     """Repair a draft, choose its likeliest spread, and so on until neither changes.
 
     Parameters
     ----------
     draft : Draft
         Changed in place.
+    every : sequence of Fits
+        One for each spread.
     checkpoint : callable
         Called between steps; it may raise.
     """
-    segments = draft.fits.segments
     for _ in range(MOST_SPREADS):
         repair(draft, checkpoint)
-        others = [refitted(draft, Fits(segments, each)) for each in SPREADS]
-        better = min(others, key=lambda each: each.cost)
-        if better.cost >= draft.cost - 1e-6:
+        better = with_best_spread(draft, every)
+        if better is draft:
             break
         draft = better
     return draft
+
+
+def with_best_spread(draft: Draft, every: Sequence[Fits]) -> Draft:
+    """Return the same lines and corners with the spread of ends that suits them best.
+
+    Parameters
+    ----------
+    draft : Draft
+        Returned itself if none is better.
+    every : sequence of Fits
+        One for each spread.
+    """
+    better = min((refitted(draft, each) for each in every), key=lambda each: each.cost)
+    return better if better.cost < draft.cost - LEAST_GAIN else draft
+
+
+def _doubt(draft: Draft) -> float:
+    return draft.doubt
 
 
 def first_draft(groups: tuple[Members, ...], fits: Fits) -> Draft:

@@ -14,8 +14,9 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
+from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.lifting import Lifting
 from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses

@@ -9,8 +9,9 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto_polyhedron.graph.planar_embedding import Ring, components, neighbors_of
 from bozzetto_polyhedron.reconstruction.affine_depth import affine_depth
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
@@ -24,7 +25,6 @@ from bozzetto_polyhedron.reconstruction.parallel_classes import (
     ParallelClasses,
     parallel_classes,
 )
-from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
 from bozzetto_polyhedron.reconstruction.ranking import FEATURES, scores
 from bozzetto_polyhedron.reconstruction.regularity import (
     Relief,
