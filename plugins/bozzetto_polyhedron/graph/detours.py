@@ -16,13 +16,13 @@ from bozzetto_polyhedron.graph.steps import steps
 DEAREST: Final = 30.0
 """Cost that the first step may add."""
 
-MOST_TRIALS: Final = 120
+MOST_TRIALS: Final = 45
 """First steps that are tried, at most."""
 
-MOST_FROM_ONE: Final = 60
+MOST_FROM_ONE: Final = 30
 """First steps that are tried from a draft that is not that of solids, the cheapest first."""
 
-MOST_FROM_WHOLE: Final = 25
+MOST_FROM_WHOLE: Final = 12
 """First steps that are tried from any other draft."""
 
 

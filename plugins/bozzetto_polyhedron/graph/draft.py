@@ -42,11 +42,9 @@ class Joined:
         """Both corners, the smaller number first."""
         return (self.start, self.stop) if self.start < self.stop else (self.stop, self.start)
 
-    def way_from(self, corner: int) -> tuple[float, float]:
-        """Return where the line goes from one of its corners."""
-        a, b = self.line.start, self.line.stop
-        sign = 1.0 if self.start == corner else -1.0
-        return sign * (b[0] - a[0]), sign * (b[1] - a[1])
+    def angle_at(self, corner: int) -> float:
+        """Return where the line goes from one of its corners, radians."""
+        return self.line.angles[0 if self.start == corner else 1]
 
 
 @dataclass(frozen=True)
@@ -172,7 +170,7 @@ class Draft:
         kept = (key for key in self.around.get(corner, ()) if key not in change.removed)
         here = [self.lines[key] for key in kept]
         here += [each for each in change.added if corner in each.pair]
-        return cost + passing_cost([each.way_from(corner) for each in here])
+        return cost + passing_cost(each.angle_at(corner) for each in here)
 
     def _after(self, change: Change) -> dict[int, tuple[End, int]]:
         """Return sums and degrees of the corners that a change concerns."""
@@ -214,8 +212,9 @@ class Draft:
             counts[each.pair] = counts.get(each.pair, 0) + 1
         more = 0
         for pair, step in counts.items():
-            before = len(self.pairs.get(pair, ()))
-            more += max(0, before + step - 1) - max(0, before - 1)
+            if step:
+                before = len(self.pairs.get(pair, ()))
+                more += max(0, before + step - 1) - max(0, before - 1)
         return more
 
 

@@ -37,11 +37,8 @@ MOST_SPREADS: Final = 5
 MANY_LINES: Final = 48
 """Lines over which only the likeliest draft is mended, so that the answer comes within a second."""
 
-MENDED: Final = 3
-"""Drafts that are mended, each of another spread."""
-
-MORE: Final = 3
-"""Further drafts that are mended, one after the other, until one is that of a solid."""
+MOST_MENDED: Final = 4
+"""Drafts that are mended, one after the other, until one has the lines of solids."""
 
 
 def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None]) -> Draft:
@@ -71,18 +68,18 @@ def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None])
                 groups[key] = grouped(segments, 1.6 * spread.across + 0.004, each)
             starts.append(first_draft(groups[key], fits))
     many = min(len(each.lines) for each in starts) > MANY_LINES
-    chosen = diverse(starts, 1 if many else MENDED)
-    mended = [settled(each, every, checkpoint) for each in chosen]
-    best = min(mended, key=_doubt)
-    for start in sorted(set(starts) - set(chosen), key=lambda each: each.cost)[:MORE]:
-        if many or best.is_whole:
+    best: Draft | None = None
+    for start in diverse(starts, 1 if many else MOST_MENDED):
+        mended = settled(start, every, checkpoint)
+        best = mended if best is None else min(best, mended, key=_doubt)
+        if best.is_whole:
             break
-        best = min(best, settled(start, every, checkpoint), key=_doubt)
+    assert best is not None
     return with_best_spread(with_detours(best, checkpoint), every)
 
 
 def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
-    """Choose the likeliest draft, then others of other spreads.
+    """Choose the likeliest draft, one of another spread and overshoot, then others.
 
     Parameters
     ----------
@@ -91,18 +88,14 @@ def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
     most : int
         How many to choose.
     """
-    left = sorted(starts, key=lambda each: each.cost)
-    chosen: list[Draft] = []
-    while left and len(chosen) < most:
-        taken = left.pop(0)
-        chosen.append(taken)
-        left = [
-            each
-            for each in left
-            if each.fits.spread.across != taken.fits.spread.across
-            and (len(chosen) > 1 or each.fits.spread.overshoot != taken.fits.spread.overshoot)
-        ] or [each for each in left if each.fits.spread.across != taken.fits.spread.across]
-    return chosen
+    ordered = sorted(starts, key=lambda each: each.cost)
+    first = ordered[0].fits.spread
+    other = [
+        each
+        for each in ordered
+        if each.fits.spread.across != first.across and each.fits.spread.overshoot != first.overshoot
+    ][:1]
+    return [ordered[0], *other, *(each for each in ordered[1:] if each not in other)][:most]
 
 
 def settled(draft: Draft, every: Sequence[Fits], checkpoint: Callable[[], None]) -> Draft:

@@ -21,10 +21,10 @@ from bozzetto_polyhedron.solve.corner_order import in_order
 
 Checkpoint = Callable[[float, str], None]
 
-DEAREST: Final = 8.0
+DEAREST: Final = 12.0
 """Cost on the sheet that a change may add to be looked at in space."""
 
-MOST_OTHERS: Final = 3
+MOST_OTHERS: Final = 2
 """Changes that are looked at in space from one draft."""
 
 MOST_CHANGES: Final = 2
@@ -64,10 +64,13 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
     Returns
     -------
     LiveGraph
-        The same one where the sheet leaves no doubt, or something else looks wrong. Where readings
-        in space leave none, the finding is taken out.
+        The same one where the sheet leaves no doubt, where something else looks wrong, and where
+        its lines are not those of solids: such readings take long and seldom decide. Where readings
+        in space leave no doubt, the finding is taken out.
     """
-    if live.draft is None or [each.what for each in live.graph.health] != ["second reading"]:
+    if [each.what for each in live.graph.health] != ["second reading"]:
+        return live
+    if live.draft is None or not live.draft.is_whole:
         return live
     best = _read(live, live.draft, camera)
     values = {joined_pairs(best.draft): best.value}
@@ -78,7 +81,7 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
             if pairs in values:
                 continue
             values[pairs] = HIGHEST - draft.cost
-            if values[pairs] < better.value + LEAST_GAIN:
+            if values[pairs] < better.value + LEAST_GAIN or not draft.is_whole:
                 continue
             checkpoint(0.5, "Comparing lines")
             other = _read(with_draft(live, draft), draft, camera)
