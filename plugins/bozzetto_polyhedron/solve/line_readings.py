@@ -15,8 +15,10 @@ from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.draft import Draft
 from bozzetto_polyhedron.graph.live import LiveGraph, with_draft
 from bozzetto_polyhedron.graph.second_reading import joined_pairs, other_drafts
-from bozzetto_polyhedron.reconstruction.answers import LEAST_LINES, ranked_readings
+from bozzetto_polyhedron.reconstruction.answers import LEAST_LINES
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
+from bozzetto_polyhedron.reconstruction.perspective import parallel_view
+from bozzetto_polyhedron.reconstruction.readings import readings
 from bozzetto_polyhedron.solve.corner_order import in_order
 
 Checkpoint = Callable[[float, str], None]
@@ -102,6 +104,8 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
 
 def _read(live: LiveGraph, draft: Draft, camera: Camera) -> _Read:
     drawing = drawing_of(in_order(live.graph))
-    found = ranked_readings(drawing, camera)[1] if len(drawing.lines) >= LEAST_LINES else []
-    score = found[0].score if found else float("-inf")
+    score = float("-inf")
+    if len(drawing.lines) >= LEAST_LINES:
+        found = readings(parallel_view(drawing, camera).drawing, thorough=False)
+        score = max((each.score for each in found), default=score)
     return _Read(live, draft, score - draft.cost)
