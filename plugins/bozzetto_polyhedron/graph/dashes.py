@@ -73,10 +73,15 @@ def _candidates(ends: Array, tolerance: float) -> tuple[Index, Index, Array, Arr
     one, two = np.triu_indices(len(ends), 1)
     away = middles[two] - middles[one]
     length = np.maximum(np.hypot(*away.T), 1e-9)
-    along, weight = _along(ends, middles[one], away / length[:, None], tolerance)
-    rows = np.arange(len(one))
-    kept = (weight[rows, one] > 0) & (weight[rows, two] > 0) & (length > 1e-6)
-    return one[kept], two[kept], weight[kept], along[kept]
+    axis = away / length[:, None]
+    kept = length > 1e-6
+    for number in range(len(ends)):
+        own = np.flatnonzero(kept & ((one == number) | (two == number)))
+        _, weight = _along(ends[number : number + 1], middles[one[own]], axis[own], tolerance)
+        kept[own[weight[:, 0] <= 0.0]] = False
+    one, two = one[kept], two[kept]
+    along, weight = _along(ends, middles[one], axis[kept], tolerance)
+    return one, two, weight, along
 
 
 def _along(ends: Array, center: Array, axis: Array, tolerance: float) -> tuple[Array, Array]:

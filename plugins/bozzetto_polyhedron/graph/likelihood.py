@@ -8,7 +8,7 @@ cost what they gain by agreeing. Lengths are shares of the drawing's diagonal, c
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import atan2, cos, hypot, inf, log, pi, radians, sin, sqrt
@@ -43,8 +43,8 @@ PASSES: Final = 10.0
 in a corner of their own: no corner of a solid lies on an edge that goes on there, and lines that
 cross on the sheet do not meet."""
 
-STRAIGHT_ON: Final = 12.0
-"""Angle, degrees, up to which two lines go straight on."""
+STRAIGHT_ON: Final = radians(12.0)
+"""Angle up to which two lines go straight on."""
 
 SAME_ENDS: Final = 60.0
 """Cost of a second line between the same corners."""
@@ -97,6 +97,8 @@ class Line:
         Cost of the segment ends that are within the line.
     ends : (End, End)
         What both ends tell of their corners.
+    angles : (float, float)
+        Where the line goes from either end, radians, -pi … pi.
     """
 
     members: Members
@@ -104,6 +106,7 @@ class Line:
     stop: tuple[float, float]
     misfit: float
     ends: tuple[End, End]
+    angles: tuple[float, float]
 
     @property
     def length(self) -> float:
@@ -198,7 +201,9 @@ def _line(rows: list[list[list[float]]], members: Members, spread: Spread) -> Li
         _end(start, (-ux, -uy), length, spread),
         _end(stop, (ux, uy), length, spread),
     )
-    return Line(members, start, stop, misfit, ends)
+    angle = atan2(stop[1] - start[1], stop[0] - start[0])
+    angles = angle, angle - pi if angle > 0.0 else angle + pi
+    return Line(members, start, stop, misfit, ends, angles)
 
 
 def _axis(rows: list[list[list[float]]]) -> tuple[float, float, float, float]:
@@ -259,23 +264,23 @@ def strain_of(sums: End) -> float:
     return max(0.0, sums[5] - sums[3] * x - sums[4] * y)
 
 
-def passing_cost(ways: Sequence[tuple[float, float]]) -> float:
+def passing_cost(angles: Iterable[float]) -> float:
     """Return the cost of pairs of lines that go straight on through a corner.
 
     One pair with two others is a corner of solids, where a rib ends at an edge.
 
     Parameters
     ----------
-    ways : sequence of (x, y)
-        The lines of the corner, away from it.
+    angles : iterable of float
+        Where the lines of the corner go from there, radians, -pi … pi.
     """
-    left = sorted(atan2(y, x) for x, y in ways)
-    pairs = 0
+    left = sorted(angles)
+    count, pairs = len(left), 0
     while len(left) > 1:
         one = left.pop()
         for number, other in enumerate(left):
-            if abs((one - other) % (2 * pi) - pi) < radians(STRAIGHT_ON):
+            if abs(one - other - pi) < STRAIGHT_ON:
                 del left[number]
                 pairs += 1
                 break
-    return 0.0 if len(ways) - 2 * pairs == 2 else PASSES * pairs
+    return 0.0 if count - 2 * pairs == 2 else PASSES * pairs

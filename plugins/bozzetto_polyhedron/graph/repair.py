@@ -43,11 +43,19 @@ def repair(draft: Draft, checkpoint: Callable[[], None], beside: set[int] | None
         beside = set()
         for _, change in found:
             if draft.fits_now(change) and draft.price(change) < -LEAST_GAIN:
-                beside |= _concerned(draft, change)
+                beside |= concerned(draft, change)
                 draft.apply(change)
 
 
-def _concerned(draft: Draft, change: Change) -> set[int]:
-    """Return the corners whose lines a change takes or brings."""
+def concerned(draft: Draft, change: Change) -> set[int]:
+    """Return the corners whose lines a change takes or brings.
+
+    Parameters
+    ----------
+    draft : Draft
+        Before the change.
+    change : Change
+        Not yet made.
+    """
     gone = [draft.lines[key] for key in change.removed]
     return {corner for each in (*gone, *change.added) for corner in (each.start, each.stop)}

@@ -8,10 +8,11 @@ from typing import Final
 from bozzetto.arrays import Flags
 from bozzetto_polyhedron.graph.clustering import clustered
 from bozzetto_polyhedron.graph.dashes import rows_of_dashes
+from bozzetto_polyhedron.graph.detours import with_detours
 from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of, refitted
 from bozzetto_polyhedron.graph.grouping import ACROSS_DASHES, Members, dashed, grouped
 from bozzetto_polyhedron.graph.likelihood import Fits, Spread
-from bozzetto_polyhedron.graph.repair import repair
+from bozzetto_polyhedron.graph.repair import LEAST_GAIN, repair
 from bozzetto_polyhedron.graph.segments import Segments
 
 ACROSS: Final = (0.004, 0.006, 0.009, 0.013)
@@ -36,8 +37,8 @@ MOST_SPREADS: Final = 5
 MANY_LINES: Final = 48
 """Lines over which only the likeliest draft is mended, so that the answer comes within a second."""
 
-MENDED: Final = 3
-"""Drafts that are mended, each of another spread."""
+MOST_MENDED: Final = 4
+"""Drafts that are mended, one after the other, until one has the lines of solids."""
 
 
 def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None]) -> Draft:
@@ -57,8 +58,9 @@ def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None])
     chains = list(dict.fromkeys(tuple(sorted(each)) for each in rows))
     starts = []
     groups: dict[tuple[int, float], tuple[Members, ...]] = {}
-    for spread in SPREADS:
-        fits = Fits(segments, spread)
+    every = [Fits(segments, spread) for spread in SPREADS]
+    for fits in every:
+        spread = fits.spread
         for number, each in enumerate(chains):
             checkpoint()
             key = number, spread.across
@@ -66,13 +68,18 @@ def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None])
                 groups[key] = grouped(segments, 1.6 * spread.across + 0.004, each)
             starts.append(first_draft(groups[key], fits))
     many = min(len(each.lines) for each in starts) > MANY_LINES
-    chosen = diverse(starts, 1 if many else MENDED)
-    mended = [settled(each, checkpoint) for each in chosen]
-    return min(mended, key=lambda each: each.cost)
+    best: Draft | None = None
+    for start in diverse(starts, 1 if many else MOST_MENDED):
+        mended = settled(start, every, checkpoint)
+        best = mended if best is None else min(best, mended, key=_doubt)
+        if best.is_whole:
+            break
+    assert best is not None
+    return with_best_spread(with_detours(best, checkpoint), every)
 
 
 def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
-    """Choose the likeliest draft, then others of other spreads.
+    """Choose the likeliest draft, one of another spread and overshoot, then others.
 
     Parameters
     ----------
@@ -81,39 +88,53 @@ def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
     most : int
         How many to choose.
     """
-    left = sorted(starts, key=lambda each: each.cost)
-    chosen: list[Draft] = []
-    while left and len(chosen) < most:
-        taken = left.pop(0)
-        chosen.append(taken)
-        left = [
-            each
-            for each in left
-            if each.fits.spread.across != taken.fits.spread.across
-            and (len(chosen) > 1 or each.fits.spread.overshoot != taken.fits.spread.overshoot)
-        ] or [each for each in left if each.fits.spread.across != taken.fits.spread.across]
-    return chosen
+    ordered = sorted(starts, key=lambda each: each.cost)
+    first = ordered[0].fits.spread
+    other = [
+        each
+        for each in ordered
+        if each.fits.spread.across != first.across and each.fits.spread.overshoot != first.overshoot
+    ][:1]
+    return [ordered[0], *other, *(each for each in ordered[1:] if each not in other)][:most]
 
 
-def settled(draft: Draft, checkpoint: Callable[[], None]) -> Draft:
+def settled(draft: Draft, every: Sequence[Fits], checkpoint: Callable[[], None]) -> Draft:
     """Repair a draft, choose its likeliest spread, and so on until neither changes.
 
     Parameters
     ----------
     draft : Draft
         Changed in place.
+    every : sequence of Fits
+        One for each spread.
     checkpoint : callable
         Called between steps; it may raise.
     """
-    segments = draft.fits.segments
     for _ in range(MOST_SPREADS):
         repair(draft, checkpoint)
-        others = [refitted(draft, Fits(segments, each)) for each in SPREADS]
-        better = min(others, key=lambda each: each.cost)
-        if better.cost >= draft.cost - 1e-6:
+        better = with_best_spread(draft, every)
+        if better is draft:
             break
         draft = better
     return draft
+
+
+def with_best_spread(draft: Draft, every: Sequence[Fits]) -> Draft:
+    """Return the same lines and corners with the spread of ends that suits them best.
+
+    Parameters
+    ----------
+    draft : Draft
+        Returned itself if none is better.
+    every : sequence of Fits
+        One for each spread.
+    """
+    better = min((refitted(draft, each) for each in every), key=lambda each: each.cost)
+    return better if better.cost < draft.cost - LEAST_GAIN else draft
+
+
+def _doubt(draft: Draft) -> float:
+    return draft.doubt
 
 
 def first_draft(groups: tuple[Members, ...], fits: Fits) -> Draft:

@@ -8,10 +8,15 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto_polyhedron.graph.draft import Change, Draft
+from bozzetto_polyhedron.graph.likelihood import Fits
+from bozzetto_polyhedron.graph.search import SPREADS, with_best_spread
 from bozzetto_polyhedron.graph.steps import steps
 
 DOUBT: Final = 5.0
 """Cost by which another reading must be worse for a graph to be beyond doubt: odds of 1 to 150."""
+
+MOST_TRIED: Final = 12
+"""Changes of which it is asked whether they make the lines those of solids, at most."""
 
 
 def second_readings(draft: Draft) -> list[Array]:
@@ -23,7 +28,7 @@ def second_readings(draft: Draft) -> list[Array]:
     Parameters
     ----------
     draft : Draft
-        The likeliest one; no change lowers its cost.
+        The likeliest one.
 
     Returns
     -------
@@ -62,7 +67,7 @@ def other_drafts(draft: Draft, dearest: float, most: int) -> list[Draft]:
     Returns
     -------
     list of Draft
-        The likeliest first; each joins other corners than the ones before it.
+        Those that are least in doubt first; each joins other corners than the ones before it.
     """
     priced = [
         (price, number, change)
@@ -72,13 +77,13 @@ def other_drafts(draft: Draft, dearest: float, most: int) -> list[Draft]:
         and (price := draft.price(change)) < dearest
     ]
     found: dict[tuple[tuple[int, int], ...], Draft] = {}
-    for _, _, change in sorted(priced, key=lambda each: each[:2]):
+    for _, _, change in sorted(priced, key=lambda each: each[:2])[:MOST_TRIED]:
         other = draft.copied()
         other.apply(change)
         found.setdefault(joined_pairs(other), other)
-        if len(found) == most:
-            break
-    return list(found.values())
+    every = [Fits(draft.fits.segments, spread) for spread in SPREADS]
+    best = [with_best_spread(each, every) for each in found.values()]
+    return sorted(best, key=lambda each: each.doubt)[:most]
 
 
 def joined_pairs(draft: Draft) -> tuple[tuple[int, int], ...]:

@@ -83,8 +83,8 @@ def contracted(around: Surroundings, key: int) -> Iterator[Change]:
 def passing_straight(around: Surroundings, corner: int) -> Iterator[Change]:
     """Let two lines that go straight on through a corner be one that passes it.
 
-    With four lines at the corner the other two have to go straight on as well: then two lines
-    cross there, and no corner is left.
+    With four lines at the corner the other two may go straight on as well: then two lines cross
+    there, and no corner is left.
     """
     draft = around.draft
     keys = draft.at(corner)
@@ -97,9 +97,13 @@ def passing_straight(around: Surroundings, corner: int) -> Iterator[Change]:
             (_other_end(draft.lines[a], corner), _other_end(draft.lines[b], corner))
             for a, b in ways
         ]
-        if all(a != b and _is_straight(around, corner, a, b) for a, b in ends):
-            parts = [tuple(m for k in each for m in draft.lines[k].line.members) for each in ways]
-            yield Change(tuple(k for each in ways for k in each), _lines(around, parts, ends))
+        straight = [a != b and _is_straight(around, corner, a, b) for a, b in ends]
+        if not straight[0]:
+            continue
+        parts = [tuple(m for k in each for m in draft.lines[k].line.members) for each in ways]
+        if not all(straight):
+            ways, parts, ends = (way,), parts[:1], ends[:1]
+        yield Change(tuple(k for each in ways for k in each), _lines(around, parts, ends))
 
 
 def _is_straight(around: Surroundings, corner: int, one: int, two: int) -> bool:

@@ -7,7 +7,7 @@ taken for one line are told apart.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from itertools import pairwise
 from math import atan2, hypot, pi, radians
 from typing import Final
@@ -62,7 +62,7 @@ def steps(draft: Draft, corners: Collection[int] | None = None) -> Iterator[Chan
         yield from passing_straight(around, corner)
         if draft.degrees[corner] == 2:
             yield from _straightened(around, corner)
-    along = _lying_along(around)
+    along = _lying_along(around, keys)
     for key in keys:
         yield from _moved_ends(around, key)
         if draft.lines[key].line.length < LONGEST_TICK:
@@ -157,8 +157,8 @@ def _moved_ends(around: Surroundings, key: int) -> Iterator[Change]:
                 yield _with_joined_pairs(around, {key: _moved(each, here, corner)})
 
 
-def _lying_along(around: Surroundings) -> dict[int, list[int]]:
-    """Return for each line at most three others by whose side it was drawn, the nearest first."""
+def _lying_along(around: Surroundings, chosen: Sequence[int]) -> dict[int, list[int]]:
+    """Return for chosen lines at most three others by whose side they were drawn, nearest first."""
     draft, keys = around.draft, around.keys
     lines = [draft.lines[k].line for k in keys]
     starts: Array = np.array([each.start for each in lines]).reshape(-1, 2)
@@ -166,16 +166,17 @@ def _lying_along(around: Surroundings) -> dict[int, list[int]]:
     steps_ = stops - starts
     lengths = np.maximum(np.hypot(*steps_.T), 1e-9)
     axes = steps_ / lengths[:, None]
-    tips = np.stack([starts, stops], 1)
+    rows = np.searchsorted(keys, chosen)
+    tips = np.stack([starts[rows], stops[rows]], 1)
     away = tips[:, None] - starts[None, :, None]
     along = (away * axes[:, None]).sum(3)
     across = np.abs(away[..., 0] * axes[:, None, 1] - away[..., 1] * axes[:, None, 0]).max(2)
     shared = np.minimum(along.max(2), lengths) - np.maximum(along.min(2), 0.0)
     tolerance = 4.0 * draft.fits.spread.across + 0.012
-    fit = (across < tolerance) & (shared > -0.03) & (lengths >= 0.8 * lengths[:, None])
-    np.fill_diagonal(fit, False)
+    fit = (across < tolerance) & (shared > -0.03) & (lengths >= 0.8 * lengths[rows, None])
+    fit[np.arange(len(rows)), rows] = False
     made = {}
-    for row, key in enumerate(keys):
+    for row, key in enumerate(chosen):
         order = np.argsort(np.where(fit[row], across[row], np.inf), kind="stable")[:3]
         made[key] = [keys[k] for k in order if fit[row, k]]
     return made

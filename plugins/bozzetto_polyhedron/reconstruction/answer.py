@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from bozzetto.arrays import Array
-
-Ring = tuple[int, ...]
-"""Numbers of vertices, once round."""
+from bozzetto_polyhedron.graph.planar_embedding import Ring
 
 Rings = tuple[Ring, ...]
 """Of a face: its outer ring, then its holes."""

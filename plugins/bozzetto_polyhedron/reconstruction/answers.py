@@ -10,6 +10,7 @@ import numpy as np
 
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.graph.planar_embedding import components, neighbors_of
 from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.reconstruction.cautions import (
     BY_LOOKS,
@@ -23,7 +24,6 @@ from bozzetto_polyhedron.reconstruction.orientation import open_lines, oriented
 from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses, parallel_classes
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
 from bozzetto_polyhedron.reconstruction.placement import placed, residual
-from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
 from bozzetto_polyhedron.reconstruction.ranking import (
     FEATURES,
     HANGING,

@@ -8,7 +8,9 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto.plugin import cached_property
 from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.reconstruction.covered_lines import CoveredLines
 
 LEAST_NOISE: Final = 0.002
 """Least standard deviation of a corner, diagonals: nobody draws better."""
@@ -43,6 +45,11 @@ class Drawing:
     noise: float
     center: Array
     diagonal: float
+
+    @cached_property
+    def covered(self) -> CoveredLines:
+        """Which places on its lines are inside faces."""
+        return CoveredLines(self.points, self.lines)
 
     @property
     def lengths(self) -> Array:

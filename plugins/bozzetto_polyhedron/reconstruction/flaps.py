@@ -17,14 +17,15 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto_polyhedron.graph.line_graph import LineGraph
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
-from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
-from bozzetto_polyhedron.reconstruction.planar_embedding import (
+from bozzetto_polyhedron.graph.planar_embedding import (
     Neighbors,
+    Ring,
     embedded_faces,
     neighbors_of,
     shared_pairs,
 )
+from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
 from bozzetto_polyhedron.reconstruction.regularity import area_vector
 
 MOST_OPENINGS: Final = 3

@@ -9,16 +9,17 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto_polyhedron.reconstruction.affine_depth import AffineDepth, affine_depth
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
-from bozzetto_polyhedron.reconstruction.drawing import Drawing
-from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses
-from bozzetto_polyhedron.reconstruction.planar_embedding import (
+from bozzetto_polyhedron.graph.planar_embedding import (
     Neighbors,
+    Ring,
     embedded_faces,
     flipped,
     shared_pairs,
 )
+from bozzetto_polyhedron.reconstruction.affine_depth import AffineDepth, affine_depth
+from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses
 from bozzetto_polyhedron.reconstruction.planar_faces import planar_faces
 
 MOST_FLIPS: Final = 4

@@ -13,9 +13,10 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Index
+from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.lifting import Lifting
 from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses
@@ -194,31 +195,33 @@ def _ways(
     """Return the ways in which one part lies in the faces of a body."""
     system = _Part.of(drawing, classes, body.depths, known, part)
     tolerance = 0.012 + 2.5 * drawing.noise
+    planes = [_plane(drawing, body, face) for face in range(len(body.faces))]
     options = [
         (face, ring)
-        for face in range(len(body.faces))
-        if abs(_plane(drawing, body, face)[1][2]) >= EDGE_ON
+        for face, (_, normal) in enumerate(planes)
+        if abs(normal[2]) >= EDGE_ON
         for ring in range(len(part.faces))
         if _surrounds(drawing, body.faces[face][0], part.faces[ring][0], around)
     ]
+    levels = {each: _seat(drawing, planes[each[0]], part.faces[each[1]][0]) for each in options}
     found: list[Attached] = []
     seen: set[frozenset[tuple[int, int]]] = set()
     for option in options:
-        depths, misfit = system.solved([_seat(drawing, body, part, option)])
-        if misfit > tolerance * _steepness(drawing, body, option[0]):
+        depths, misfit = system.solved([levels[option]])
+        if misfit > tolerance / abs(float(planes[option[0]][1][2])):
             continue
         seats = [option]
         for other in options:
-            level, corners = _seat(drawing, body, part, other)
+            level, corners = levels[other]
             if all(other[0] != s[0] and other[1] != s[1] for s in seats):
                 off = float(np.abs(depths[system.places(corners)] - level).mean())
-                if off < tolerance * _steepness(drawing, body, other[0]):
+                if off < tolerance / abs(float(planes[other[0]][1][2])):
                     seats.append(other)
         key = frozenset(seats)
         if key in seen:
             continue
         seen.add(key)
-        depths, misfit = system.solved([_seat(drawing, body, part, seat) for seat in seats])
+        depths, misfit = system.solved([levels[seat] for seat in seats])
         found.append(_joined(drawing, body, part, seats, depths, misfit / tolerance))
     return found or [_loose(body, known, part, system.solved([])[0])]
 
@@ -330,17 +333,9 @@ def _plane(drawing: Drawing, body: Attached, face: int) -> tuple[Array, Array]:
     return space.mean(0), normal / max(1e-12, float(np.linalg.norm(normal)))
 
 
-def _steepness(drawing: Drawing, body: Attached, face: int) -> float:
-    """Return by how much errors on the sheet grow in depth on a face."""
-    return 1.0 / min(1.0, max(EDGE_ON, abs(float(_plane(drawing, body, face)[1][2]))))
-
-
-def _seat(
-    drawing: Drawing, body: Attached, part: Lifting, option: tuple[int, int]
-) -> tuple[Array, Ring]:
-    """Return the depths that a ring of a part has in a face of the body."""
-    middle, normal = _plane(drawing, body, option[0])
-    ring = part.faces[option[1]][0]
+def _seat(drawing: Drawing, plane: tuple[Array, Array], ring: Ring) -> tuple[Array, Ring]:
+    """Return the depths that a ring has in a plane, which is not seen edge-on."""
+    middle, normal = plane
     across = (drawing.points[list(ring)] - middle[:2]) @ normal[:2]
     return middle[2] - across / normal[2], ring
 
@@ -365,26 +360,24 @@ def _distances(places: Array, ring: Array) -> Array:
 
 
 def _share_inside(drawing: Drawing, seated: Seated, depths: Array) -> float:
-    """Return the share of the lines of a part, those in faces left out, that is inside the body."""
+    """Return the share of the lines of a part, those in faces left out, that is inside the body.
+
+    Their middles are, by the parity of a ray along the view.
+    """
     own = np.isin(drawing.lines[:, 0], seated.part.corners)
-    free = own & ~np.isin(drawing.lines, list(seated.corners)).all(1)
-    if not free.any():
+    free = np.flatnonzero(own & ~np.isin(drawing.lines, list(seated.corners)).all(1))
+    if not len(free):
         return 1.0
     space = np.column_stack((drawing.points, depths))
-    ends = space[drawing.lines[free]]
-    return float(_inside_body(space, seated.faces, ends.mean(1)).mean())
-
-
-def _inside_body(space: Array, faces: Sequence[Rings], places: Array) -> Flags:
-    """Return whether places are inside a closed body, by the parity of a ray along the view."""
-    odd = np.zeros(len(places), bool)
-    for face in faces:
-        normal = area_vector(space[list(face[0])])
+    places = space[drawing.lines[free]].mean(1)
+    odd = np.zeros(len(free), bool)
+    for face in seated.faces:
+        outer = space[list(face[0])]
+        normal = area_vector(outer)
         if abs(normal[2]) < 1e-9:
             continue
-        middle = space[list(face[0])].mean(0)
+        middle = outer.mean(0)
         level = middle[2] - (places[:, :2] - middle[:2]) @ normal[:2] / normal[2]
         for ring in face:
-            crossed = inside(places[:, :2], space[list(ring)][:, :2])
-            odd ^= crossed & (level > places[:, 2])
-    return odd
+            odd ^= drawing.covered.middles(ring)[free] & (level > places[:, 2])
+    return float(odd.mean())

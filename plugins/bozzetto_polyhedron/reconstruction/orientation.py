@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
+from bozzetto_polyhedron.graph.planar_embedding import Ring
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.regularity import area_vector
 
 

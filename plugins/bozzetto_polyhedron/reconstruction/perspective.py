@@ -15,15 +15,15 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.view import Camera
-from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
-from bozzetto_polyhedron.reconstruction.axis_systems import AxisSystem, axis_system
-from bozzetto_polyhedron.reconstruction.drawing import Drawing
-from bozzetto_polyhedron.reconstruction.planar_embedding import (
+from bozzetto_polyhedron.graph.planar_embedding import (
     components,
     embedded_faces,
     neighbors_of,
     shared_pairs,
 )
+from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
+from bozzetto_polyhedron.reconstruction.axis_systems import AxisSystem, axis_system
+from bozzetto_polyhedron.reconstruction.drawing import Drawing
 
 STARTS: Final = (0.15, 0.6)
 """Perspectives, 1/diagonal, from which the fit starts."""

@@ -15,9 +15,9 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
+from bozzetto_polyhedron.graph.planar_embedding import Ring, neighbors_of
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.orientation import lines_of
-from bozzetto_polyhedron.reconstruction.planar_embedding import neighbors_of
 
 FLATTEST: Final = 0.2
 """Least sine of the angle between two lines that span a plane."""

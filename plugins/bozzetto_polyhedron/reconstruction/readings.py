@@ -9,8 +9,9 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto_polyhedron.graph.planar_embedding import Ring, components, neighbors_of
 from bozzetto_polyhedron.reconstruction.affine_depth import affine_depth
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
@@ -24,7 +25,6 @@ from bozzetto_polyhedron.reconstruction.parallel_classes import (
     ParallelClasses,
     parallel_classes,
 )
-from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
 from bozzetto_polyhedron.reconstruction.ranking import FEATURES, scores
 from bozzetto_polyhedron.reconstruction.regularity import (
     Relief,
@@ -71,7 +71,10 @@ class Reading:
 
 
 def readings(
-    drawing: Drawing, checkpoint: Callable[[float, str], None] = lambda share, step: None
+    drawing: Drawing,
+    checkpoint: Callable[[float, str], None] = lambda share, step: None,
+    *,
+    thorough: bool = True,
 ) -> list[Reading]:
     """Return readings of a drawing, best first, each found once.
 
@@ -83,6 +86,9 @@ def readings(
         In units of its own size.
     checkpoint : callable
         Called between the steps with the share done and a name.
+    thorough : bool
+        Whether lines are also joined strictly to parallel classes, and read once more without
+        lone parallels: what comes to compare drawings with one another needs neither.
     """
     box = open_box(drawing)
     if box is not None:
@@ -92,7 +98,7 @@ def readings(
     parts.sort(key=lambda part: -float(np.linalg.norm(np.ptp(drawing.points[list(part)], axis=0))))
     found: list[Reading] = []
     seen: set[bytes] = set()
-    for strict, joining in enumerate((LOOSE, STRICT)):
+    for strict, joining in enumerate((LOOSE, STRICT) if thorough else (LOOSE,)):
         classes = parallel_classes(drawing, joining)
         if classes.labels.tobytes() in seen or not parts:
             continue
@@ -103,7 +109,9 @@ def readings(
         for body in _bodies(lifted, inner):
             checkpoint(0.3 + 0.3 * strict, "readings")
             own = _of_body(drawing, classes, body, inner[1:], strict)
-            other = without_lone_parallels(drawing, classes, (body, *inner[1:]))
+            other = (
+                without_lone_parallels(drawing, classes, (body, *inner[1:])) if thorough else None
+            )
             if other is not None:
                 own = [replace(each, by_looks=True) for each in own]
                 freed = _of_body(drawing, other[0], other[1][0], other[1][1:], strict)

@@ -7,14 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array
 from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.covered_lines import SAMPLES, SHARES
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
-from bozzetto_polyhedron.reconstruction.planar_faces import inside
 from bozzetto_polyhedron.reconstruction.regularity import area_vector
-
-SAMPLES: Final = 7
-"""Places on each line that are looked at."""
 
 CLEARANCE: Final = 0.01
 """Depth, diagonals, by which a face must be nearer to hide a place."""
@@ -63,37 +60,23 @@ def hidden_shares(drawing: Drawing, depths: Array, faces: Sequence[Rings]) -> tu
     faces : sequence of Rings
         Rings of corners, in any sense.
     """
-    lines = drawing.lines
     space = np.column_stack((drawing.points, depths))
-    share = np.linspace(0.08, 0.92, SAMPLES)[None, :, None]
-    start, end = space[lines[:, 0]][:, None], space[lines[:, 1]][:, None]
-    places = (start + share * (end - start)).reshape(-1, 3)
+    start, end = (space[drawing.lines[:, k]][:, None] for k in (0, 1))
+    places = (start + SHARES[:, None] * (end - start)).reshape(-1, 3)
     before = np.zeros(len(places), bool)
     behind = before.copy()
     for face in faces:
         normal = area_vector(space[list(face[0])])
         if abs(normal[2]) < 1e-6:
             continue
+        under = np.flatnonzero(drawing.covered.samples(face))
+        if not len(under):
+            continue
         middle = space[list(face[0])].mean(0)
-        level = middle[2] - (places[:, :2] - middle[:2]) @ normal[:2] / normal[2]
-        covered = _covered(drawing.points, places, face) & np.repeat(_foreign(lines, face), SAMPLES)
-        before |= covered & (level < places[:, 2] - CLEARANCE)
-        behind |= covered & (level > places[:, 2] + CLEARANCE)
+        level = middle[2] - (places[under, :2] - middle[:2]) @ normal[:2] / normal[2]
+        before[under] |= level < places[under, 2] - CLEARANCE
+        behind[under] |= level > places[under, 2] + CLEARANCE
     return (
         before.reshape(-1, SAMPLES).mean(1),
         behind.reshape(-1, SAMPLES).mean(1),
     )
-
-
-def _covered(points: Array, places: Array, face: Rings) -> Flags:
-    """Return whether places appear inside a face and outside its holes."""
-    covered = np.zeros(len(places), bool)
-    for ring in face:
-        covered ^= inside(places[:, :2], points[list(ring)])
-    return covered
-
-
-def _foreign(lines: Index, face: Rings) -> Flags:
-    """Return whether lines do not belong to a face."""
-    members = [corner for ring in face for corner in ring]
-    return np.asarray(~np.isin(lines, members).all(1))

@@ -15,7 +15,8 @@ from scipy.spatial import cKDTree
 
 from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
+from bozzetto_polyhedron.graph.planar_embedding import Ring
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.solid.face_rings import (
     are_simple,
     area_vector,

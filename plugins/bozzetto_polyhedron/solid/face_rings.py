@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto_polyhedron.reconstruction.answer import Ring, Rings
+from bozzetto_polyhedron.graph.planar_embedding import Ring
+from bozzetto_polyhedron.reconstruction.answer import Rings
 
 TOUCHING: Final = 1e-9
 """Distance, as share of the size of a face, below which its rings touch."""

@@ -15,16 +15,18 @@ from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.draft import Draft
 from bozzetto_polyhedron.graph.live import LiveGraph, with_draft
 from bozzetto_polyhedron.graph.second_reading import joined_pairs, other_drafts
-from bozzetto_polyhedron.reconstruction.answers import LEAST_LINES, ranked_readings
+from bozzetto_polyhedron.reconstruction.answers import LEAST_LINES
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
+from bozzetto_polyhedron.reconstruction.perspective import parallel_view
+from bozzetto_polyhedron.reconstruction.readings import readings
 from bozzetto_polyhedron.solve.corner_order import in_order
 
 Checkpoint = Callable[[float, str], None]
 
-DEAREST: Final = 8.0
+DEAREST: Final = 12.0
 """Cost on the sheet that a change may add to be looked at in space."""
 
-MOST_OTHERS: Final = 3
+MOST_OTHERS: Final = 2
 """Changes that are looked at in space from one draft."""
 
 MOST_CHANGES: Final = 2
@@ -64,10 +66,13 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
     Returns
     -------
     LiveGraph
-        The same one where the sheet leaves no doubt, or something else looks wrong. Where readings
-        in space leave none, the finding is taken out.
+        The same one where the sheet leaves no doubt, where something else looks wrong, and where
+        its lines are not those of solids: such readings take long and seldom decide. Where readings
+        in space leave no doubt, the finding is taken out.
     """
-    if live.draft is None or [each.what for each in live.graph.health] != ["second reading"]:
+    if [each.what for each in live.graph.health] != ["second reading"]:
+        return live
+    if live.draft is None or not live.draft.is_whole:
         return live
     best = _read(live, live.draft, camera)
     values = {joined_pairs(best.draft): best.value}
@@ -78,7 +83,7 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
             if pairs in values:
                 continue
             values[pairs] = HIGHEST - draft.cost
-            if values[pairs] < better.value + LEAST_GAIN:
+            if values[pairs] < better.value + LEAST_GAIN or not draft.is_whole:
                 continue
             checkpoint(0.5, "Comparing lines")
             other = _read(with_draft(live, draft), draft, camera)
@@ -99,6 +104,8 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
 
 def _read(live: LiveGraph, draft: Draft, camera: Camera) -> _Read:
     drawing = drawing_of(in_order(live.graph))
-    found = ranked_readings(drawing, camera)[1] if len(drawing.lines) >= LEAST_LINES else []
-    score = found[0].score if found else float("-inf")
+    score = float("-inf")
+    if len(drawing.lines) >= LEAST_LINES:
+        found = readings(parallel_view(drawing, camera).drawing, thorough=False)
+        score = max((each.score for each in found), default=score)
     return _Read(live, draft, score - draft.cost)

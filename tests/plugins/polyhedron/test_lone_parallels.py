@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bozzetto_polyhedron.graph.planar_embedding import components, neighbors_of
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.cautions import BY_LOOKS
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
 from bozzetto_polyhedron.reconstruction.lone_parallels import borne_out, without_lone_parallels
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
-from bozzetto_polyhedron.reconstruction.planar_embedding import components, neighbors_of
 from bozzetto_polyhedron.reconstruction.readings import readings
 from tests.plugins.polyhedron.objects import (
     CAMERA,

@@ -85,5 +85,5 @@ def test_lines_that_pass_a_corner_cost_whatever_their_order_and_turn(
     for turn in (0.0, 33.0, 179.0):
         for shift in range(len(angles)):
             each = np.radians(np.roll(angles, shift) + turn)
-            ways = [(float(np.cos(a)), float(np.sin(a))) for a in each]
+            ways = np.angle(np.exp(1j * each)).tolist()
             assert passing_cost(ways) == PASSES * pairs

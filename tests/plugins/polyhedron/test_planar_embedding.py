@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto_polyhedron.reconstruction.planar_embedding import (
+from bozzetto_polyhedron.graph.planar_embedding import (
     components,
     embedded_faces,
     flipped,

@@ -11,7 +11,8 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
-from bozzetto_polyhedron.reconstruction.answer import Ring
+Ring = tuple[int, ...]
+"""Numbers of corners, once round."""
 
 Neighbors = dict[int, set[int]]
 
@@ -69,6 +70,23 @@ def embedded_faces(neighbors: Neighbors) -> tuple[Ring, ...] | None:
         face = faces.pop(chosen[2][0])
         faces += _divided(face, path)
         _draw(drawn, path)
+
+
+def is_whole(neighbors: Neighbors) -> bool:
+    """Whether every part of a graph is planar and 3-connected, as nearly all solids are.
+
+    Parameters
+    ----------
+    neighbors : dict of int to set of int
+        Of each corner that has lines.
+    """
+    if any(len(around) < 3 for around in neighbors.values()):
+        return False
+    for part in components(neighbors):
+        faces = embedded_faces({corner: neighbors[corner] for corner in part})
+        if faces is None or shared_pairs(faces):
+            return False
+    return True
 
 
 def shared_pairs(faces: Sequence[Ring]) -> list[tuple[int, int, int, int]]:
