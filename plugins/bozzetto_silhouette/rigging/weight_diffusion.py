@@ -8,8 +8,8 @@ that joint at p stretches an edge e, in the worst direction, to at most
 m being its middle. Where that is too much, shares diffuse (implicit steps of the heat equation on
 the surface, after Baran and Popović, *Automatic rigging and animation of 3D characters*, 2007),
 as far as it takes; elsewhere they stay what they were. The diffusion's matrix has no positive
-entry beside its diagonal, so shares stay shares. On a fine skin clusters stand for its vertices;
-what they are too coarse for diffuses on the skin itself.
+entry beside its diagonal, so shares stay shares. On a fine skin clusters stand for its vertices.
+What diffusion does not mend is held to slopes that do not tear (`gentle_slopes`).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Faces, Flags
 from bozzetto.geometry import Rig
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.rigging.gentle_slopes import with_gentle_slopes
 from bozzetto_silhouette.rigging.skin_graph import SkinGraph
 
 STRETCH = 0.8
@@ -64,7 +65,7 @@ MOST = 4
 def gentle(
     vertices: Array, faces: Faces, rig: Rig, shares: Array, checkpoint: Checkpoint = ignore
 ) -> Array:
-    """Return shares by which no turn of a joint tears the skin, as far as that can be had.
+    """Return shares by which no turn of a joint tears the skin.
 
     Parameters
     ----------
@@ -83,23 +84,20 @@ def gentle(
         Sum 1, at most four of them above 0 per vertex.
     """
     skin = SkinGraph.of(np.asarray(vertices, np.float64), faces)
+    spacing = float(np.sqrt(skin.areas.sum() / FINEST))
     if len(vertices) <= FINEST:
         found, _ = _diffused(skin, rig, shares, checkpoint)
-        return _settled(skin, rig, found, checkpoint)[0]
-    cell = CELL * float(np.sqrt(skin.areas.sum() / FINEST))
-    found = _few(rig, _diffused_by_clusters(skin, rig, shares, cell, checkpoint))
+    else:
+        found = _few(rig, _diffused_by_clusters(skin, rig, shares, CELL * spacing, checkpoint))
     found, least = _settled(skin, rig, found, checkpoint)
     if least == 0.0:
         return found
-    # What the clusters did is mended on the skin itself, or else all is done there anew.
-    for begin in (found, shares):
-        again, _ = _diffused(skin, rig, begin, checkpoint)
-        again, excess = _settled(skin, rig, again, checkpoint)
-        if excess < least:
-            found, least = again, excess
-        if least == 0.0:
-            break
-    return found
+    held = with_gentle_slopes(skin, rig, found, STRETCH, MOST, checkpoint)
+    # Where that changed much it left creases: they are smoothed, and what this makes steep is held.
+    changed = np.abs(held - found).max(axis=1) > TAIL
+    reach = skin.spread(np.where(changed, spacing, 0.0))
+    smoothed = _few(rig, skin.diffused(held, reach))
+    return with_gentle_slopes(skin, rig, smoothed, STRETCH, MOST, checkpoint)
 
 
 def _diffused(
