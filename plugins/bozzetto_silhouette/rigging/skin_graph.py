@@ -95,7 +95,7 @@ class SkinGraph:
 
     @cached_property
     def _ways(self) -> tuple[Index, Index, Index]:
-        """Where edges lead and their numbers, by the places where they begin; and where each begins."""
+        """Ends and numbers of the edges from all places in order, and where those of each begin."""
         ends = np.concatenate([self.a, self.b])
         order = np.argsort(ends, kind="stable")
         begins = np.searchsorted(ends[order], np.arange(len(self.places) + 1))

@@ -9,7 +9,7 @@ m being its middle. Where that is too much, shares diffuse (implicit steps of th
 the surface, after Baran and Popović, *Automatic rigging and animation of 3D characters*, 2007),
 as far as it takes; elsewhere they stay what they were. The diffusion's matrix has no positive
 entry beside its diagonal, so shares stay shares. On a fine skin clusters stand for its vertices.
-What diffusion does not mend is held to slopes that do not tear (`gentle_slopes`).
+What diffusion does not mend is held to slopes that do not tear (`lipschitz_weights`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Faces, Flags
 from bozzetto.geometry import Rig
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
-from bozzetto_silhouette.rigging.gentle_slopes import with_gentle_slopes
+from bozzetto_silhouette.rigging.lipschitz_weights import lipschitz_weights
 from bozzetto_silhouette.rigging.skin_graph import SkinGraph
 
 STRETCH = 0.8
@@ -45,8 +45,14 @@ CARRY = 2.0
 PATIENCE = 2
 """Attempts in a row that may be no better: then more diffusion only makes the rig stiff."""
 
+KEPT = 0.1
+"""How much of its largest share a joint keeps at least."""
+
 SETTLING = 60
 """Rounds of averaging at the edges that are left."""
+
+HALVING = 12
+"""Rounds within which averaging has to mend half of what is left, or it is not worth while."""
 
 REACH = 0.4
 """Length of the diffusion that mends a jump, in distances from the joint: with two steps the
@@ -92,18 +98,21 @@ def gentle(
     found, least = _settled(skin, rig, found, checkpoint)
     if least == 0.0:
         return found
-    held = with_gentle_slopes(skin, rig, found, STRETCH, MOST, checkpoint)
+    held = lipschitz_weights(skin, rig, found, STRETCH, MOST, checkpoint)
     # Where that changed much it left creases: they are smoothed, and what this makes steep is held.
     changed = np.abs(held - found).max(axis=1) > TAIL
     reach = skin.spread(np.where(changed, spacing, 0.0))
     smoothed = _few(rig, skin.diffused(held, reach))
-    return with_gentle_slopes(skin, rig, smoothed, STRETCH, MOST, checkpoint)
+    return lipschitz_weights(skin, rig, smoothed, STRETCH, MOST, checkpoint)
 
 
 def _diffused(
     skin: SkinGraph, rig: Rig, shares: Array, checkpoint: Checkpoint
 ) -> tuple[Array, Array]:
-    """Diffuse shares where turning would tear, farther with each attempt, and say how far."""
+    """Diffuse shares where turning would tear, farther with each attempt, and say how far.
+
+    Not so far that some joint would hardly have a share: then it would move nothing.
+    """
     reach = np.zeros(len(skin.places))
     best = found = _few(rig, shares)
     best_reach, least, failed = reach, np.inf, 0
@@ -124,6 +133,8 @@ def _diffused(
             np.maximum.at(wider, ends, np.maximum(needed, GROWTH * reach[ends]))
         reach = skin.spread(wider)
         found = _few(rig, skin.diffused(shares, reach))
+        if (found.max(axis=0) < KEPT * shares.max(axis=0)).any():
+            break
     return best, best_reach
 
 
@@ -157,13 +168,14 @@ def _settled(
     best, shares, least = np.array(shares), np.array(shares), np.inf
     strain, _ = skin.strain(rig, shares)
     since: Flags = np.zeros(len(shares), bool)
+    first = _excess(strain)
     for number in range(SETTLING):
         checkpoint(1.0, "skin")
         excess = _excess(strain)
         if excess < least:
             best[since], least = shares[since], excess
             since[:] = False
-        if excess == 0.0:
+        if excess == 0.0 or (number == HALVING and least > 0.5 * first):
             break
         used = strain > 0.5 * (AIM + STRETCH)
         torn = np.zeros(len(shares), bool)

@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import dijkstra
 from bozzetto.geometry import Rig
 from bozzetto.plugin import Job
 from bozzetto_silhouette.modeler import Silhouette
-from bozzetto_silhouette.rigging.gentle_slopes import with_gentle_slopes
+from bozzetto_silhouette.rigging.lipschitz_weights import lipschitz_weights
 from bozzetto_silhouette.rigging.skin_graph import SkinGraph
 from tests.plugins.silhouette.rigging.characters import dense, limb, state_of_rings, stretches
 from tests.plugins.silhouette.rigging.test_skin_graph import jump, tube
@@ -32,7 +32,7 @@ def test_whatever_shares_come_in_gentle_ones_come_out(seed):
     sharp = random.uniform(size=(len(vertices), count)) ** 8
     shares = sharp / sharp.sum(axis=1, keepdims=True)
     skin = SkinGraph.of(vertices, faces)
-    found = with_gentle_slopes(skin, rig, shares, STRETCH, MOST)
+    found = lipschitz_weights(skin, rig, shares, STRETCH, MOST)
     assert skin.strain(rig, shares)[0].max() > 2.0
     assert skin.strain(rig, found)[0].max() <= STRETCH
     assert found.min() >= 0.0
@@ -45,7 +45,7 @@ def test_what_is_gentle_stays():
     rig = rig_of([[-50.0, 0, 0], [0, 0, 0]], [-1, 0])
     along = np.clip((vertices[:, 0] + 10.0) / 20.0, 0.0, 1.0)
     shares = np.column_stack([1.0 - along, along])
-    found = with_gentle_slopes(SkinGraph.of(vertices, faces), rig, shares, STRETCH, MOST)
+    found = lipschitz_weights(SkinGraph.of(vertices, faces), rig, shares, STRETCH, MOST)
     np.testing.assert_allclose(found, shares, atol=1e-4)
 
 
@@ -53,7 +53,7 @@ def test_a_jump_becomes_the_mean_of_what_shortest_ways_allow():
     vertices, faces = tube(around=9, along=24, lean=0.7)
     rig = rig_of([[-50.0, 0, 0], [-40.0, 3, 0]], [-1, 0])
     shares, skin = jump(vertices, at=10.0), SkinGraph.of(vertices, faces)
-    found = with_gentle_slopes(skin, rig, shares, STRETCH, MOST)
+    found = lipschitz_weights(skin, rig, shares, STRETCH, MOST)
     away = np.linalg.norm(0.5 * (vertices[skin.a] + vertices[skin.b]) - rig.joints[1], axis=1)
     length = np.linalg.norm(vertices[skin.a] - vertices[skin.b], axis=1)
     slope = 0.98 * STRETCH * length / (2.0 * np.sin(np.radians(20.0)) * away)
@@ -68,13 +68,19 @@ def test_a_jump_becomes_the_mean_of_what_shortest_ways_allow():
 def wheels(seed):
     """Two wheels and the bars of a frame between them: loops, and limbs that lie close."""
     random = np.random.default_rng(seed)
-    hubs = random.uniform(-6, 6, (2, 2)) + [[-50, 0], [50, 0]]
+    hubs = np.array([[-50, 0], [50, 0]]) + random.uniform(-6, 6, (2, 2))
     rims = [
         shapely.Point(*hub).buffer(r).difference(shapely.Point(*hub).buffer(r - 5))
         for hub, r in zip(hubs, random.uniform(24, 32, 2), strict=True)
     ]
-    saddle, bars = random.uniform(-5, 5, (2, 2)) + [[-15, 42], [30, 46]]
-    pairs = [(hubs[0], saddle), (hubs[1], bars), (saddle, bars), (hubs[0], bars), (hubs[0], hubs[1])]
+    saddle, bars = np.array([[-15, 42], [30, 46]]) + random.uniform(-5, 5, (2, 2))
+    pairs = [
+        (hubs[0], saddle),
+        (hubs[1], bars),
+        (saddle, bars),
+        (hubs[0], bars),
+        (hubs[0], hubs[1]),
+    ]
     spokes = [
         limb((*hub, 3), (*(hub + 27 * np.array([np.cos(a), np.sin(a)])), 2))
         for hub in hubs
@@ -82,7 +88,10 @@ def wheels(seed):
     ]
     whole = shapely.unary_union([*rims, *spokes, *(limb((*a, 3), (*b, 2.5)) for a, b in pairs)])
     rounded = whole.buffer(-0.8).buffer(1.6).buffer(-0.8)
-    rings = [rounded.exterior, *(ring for ring in rounded.interiors if shapely.Polygon(ring).area > 12)]
+    rings = [
+        rounded.exterior,
+        *(ring for ring in rounded.interiors if shapely.Polygon(ring).area > 12),
+    ]
     return [np.array(ring.coords)[:-1] for ring in rings]
 
 

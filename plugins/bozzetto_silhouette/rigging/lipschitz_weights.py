@@ -1,17 +1,17 @@
-"""Shares of joints whose slopes over the skin are nowhere so steep that a turn tears it.
+"""Weights whose slopes over the skin are nowhere so steep that a turn of a joint tears it.
 
 With C the share of a vertex that follows a joint at p or one beyond it, no turn by the angle a
 makes an edge e with the middle m longer than by s of its length if
 
     |ΔC| <= s |e| / (2 sin(a / 2) |m - p|) = d(e).
 
-With d(e) for the length of an edge, and d(u, v) for that of the shortest way, these are the functions
-whose slope is at most 1. Below any function the largest such one is min over u of C(u) + d(u, v),
-above it the smallest one is max over u of C(u) - d(u, v); their mean is one as well, and differs
-from C least (E. J. McShane, *Extension of range of functions*, 1934). All joints together have to
-follow two more rules: what follows the joints that hang on one is no more than what follows that
-one, and few joints have a share in a vertex. Either is kept by lowering C at some vertices, and
-the largest gentle function below that keeps it: so in turn all three come true.
+With d(e) for the length of an edge, and d(u, v) for that of the shortest way, these are the
+Lipschitz functions with the bound 1. Below any function the largest of them is
+min over u of C(u) + d(u, v), above it the smallest is max over u of C(u) - d(u, v); their mean is
+one as well, and differs from C least (E. J. McShane, *Extension of range of functions*, 1934). All
+joints together have to follow two more rules: what follows the joints that hang on one is no more
+than what follows that one, and few joints have a share in a vertex. Either is had by lowering C at
+some vertices; then the largest Lipschitz function below that is taken, in turn, until all is true.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ LEAST = 1e-4
 """A share below this is passed on to the joint that its own hangs on."""
 
 
-def with_gentle_slopes(
+def lipschitz_weights(
     skin: SkinGraph,
     rig: Rig,
     shares: Array,
@@ -44,11 +44,12 @@ def with_gentle_slopes(
     most: int,
     checkpoint: Checkpoint = ignore,
 ) -> Array:
-    """Return the shares nearest to some by which no turn of a joint tears the skin.
+    """Return shares near to some by which no turn of a joint tears the skin.
 
     Parameters
     ----------
     skin : SkinGraph
+        The skin at rest.
     rig : Rig
         At rest; parents before children.
     shares : (v, n) float array
