@@ -169,7 +169,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.obj",
-        PAINTED,
+        ("colors", "uvs"),
         frame=UPRIGHT,
         choices=ANY,
         beside=True,
