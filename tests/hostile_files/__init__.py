@@ -19,6 +19,7 @@ FORMATS = (
     "obj",
     "stl",
     "ply",
+    "off",
     "glb",
     "gltf",
     "threemf",

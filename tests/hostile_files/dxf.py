@@ -168,3 +168,69 @@ def _(size):
     )
     table = tags((0, "SECTION"), (2, "TABLES"), (0, "TABLE"), (2, "LAYER"), (70, 1)) + rows
     return table + tags((0, "ENDTAB"), (0, "ENDSEC")) + dxf(dxf_line(0, 0, 1, 1))
+
+
+def dxf_face(*corners: float) -> bytes:
+    return tags((0, "3DFACE"), (8, "0"), *zip((10, 20, 30, 11, 21, 31, 12, 22, 32), corners,
+                                              strict=True))  # fmt: skip
+
+
+def dxf_vertex(*more: tuple[int, object]) -> bytes:
+    return tags((0, "VERTEX"), (8, "0"), *more)
+
+
+@family("dxf faces without end")
+def _(size):
+    return dxf(filled(dxf_face(0, 0, 0, 1, 0, 0, 0, 1, 0), size))
+
+
+@family("dxf faces of colours without end")
+def _(size):
+    rows = (
+        tags(
+            (0, "3DFACE"),
+            (8, f"l{k}"),
+            (420, k),
+            (10, 0),
+            (20, 0),
+            (11, 1),
+            (21, 0),
+            (12, 0),
+            (22, k),
+        )
+        for k in range(max(1, size // 80))
+    )
+    return dxf(b"".join(rows))
+
+
+@family("dxf a grid of more places than it has")
+def _(size):
+    head = tags((0, "POLYLINE"), (8, "0"), (66, 1), (70, 16), (71, 32767), (72, 32767))
+    rows = filled(dxf_vertex((10, 0), (20, 1), (30, 2), (70, 64)), size)
+    return dxf(head + rows + tags((0, "SEQEND"), (8, "0")))
+
+
+@family("dxf a set of faces that name what is not there")
+def _(size):
+    head = tags((0, "POLYLINE"), (8, "0"), (66, 1), (70, 64))
+    rows = filled(
+        dxf_vertex((10, 0), (20, 0), (30, 0), (70, 128), (71, 9), (72, -7), (73, 5)), size
+    )
+    return dxf(head + rows + tags((0, "SEQEND"), (8, "0")))
+
+
+@family("dxf a mesh in rows beyond all bounds")
+def _(size):
+    head = tags((0, "POLYLINE"), (8, "0"), (66, 1), (70, 64))
+    rows = filled(dxf_vertex((10, 0), (20, 0), (30, 0), (70, 192)), size // 2)
+    block = dxf_block("a", head + rows + tags((0, "SEQEND"), (8, "0")))
+    return dxf(filled(dxf_insert("a"), size // 2), blocks=block)
+
+
+@family("dxf a mesh of one face with many corners")
+def _(size):
+    count = max(4, size // 30)
+    places = [pair for x, y in zigzag(count) for pair in ((10, x), (20, y), (30, 0.0))]
+    return dxf(tags((0, "MESH"), (100, "AcDbEntity"), (8, "0"), (100, "AcDbSubDMesh"), (71, 2),
+                    (72, 0), (91, 0), (92, count), *places, (93, count + 1), (90, count),
+                    *[(90, k) for k in range(count)], (94, 0), (95, 0), (90, 0)))  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import math
 import random
 
@@ -205,3 +206,24 @@ def _(size):
 @family("svg a huge curve")
 def _(size):
     return path(b"M0 0C" + filled(b"1e9 -1e9 -1e9 1e9 1 1 ", size))
+
+
+@family("svgz lines without end")
+def _(size):
+    random = random_places(size // 8, 5)
+    return gzip.compress(svg(polygon(random)), 1)
+
+
+@family("svgz a thousand times larger inside")
+def _(size):
+    return gzip.compress(svg(b"<g>" + b" " * (1000 * size) + b"</g><path d='M0 0L1 1'/>"), 1)
+
+
+@family("svgz within svgz")
+def _(size):
+    return gzip.compress(gzip.compress(bytes(size)))
+
+
+@family("svgz cut short")
+def _(size):
+    return gzip.compress(svg(polygon(random_places(size // 8, 6))), 1)[:-9]

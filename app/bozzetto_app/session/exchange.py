@@ -248,13 +248,12 @@ class Exchange(QObject):
         context, history, document = self._context.now(), drawing.history, drawing.document
 
         def work(job: Job) -> tuple[Model, bool, Camera | None, Notice | None]:
-            from bozzetto.exchange.formats import find, readers
-            from bozzetto.exchange.import_file import read_drawing, read_mesh_file
+            from bozzetto.exchange.import_file import is_mesh, read_drawing, read_mesh_file
 
             def reading() -> None:
                 job.checkpoint(0.0, tr("Files", "Reading {name}", name=path.name))
 
-            if "mesh" in find(path, readers()).holds:
+            if is_mesh(path):
                 mesh = read_mesh_file(path, checkpoint=reading)
                 model = bench.sources.from_mesh_file(MESH_MODELER, mesh, path.stem)
                 return model, False, None, _told_of(mesh)

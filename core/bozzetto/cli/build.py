@@ -82,7 +82,13 @@ def _build_one(
     """Build one input; its report where one is wanted, and what was written of it."""
     from bozzetto.document.model import Document
     from bozzetto.exchange.formats import find, readers
-    from bozzetto.exchange.import_file import is_picture, read_drawing, read_mesh_file, read_picture
+    from bozzetto.exchange.import_file import (
+        is_mesh,
+        is_picture,
+        read_drawing,
+        read_mesh_file,
+        read_picture,
+    )
     from bozzetto.plugin.job import Job
 
     picture = drawing = mesh = None
@@ -93,7 +99,7 @@ def _build_one(
         drawing = replace(bench.readings.drawing_of_document(document), name=source.stem)
     elif is_picture(source):
         picture = read_picture(source, trusted=options.trust_file)
-    elif any(source.suffix.lower() in one.endings for one in readers("mesh")):
+    elif not source.is_dir() and is_mesh(source):
         mesh = read_mesh_file(source, trusted=options.trust_file)
         warn(mesh.told(values))
     else:

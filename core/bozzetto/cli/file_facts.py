@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.exchange.formats import find, readers
-from bozzetto.exchange.import_file import read_drawing, read_image, read_mesh_file
+from bozzetto.exchange.import_file import is_mesh, read_drawing, read_image, read_mesh_file
 
 
 def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
@@ -37,7 +37,7 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
     if "image" in holds:
         height, width, _ = read_image(path, trusted=trusted).shape
         return {"kind": "picture", "size_px": [width, height]}
-    if "ink" in holds:
+    if not is_mesh(path):
         drawing = read_drawing(path, trusted=trusted)
         return {
             "kind": "drawing",

@@ -55,15 +55,15 @@ def open_document(bench: Any, path: Path) -> Any:
     from bozzetto.exchange.formats import readers
 
     ending = path.suffix.lower()
-    if any(ending in one.endings for one in readers("mesh")):
-        raise UserError(
-            f"{path.name} is a mesh and no document. “bozzetto build mesh {path.name} -o …” writes "
-            "it in other formats."
-        )
     if any(ending in one.endings for one in readers("ink")):
         raise UserError(
             f"{path.name} is a drawing and no document. Turn it into shapes with “bozzetto build "
             f"MODELER {path.name} -o …”."
+        )
+    if any(ending in one.endings for one in readers("mesh")):
+        raise UserError(
+            f"{path.name} is a mesh and no document. “bozzetto build mesh {path.name} -o …” writes "
+            "it in other formats."
         )
     document, report = read_document(path, bench.registry)
     for warning in report.warnings:

@@ -332,7 +332,7 @@ def _notes(chosen: Format, ready: Ready) -> tuple[str, ...]:
     if wanted.levels and "mesh" in chosen.holds and "levels" not in chosen.keeps:
         found.append(f"{chosen.short} files hold one level of detail: the finest. GLB holds all.")
     if wanted.uvs and "mesh" in chosen.holds and "uvs" not in chosen.keeps:
-        found.append(f"{chosen.short} files get no places for a picture (UVs). GLB and USD do.")
+        found.append(f"{chosen.short} files get no places for a picture (UVs). GLB, USD, OBJ do.")
     if "bones" in chosen.keeps and "motions" not in chosen.keeps:
         skins = [part.skin for part in ready.placed.meshes() if part.skin is not None]
         if any(len(skin.clips) > 1 for skin in skins):

@@ -169,7 +169,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.obj",
-        PAINTED,
+        ("colors", "uvs"),
         frame=UPRIGHT,
         choices=ANY,
         beside=True,
@@ -200,6 +200,9 @@ FORMATS: Final = (
         frame=METRES,
         choices=UNIT,
     ),
+    Format(
+        "off", "OFF mesh", (".off",), ("mesh",), False, True, "mesh.off", choices=ANY, links=True
+    ),
     Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, "mesh.ply", PAINTED, choices=ANY),
     Format(
         "svg",
@@ -212,6 +215,7 @@ FORMATS: Final = (
         flat=True,
         draws=True,
     ),
+    Format("svgz", "SVG drawing, compressed", (".svgz",), ("ink",), False, True, "svg.reader"),
     Format("step", "STEP for CAD", (".step", ".stp"), EXACT, True, False, "cad.step", TRIMMED),
     Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, "cad.iges", TRIMMED),
     Format(
@@ -234,6 +238,9 @@ FORMATS: Final = (
         "cad.dxf",
         choices=UNIT,
         draws=True,
+    ),
+    Format(
+        "dxf-mesh", "DXF mesh", (".dxf",), ("mesh",), False, True, "cad.dxf_mesh_reader", links=True
     ),
     Format("dxf-drawing", "DXF drawing", (".dxf",), ("ink",), False, True, "cad.dxf_reader"),
     Format("rhino", "Rhino", (".3dm",), EXACT, True, False, "cad.rhino", choices=UNIT),

@@ -106,7 +106,7 @@ def _comments(head: bytes, form: str) -> list[bytes]:
     """Return the lines at the beginning of a file that are for people."""
     if form == "stl":
         return [head[:80].partition(b"\n")[0]]
-    marks = (b"#",) if form == "obj" else (b"comment", b"obj_info")
+    marks = (b"#",) if form in ("obj", "off") else (b"comment", b"obj_info")
     lines = (line.strip() for line in head.splitlines())
     return [line for line in lines if line.startswith(marks)]
 

@@ -41,13 +41,28 @@ def is_picture(path: str | os.PathLike[str]) -> bool:
     return any(ending in one.endings for one in readers("image"))
 
 
+def is_mesh(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is read as shapes, and not as ink or a picture; raises as `read_mesh`.
+
+    Its ending says so; a DXF, which may hold shapes or lines, is looked into.
+    """
+    find(path, readers())
+    ending = PurePath(path).suffix.lower()
+    kinds = {kind for one in readers() if ending in one.endings for kind in one.holds}
+    if not {"mesh", "ink"} <= kinds:
+        return "mesh" in kinds
+    from bozzetto.exchange.cad.dxf_document import mostly_faces
+
+    return mostly_faces(read_bytes(path, MAX_INK_BYTES))
+
+
 def read_mesh(
     path: str | os.PathLike[str],
     *,
     trusted: bool = False,
     checkpoint: Checkpoint | None = None,
 ) -> Shapes:
-    """Read a mesh file: OBJ, STL, PLY, GLB or glTF.
+    """Read a mesh file: OBJ, STL, PLY, OFF, GLB, glTF, 3MF, STEP, IGES, or DXF with faces.
 
     Parameters
     ----------
@@ -104,7 +119,7 @@ def read_drawing(
     trusted: bool = False,
     checkpoint: Checkpoint | None = None,
 ) -> Drawing:
-    """Read ink JSON, InkML or SVG, with the pictures and drawings that the file names.
+    """Read ink JSON, InkML, SVG or DXF, with the pictures and drawings that the file names.
 
     Parameters
     ----------

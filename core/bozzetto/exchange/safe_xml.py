@@ -1,4 +1,4 @@
-"""XML from outside: no entities, nothing fetched, no bottomless nesting.
+"""XML from outside, plain or compressed: no entities, nothing fetched, no bottomless nesting.
 
 The names of namespaces that Adobe Illustrator defines in its document type are put in their places
 before the file is parsed; no parser ever sees a definition.
@@ -7,17 +7,21 @@ before the file is parsed; no parser ever sees a definition.
 from __future__ import annotations
 
 import re
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 from xml.parsers import expat
 
 from bozzetto.errors import FormatError, words_of
-from bozzetto.exchange.limits import MAX_DEPTH, MAX_ELEMENTS, at_most
+from bozzetto.exchange.limits import MAX_DEPTH, MAX_ELEMENTS, USUAL_BYTES, at_most
 
 XML_SPACE: Final = "http://www.w3.org/XML/1998/namespace"
 
 GZIP: Final = b"\x1f\x8b"
+
+GZIP_FORM: Final = 16 + zlib.MAX_WBITS
+"""What zlib calls the form of such files."""
 
 NOT_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -128,10 +132,11 @@ def parse_events(
     Raises
     ------
     FormatError
-        If it is not well-formed, or its DOCTYPE defines something.
+        If it is not well-formed, or its DOCTYPE defines something; or if it is compressed and
+        damaged, or too large when it is unpacked.
     """
     if data.startswith(GZIP):
-        raise FormatError("It is compressed. Unpack it first, or save it as a plain file.")
+        data = _unpacked(data)
 
     def refuse(*_: object) -> None:
         raise FormatError(
@@ -162,6 +167,24 @@ def parse_events(
         raise FormatError(f"This is not well-formed XML: {words_of(error)}.") from error
     except (LookupError, ValueError) as error:  # an encoding that Python does not know
         raise FormatError(f"Its text encoding cannot be read: {words_of(error)}.") from error
+
+
+def _unpacked(data: bytes) -> bytes:
+    """Return what a file that gzip compressed holds, such as SVGZ; a file within it is refused."""
+    unpacking = zlib.decompressobj(GZIP_FORM)
+    try:
+        plain = unpacking.decompress(data, USUAL_BYTES + 1)
+    except zlib.error as error:
+        raise FormatError(f"It is compressed and damaged: {words_of(error)}.") from error
+    if len(plain) > USUAL_BYTES:
+        raise FormatError(
+            f"It has more than {USUAL_BYTES >> 20} MB when it is unpacked. Save it as a plain file."
+        )
+    if not unpacking.eof:
+        raise FormatError("It is compressed and cut short.")
+    if plain.startswith(GZIP):
+        raise FormatError("It is compressed twice. Unpack it first, or save it as a plain file.")
+    return plain
 
 
 def _with_namespaces(data: bytes) -> bytes:

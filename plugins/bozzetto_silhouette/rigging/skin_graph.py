@@ -93,6 +93,39 @@ class SkinGraph:
         """Of the edges, (e,); those of no length count as very short."""
         return np.maximum(self.lengths, 1e-6 * max(float(self.lengths.max(initial=0.0)), 1e-300))
 
+    @cached_property
+    def _ways(self) -> tuple[Index, Index, Index]:
+        """Ends and numbers of the edges from all places in order, and where those of each begin."""
+        ends = np.concatenate([self.a, self.b])
+        order = np.argsort(ends, kind="stable")
+        begins = np.searchsorted(ends[order], np.arange(len(self.places) + 1))
+        edges = np.tile(np.arange(len(self.a)), 2)
+        return np.concatenate([self.b, self.a])[order], edges[order], begins
+
+    def around(self, places: Index) -> tuple[Index, Index, Index]:
+        """Return the edges that end at some places.
+
+        Returns
+        -------
+        (k,) int array
+            Their ends among these places.
+        (k,) int array
+            Their other ends.
+        (k,) int array
+            Their numbers.
+        """
+        there, edges, begins = self._ways
+        count = begins[places + 1] - begins[places]
+        before = np.cumsum(count) - count
+        at = np.arange(int(count.sum())) + np.repeat(begins[places] - before, count)
+        return np.repeat(places, count), there[at], edges[at]
+
+    def steepest(self, joint: Array, stretch: float) -> Array:
+        """Return by how much shares may change along edges, (e,), for a turn of a joint (3,)."""
+        away = np.linalg.norm(self.middles - joint, axis=1)
+        turned = np.maximum(2.0 * np.sin(0.5 * TURN) * away, 1e-300)
+        return np.asarray(stretch * self.real_lengths / turned)
+
     def spread(self, reach: Array) -> Array:
         """Let lengths of diffusion fade around where they are needed."""
         loss = FADING * self.lengths

@@ -8,8 +8,8 @@ that joint at p stretches an edge e, in the worst direction, to at most
 m being its middle. Where that is too much, shares diffuse (implicit steps of the heat equation on
 the surface, after Baran and Popović, *Automatic rigging and animation of 3D characters*, 2007),
 as far as it takes; elsewhere they stay what they were. The diffusion's matrix has no positive
-entry beside its diagonal, so shares stay shares. On a fine skin clusters stand for its vertices;
-what they are too coarse for diffuses on the skin itself.
+entry beside its diagonal, so shares stay shares. On a fine skin clusters stand for its vertices.
+What diffusion does not mend is held to slopes that do not tear (`lipschitz_weights`).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Faces, Flags
 from bozzetto.geometry import Rig
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
+from bozzetto_silhouette.rigging.lipschitz_weights import lipschitz_weights
 from bozzetto_silhouette.rigging.skin_graph import SkinGraph
 
 STRETCH = 0.8
@@ -44,8 +45,14 @@ CARRY = 2.0
 PATIENCE = 2
 """Attempts in a row that may be no better: then more diffusion only makes the rig stiff."""
 
+KEPT = 0.1
+"""How much of its largest share a joint keeps at least."""
+
 SETTLING = 60
 """Rounds of averaging at the edges that are left."""
+
+HALVING = 12
+"""Rounds within which averaging has to mend half of what is left, or it is not worth while."""
 
 REACH = 0.4
 """Length of the diffusion that mends a jump, in distances from the joint: with two steps the
@@ -64,7 +71,7 @@ MOST = 4
 def gentle(
     vertices: Array, faces: Faces, rig: Rig, shares: Array, checkpoint: Checkpoint = ignore
 ) -> Array:
-    """Return shares by which no turn of a joint tears the skin, as far as that can be had.
+    """Return shares by which no turn of a joint tears the skin.
 
     Parameters
     ----------
@@ -83,29 +90,29 @@ def gentle(
         Sum 1, at most four of them above 0 per vertex.
     """
     skin = SkinGraph.of(np.asarray(vertices, np.float64), faces)
+    spacing = float(np.sqrt(skin.areas.sum() / FINEST))
     if len(vertices) <= FINEST:
         found, _ = _diffused(skin, rig, shares, checkpoint)
-        return _settled(skin, rig, found, checkpoint)[0]
-    cell = CELL * float(np.sqrt(skin.areas.sum() / FINEST))
-    found = _few(rig, _diffused_by_clusters(skin, rig, shares, cell, checkpoint))
+    else:
+        found = _few(rig, _diffused_by_clusters(skin, rig, shares, CELL * spacing, checkpoint))
     found, least = _settled(skin, rig, found, checkpoint)
     if least == 0.0:
         return found
-    # What the clusters did is mended on the skin itself, or else all is done there anew.
-    for begin in (found, shares):
-        again, _ = _diffused(skin, rig, begin, checkpoint)
-        again, excess = _settled(skin, rig, again, checkpoint)
-        if excess < least:
-            found, least = again, excess
-        if least == 0.0:
-            break
-    return found
+    held = lipschitz_weights(skin, rig, found, STRETCH, MOST, checkpoint)
+    # Where that changed much it left creases: they are smoothed, and what this makes steep is held.
+    changed = np.abs(held - found).max(axis=1) > TAIL
+    reach = skin.spread(np.where(changed, spacing, 0.0))
+    smoothed = _few(rig, skin.diffused(held, reach))
+    return lipschitz_weights(skin, rig, smoothed, STRETCH, MOST, checkpoint)
 
 
 def _diffused(
     skin: SkinGraph, rig: Rig, shares: Array, checkpoint: Checkpoint
 ) -> tuple[Array, Array]:
-    """Diffuse shares where turning would tear, farther with each attempt, and say how far."""
+    """Diffuse shares where turning would tear, farther with each attempt, and say how far.
+
+    Not so far that some joint would hardly have a share: then it would move nothing.
+    """
     reach = np.zeros(len(skin.places))
     best = found = _few(rig, shares)
     best_reach, least, failed = reach, np.inf, 0
@@ -126,6 +133,8 @@ def _diffused(
             np.maximum.at(wider, ends, np.maximum(needed, GROWTH * reach[ends]))
         reach = skin.spread(wider)
         found = _few(rig, skin.diffused(shares, reach))
+        if (found.max(axis=0) < KEPT * shares.max(axis=0)).any():
+            break
     return best, best_reach
 
 
@@ -159,13 +168,14 @@ def _settled(
     best, shares, least = np.array(shares), np.array(shares), np.inf
     strain, _ = skin.strain(rig, shares)
     since: Flags = np.zeros(len(shares), bool)
+    first = _excess(strain)
     for number in range(SETTLING):
         checkpoint(1.0, "skin")
         excess = _excess(strain)
         if excess < least:
             best[since], least = shares[since], excess
             since[:] = False
-        if excess == 0.0:
+        if excess == 0.0 or (number == HALVING and least > 0.5 * first):
             break
         used = strain > 0.5 * (AIM + STRETCH)
         torn = np.zeros(len(shares), bool)

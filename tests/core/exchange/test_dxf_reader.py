@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import FormatError, UserError
-from bozzetto.exchange.cad import dxf_reader
+from bozzetto.exchange.cad import dxf_document
 from bozzetto.exchange.cad.dxf_reader import read_drawing
 from bozzetto.exchange.import_file import read_drawing as read_file
 
@@ -166,7 +166,7 @@ def test_ours_comes_back(tmp_path):
 
 
 def test_a_file_of_endless_blocks_is_refused(monkeypatch):
-    monkeypatch.setattr(dxf_reader, "MAX_STROKES", 1000)
+    monkeypatch.setattr(dxf_document, "MAX_STROKES", 1000)
 
     def bomb(space):
         space.doc.blocks.new("b0").add_line((0, 0), (1, 0))
@@ -232,12 +232,12 @@ def test_more_entities_than_the_budget_allows_are_counted_before_the_library_beg
     def begins(name, extra):
         raise AssertionError(f"{name} of {extra} was asked")
 
-    monkeypatch.setattr(dxf_reader, "library", begins)
-    monkeypatch.setattr(dxf_reader, "MAX_STROKES", 2000)
+    monkeypatch.setattr(dxf_document, "library", begins)
+    monkeypatch.setattr(dxf_document, "MAX_STROKES", 2000)
     head = ["0", "SECTION", "2", "ENTITIES"]
     # A layer called 0 and a height of zero are no entities.
     line = ["  0", "LINE", "  8", "0", " 10", "0", " 20", "0", " 30", "0", " 11", "1", " 21", "1"]
-    count = dxf_reader.MAX_STROKES
+    count = dxf_document.MAX_STROKES
     for many, said in ((count - 2, AssertionError), (count + 2, FormatError)):
         with pytest.raises(said, match="lines" if said is FormatError else "ezdxf"):
             read_drawing(ending.join([*head, *line * many, "0", "ENDSEC", ""]).encode(), "a")

@@ -13,7 +13,7 @@ from bozzetto.exchange.handover import Handover
 from bozzetto.exchange.import_file import read_mesh_file
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.geometry.atlas.chart_flattening import areas
-from bozzetto.geometry.atlas.unwrapping import Atlas, unwrapped
+from bozzetto.geometry.atlas.unwrapping import Atlas, unwrapped, unwrapped_together
 from tests.core.exchange.skinned import skinned
 from tests.core.exchange.test_handover import ball
 from tests.core.exchange.test_skins import opened
@@ -173,3 +173,75 @@ def test_other_formats_say_that_they_have_none():
     shapes = Shapes(solids=(Solid(ball(), "ball"),))
     notes = prepare_export(shapes, "a.stl", handover=Handover(uvs=True)).notes
     assert any("UVs" in note for note in notes)
+
+
+@cache
+def three() -> Shapes:
+    """A ring, a box and a screw a hundredth as large, apart."""
+    parts = [(torus(), 0.0, 1.0), (box(), 60.0, 5.0), (torus(12, 6), 90.0, 0.05)]
+    solids = [
+        Solid(Mesh((points * size + (x, 0, 0)).astype(np.float32), faces.astype(np.int32)), name)
+        for ((points, faces), x, size), name in zip(parts, ("ring", "box", "screw"), strict=True)
+    ]
+    return Shapes(solids=tuple(solids))
+
+
+def test_all_parts_share_one_square_at_one_scale():
+    import shapely
+
+    parts = [part.mesh for part in three().meshes()]
+    laid = unwrapped_together([(mesh.vertices.astype(float), mesh.faces) for mesh in parts])
+    corners = np.concatenate([one.corners for one in laid])
+    whole = shapely.union_all(shapely.polygons(corners))
+    assert whole.area == pytest.approx(np.abs(areas(corners)).sum(), rel=1e-6)
+    for mesh, one in zip(parts, laid, strict=True):
+        a, b, c = np.moveaxis(mesh.vertices[mesh.faces].astype(float), 1, 0)
+        surface = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+        assert np.abs(areas(one.corners)).sum() * one.side**2 == pytest.approx(surface, rel=1e-3)
+    numbers = [set(one.chart.tolist()) for one in laid]
+    assert not numbers[0] & numbers[1]
+    assert not numbers[1] & numbers[2]
+
+
+def in_glb(path):
+    import trimesh
+
+    scene = trimesh.load(path, process=False)
+    return [(one.vertices, one.faces, one.visual.uv) for one in scene.geometry.values()]
+
+
+def in_obj(path):
+    """Read by hand: places of vertices, faces, and places in the picture with v up."""
+    rows: dict[str, list[list[str]]] = {"v": [], "vt": [], "f": []}
+    for line in path.read_text().splitlines():
+        word, *rest = line.split()
+        if word in rows:
+            rows[word].append(rest)
+    corner = np.array([[[int(k) for k in word.split("/")] for word in face] for face in rows["f"]])
+    points, places = np.array(rows["v"], float)[:, :3], np.array(rows["vt"], float)
+    count = corner[..., 0].size
+    return [(points[corner[..., 0] - 1].reshape(-1, 3), np.arange(count).reshape(-1, 3),
+             places[corner[..., 1] - 1].reshape(-1, 2))]  # fmt: skip
+
+
+@pytest.mark.parametrize("ending", ["glb", "obj"])
+def test_a_file_of_several_parts_holds_one_picture_for_all(tmp_path, ending):
+    if ending == "glb":
+        pytest.importorskip("trimesh")
+    import shapely
+
+    path = tmp_path / f"a.{ending}"
+    prepare_export(three(), path.name, handover=Handover(uvs=True)).write(path)
+    found = (in_glb if ending == "glb" else in_obj)(path)
+    assert len(found) == (3 if ending == "glb" else 1)
+    corners = np.concatenate([uv[faces] for _, faces, uv in found])
+    assert 0.0 <= corners.min() <= corners.max() <= 1.0
+    assert (areas(corners) > 0.0).all()  # v up: seen from outside, not mirrored
+    whole = shapely.union_all(shapely.polygons(corners), grid_size=1e-7)
+    assert whole.area == pytest.approx(areas(corners).sum(), rel=1e-3)
+
+
+def test_an_obj_without_them_has_none(tmp_path):
+    prepare_export(three(), "a.obj", handover=Handover()).write(tmp_path / "a.obj")
+    assert "\nvt " not in (tmp_path / "a.obj").read_text()
+    assert "\nmtllib" in (tmp_path / "a.obj").read_text()

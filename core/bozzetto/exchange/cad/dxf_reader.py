@@ -1,16 +1,13 @@
 """DXF, read: the lines of a drawing as seen from above, one stroke for every line or closed ring.
 
-Read with ezdxf, the extra ``bozzetto[dxf]``. Blocks are taken apart; what
-lies on layers that are off or frozen is not seen. CAD programs leave outlines in pieces: lines and
+CAD programs leave outlines in pieces: lines and
 arcs that meet end to end and close become one stroke; open ones stay as they are, an edge each.
 """
 
 from __future__ import annotations
 
-import io
 import math
-import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -19,22 +16,11 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.errors import FormatError
-from bozzetto.exchange.limits import (
-    MAX_COORDINATE,
-    MAX_DEPTH,
-    MAX_STROKES,
-    USUAL_BYTES,
-    at_most,
-)
+from bozzetto.exchange.cad.dxf_document import MM_PER, color_of, entities_of, opened
+from bozzetto.exchange.limits import MAX_COORDINATE, at_most
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.exchange.page_layout import Color, sheet_drawing
 from bozzetto.ink.drawing import Drawing
-
-MM_PER: Final = {
-    1: 25.4, 2: 304.8, 3: 1_609_344.0, 4: 1.0, 5: 10.0, 6: 1000.0, 7: 1e6, 8: 2.54e-5, 9: 0.0254,
-    10: 914.4, 11: 1e-7, 12: 1e-6, 13: 1e-3, 14: 100.0, 15: 10_000.0, 16: 100_000.0,
-}  # fmt: skip
-"""Millimetres in a unit by the value of $INSUNITS."""
 
 DRAWN: Final = frozenset(
     ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "HELIX")
@@ -51,12 +37,6 @@ FLAT: Final = 1e-6
 """A drawing that is higher than this share of its size is one in space."""
 
 MAX_POINTS: Final = 4_000_000
-
-BY_LAYER, BY_BLOCK, BLACK_OR_WHITE = 256, 0, 7
-"""Numbers of colours that stand for another one, or for that of ink."""
-
-ENTITY: Final = re.compile(rb"\n[ \t]*0[ \t]*\r?\n[ \t]*[A-Z]")
-"""Where an entity begins: a code of zero, and its kind."""
 
 Line = tuple[Array, Color | None]
 
@@ -78,12 +58,12 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     FormatError
         If it is no DXF, is damaged or too large, or holds no line.
     """
-    document = _opened(data)
+    document = opened(data)
     unit = MM_PER.get(int(document.units or 0))
     told: list[str] = []
     if unit is None:
         told.append("Read as millimetres: the file does not say its unit.")
-    entities, others = _entities(document)
+    entities, others = entities_of(document, _is_line)
     if others:
         named = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
         told.append(f"Left out of the DXF file: {named}; only lines and curves are read.")
@@ -99,82 +79,11 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     return replace(drawing, left_out=tuple(told))
 
 
-def _opened(data: bytes) -> Any:
-    """Return the document that ezdxf makes of a file."""
-    if data.startswith(b"AutoCAD Binary DXF"):
-        raise FormatError("This DXF file is binary. Save it as text (ASCII DXF).")
-    if data[:4096].lstrip(b"\xef\xbb\xbf").split(None, 1)[:1] not in ([b"0"], [b"999"]):
-        raise FormatError("This is not a DXF file.")
-    _check_count(data)
-    recover = library("ezdxf.recover", "dxf")
-    try:
-        document, _ = recover.read(io.BytesIO(data))
-    except (MemoryError, RecursionError):
-        raise
-    except Exception as problem:  # whatever the library makes of a damaged file
-        raise FormatError(
-            "It is damaged, or not what its name says. Save it again where it was made."
-        ) from problem
-    return document
-
-
-def _check_count(data: bytes) -> None:
-    """Refuse more entities than the library reads within the budget, before it begins.
-
-    It takes 50 µs for each, so that as many as the most strokes are ten seconds.
-    """
-    most = int(MAX_STROKES * max(1.0, len(data) / USUAL_BYTES))
-    for count, _ in enumerate(ENTITY.finditer(data)):
-        at_most(count, most, "lines")
-
-
-def _entities(document: Any) -> tuple[list[Any], Counter[str]]:
-    """Return the entities that are lines and can be seen, blocks taken apart, and other kinds."""
-    hidden = {layer.dxf.name.lower() for layer in document.layers
-              if layer.is_off() or layer.is_frozen()}  # fmt: skip
-    found: list[Any] = []
-    others: Counter[str] = Counter()
-    waiting = [(entity, 0) for entity in reversed(list(document.modelspace()))]
-    seen = 0
-    while waiting:
-        at_most(seen + len(waiting), MAX_STROKES, "lines")
-        entity, depth = waiting.pop()
-        seen += 1
-        at_most(depth, MAX_DEPTH, "levels of blocks")
-        kind = entity.dxftype()
-        if not entity.is_supported_dxf_attrib("layer"):  # of a program that the library ignores
-            others[kind] += 1
-            continue
-        if str(entity.dxf.get("layer", "0")).lower() in hidden or entity.dxf.get("invisible", 0):
-            continue
-        if kind == "INSERT":
-            inside = _taken_apart(entity, seen + len(waiting))
-            waiting += [(one, depth + 1) for one in reversed(inside)]
-        elif kind in DRAWN and not (kind == "POLYLINE" and not _is_line(entity)):
-            found.append(entity)
-        elif kind not in ("VERTEX", "SEQEND", "VIEWPORT", "ATTDEF"):
-            others[kind] += 1
-    return found, others
-
-
-def _is_line(polyline: Any) -> bool:
-    """Whether a POLYLINE is one, and not a mesh."""
-    return bool(polyline.is_2d_polyline or polyline.is_3d_polyline)
-
-
-def _taken_apart(insert: Any, seen: int) -> list[Any]:
-    """Return the entities of a block where it is inserted, once or in rows."""
-    found: list[Any] = []
-    try:
-        for one in insert.multi_insert() if insert.mcount > 1 else (insert,):
-            for entity in one.virtual_entities():
-                found.append(entity)
-                at_most(seen + len(found), MAX_STROKES, "lines")
-    except (MemoryError, RecursionError, FormatError):
-        raise
-    except Exception as problem:  # whatever the library makes of a damaged block
-        raise FormatError("A block of this drawing is damaged. Save it again.") from problem
-    return found
+def _is_line(entity: Any) -> bool:
+    """Whether an entity is a line; a POLYLINE may be a mesh."""
+    if entity.dxftype() == "POLYLINE":
+        return bool(entity.is_2d_polyline or entity.is_3d_polyline)
+    return entity.dxftype() in DRAWN
 
 
 def _lines(document: Any, entities: Sequence[Any], unit: float) -> Iterator[Line]:
@@ -183,7 +92,7 @@ def _lines(document: Any, entities: Sequence[Any], unit: float) -> Iterator[Line
     made = []
     for entity in entities:
         try:
-            made.append((path.make_path(entity), _color(document, entity)))
+            made.append((path.make_path(entity), color_of(document, entity)))
         except (MemoryError, RecursionError):
             raise
         except Exception:  # a line without length, or without the values that it needs
@@ -213,27 +122,6 @@ def _lines(document: Any, entities: Sequence[Any], unit: float) -> Iterator[Line
 def _corners(path: Any) -> Array:
     """Return the control vertices of a path, (n, 3)."""
     return np.array([[v.x, v.y, v.z] for v in path.control_vertices()], float).reshape(-1, 3)
-
-
-def _color(document: Any, entity: Any) -> Color | None:
-    """Return the colour of a line; None where it is that of ink."""
-    colors = library("ezdxf.colors", "dxf")
-    owner = entity
-    number = int(entity.dxf.get("color", BY_LAYER))
-    if entity.dxf.get("true_color") is None and number == BY_LAYER:
-        layer = str(entity.dxf.get("layer", "0"))
-        if layer not in document.layers:
-            return None
-        owner = document.layers.get(layer)
-        number = int(owner.dxf.get("color", BLACK_OR_WHITE))
-    exact = owner.dxf.get("true_color")
-    if exact is not None:
-        red, green, blue = colors.int2rgb(int(exact))
-    elif number in (BY_BLOCK, BLACK_OR_WHITE) or not 0 < number < BY_LAYER:
-        return None
-    else:
-        red, green, blue = colors.aci2rgb(number)
-    return int(red), int(green), int(blue)
 
 
 def _size(lines: Sequence[Array]) -> float:

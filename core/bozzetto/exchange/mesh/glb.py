@@ -29,6 +29,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
 )
 from bozzetto.exchange.mesh.gltf_skin import follows, rig_in_file, rig_nodes
 from bozzetto.exchange.mesh.gltf_texture import SAMPLER, Corners, corners_of, laid_out
+from bozzetto.exchange.mesh.picture_places import Places, picture_places
 from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
@@ -91,7 +92,7 @@ def write_shapes(
     coarser : sequence of Shapes
         The same parts with fewer and fewer triangles, for whoever sees them from afar (MSFT_lod).
     uvs : bool
-        Whether parts without a texture get places in one that somebody may paint.
+        Whether parts without a texture get places in one that somebody may paint: one for all.
     """
     levels = [list(drawn_parts(level).meshes()) for level in (shapes, *coarser)]
     parts = levels[0]
@@ -104,10 +105,11 @@ def write_shapes(
     skins: list[dict[str, Any]] = []
     joint_nodes: list[dict[str, Any]] = []
     rigs: list[Rig] = []
+    laid = [picture_places(level) if uvs else [None] * len(level) for level in levels]
     for number, part in enumerate(parts):
         skin = part.skin
         nodes[number]["mesh"] = len(meshes)
-        meshes.append(_mesh(file, looks, part, uvs))
+        meshes.append(_mesh(file, looks, part, laid[0][number]))
         if skin is None:
             continue
         known = next((k for k, rig in enumerate(rigs) if same_rig(rig, skin.rig)), len(rigs))
@@ -143,7 +145,7 @@ def write_shapes(
             if "skin" in nodes[number]:
                 coarse["skin"] = nodes[number]["skin"]
             nodes.append(coarse)
-            meshes.append(_mesh(file, looks, part, uvs))
+            meshes.append(_mesh(file, looks, part, laid[level][number]))
             nodes[number]["extras"] = {"MSFT_screencoverage": COVERAGE[: len(levels)]}
         scene["extensionsUsed"] = ["MSFT_lod"]
     scene["buffers"] = [{"byteLength": len(file.blob)}]
@@ -158,8 +160,10 @@ def write_shapes(
     return _packed(msgspec.json.encode(scene), bytes(file.blob))
 
 
-def _mesh(file: GltfBuffers, looks: Looks, part: Solid | Surface, uvs: bool) -> dict[str, Any]:
-    """Add the mesh of a part; return its record."""
+def _mesh(
+    file: GltfBuffers, looks: Looks, part: Solid | Surface, laid: Places | None
+) -> dict[str, Any]:
+    """Add the mesh of a part, with its places in a picture to come, if any; return its record."""
     mesh, skin = part.mesh, part.skin
     if skin is not None and skin.rest is not None:
         mesh = replace(mesh, vertices=skin.rest.vertices, normals=skin.rest.normals)
@@ -173,8 +177,8 @@ def _mesh(file: GltfBuffers, looks: Looks, part: Solid | Surface, uvs: bool) -> 
         vertex, faces = divided(replace(mesh, faces=faces.astype(np.int32)))
         split = Mesh(mesh.vertices[vertex], faces.astype(np.int32))
         normals = _unit_normals(split.vertex_normals())
-    if uvs and part.texture is None:
-        vertex, faces, texels, before = laid_out(mesh, Corners(vertex, faces, None))
+    if laid is not None:
+        vertex, faces, texels, before = laid_out(Corners(vertex, faces, None), laid)
         normals = normals[before]
     places = (mesh.vertices[vertex] @ AXES.T / MM_PER_METRE).astype("<f4")
     reach = {"min": places.min(0).tolist(), "max": places.max(0).tolist()}

@@ -54,12 +54,17 @@ def corners_of(mesh: Mesh, texture: Texture | None) -> Corners:
     return _split(np.arange(len(mesh.vertices)), faces, texture.corners[proper])
 
 
-def laid_out(mesh: Mesh, corners: Corners) -> Corners:
-    """Return the file's vertices with places for a picture to come, split at its seams."""
-    from bozzetto.geometry.atlas.unwrapping import unwrapped
+def laid_out(corners: Corners, places: NDArray[np.float32]) -> Corners:
+    """Return the file's vertices with places for a picture to come, split at its seams.
 
-    atlas = unwrapped(mesh.vertices.astype(np.float64), corners.vertex[corners.faces])
-    return _split(corners.vertex, corners.faces, atlas.corners.astype(np.float32))
+    Parameters
+    ----------
+    corners : Corners
+        Without places.
+    places : (f, 3, 2) float32 array
+        Of the corners of its faces.
+    """
+    return _split(corners.vertex, corners.faces, places)
 
 
 def _split(

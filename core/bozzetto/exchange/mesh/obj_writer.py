@@ -8,7 +8,7 @@ and pictures beside that.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,6 +19,8 @@ from bozzetto.exchange.color import WHITE, vertex_colors
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 from bozzetto.exchange.mesh.gltf_scene import LOOKS
 from bozzetto.exchange.mesh.gltf_texture import picture_file
+from bozzetto.exchange.mesh.picture_places import picture_places
+from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
 from bozzetto.geometry.texture import Texture
 from bozzetto.scene.renderer.normals import corner_normals
@@ -39,7 +41,9 @@ class _Material:
     picture: str = ""
 
 
-def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES, *, beside: str = "") -> bytes:
+def write_shapes(
+    shapes: Shapes, frame: FileFrame = MILLIMETRES, *, beside: str = "", uvs: bool = False
+) -> bytes:
     """Write OBJ with one object per part, and its groups; faces share the part's vertices.
 
     Parameters
@@ -50,24 +54,26 @@ def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES, *, beside: str 
         Said at its top.
     beside : str
         Name of the files beside it, without an ending; none if it is empty.
+    uvs : bool
+        Whether parts without a picture get places in one that somebody may paint: one for all.
     """
     pieces = [f"{HEADER}{frame}\n"]
     materials = iter(_materials(shapes, _word(beside)) if beside else ())
     if beside:
         pieces.append(f"mtllib {_word(beside)}.mtl\n")
     first = np.zeros(3, np.int64) + 1  # of vertices, places in pictures, and normals
-    for part in shapes.meshes():
+    parts = list(shapes.meshes())
+    for part, laid in zip(parts, _places(parts, pictures=bool(beside), uvs=uvs), strict=True):
         texture = part.texture if beside else None
         pieces.append(f"o {_word(part.name)}\n{_vertices(part, texture)}")
         normals = part.normals or corner_normals(part.mesh)
         pieces.append(_rows("vn %.7g %.7g %.7g\n", normals.vectors))
         corners = [part.mesh.faces + first[0], normals.corners + first[2]]
         line = "f %d//%d %d//%d %d//%d\n"
-        if texture is not None:
-            places = texture.corners.reshape(-1, 2) * (1.0, -1.0) + (0.0, 1.0)
-            pieces.append(_rows("vt %.7g %.7g\n", places))
-            own = np.arange(len(places)).reshape(-1, 3) + first[1]
-            corners.insert(1, own)
+        if laid is not None:
+            places, which = np.unique(laid.reshape(-1, 2), axis=0, return_inverse=True)
+            pieces.append(_rows("vt %.7g %.7g\n", places * (1.0, -1.0) + (0.0, 1.0)))
+            corners.insert(1, which.reshape(-1, 3) + first[1])
             line = "f %d/%d/%d %d/%d/%d %d/%d/%d\n"
             first[1] += len(places)
         rows = np.stack(corners, axis=2).reshape(len(part.mesh.faces), -1)
@@ -88,6 +94,21 @@ def files_beside(shapes: Shapes, beside: str) -> tuple[tuple[str, bytes], ...]:
             if texture is not None:
                 found.append((material.picture, picture_file(texture, base)))
     return ((f"{_word(beside)}.mtl", "".join(pieces).encode()), *found)
+
+
+def _places(parts: Sequence[Solid | Surface], *, pictures: bool, uvs: bool) -> list[Floats | None]:
+    """Return the places of all triangles in their part's picture, or in one to come; (f, 3, 2)."""
+    found: list[Floats | None] = [
+        part.texture.corners if pictures and part.texture is not None else None for part in parts
+    ]
+    if not uvs:
+        return found
+    for number, (part, laid) in enumerate(zip(parts, picture_places(parts), strict=True)):
+        if laid is not None:
+            places = np.zeros((len(part.mesh.faces), 3, 2), np.float32)
+            places[~is_degenerate(part.mesh.faces)] = laid
+            found[number] = places
+    return found
 
 
 def _vertices(part: Solid | Surface, texture: Texture | None) -> str:

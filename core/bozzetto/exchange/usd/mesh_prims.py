@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Floats
 from bozzetto.exchange.color import WHITE, srgb_to_linear
 from bozzetto.exchange.mesh.face_groups import proper_groups
+from bozzetto.exchange.mesh.picture_places import Places
 from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.exchange.usd.looks import Looks, linear
 from bozzetto.exchange.usd.prims import DIRECTIONS, PLACES, Names, Prim, numbers, quoted, tuples
@@ -20,7 +21,7 @@ from bozzetto.scene.renderer.normals import corner_normals
 BINDING = "MaterialBindingAPI"
 
 
-def mesh_prim(name: str, part: Solid | Surface, looks: Looks, uvs: bool) -> Prim:
+def mesh_prim(name: str, part: Solid | Surface, looks: Looks, laid: Places | None) -> Prim:
     """Return the mesh of a part, at rest if it has a skin.
 
     Parameters
@@ -31,8 +32,8 @@ def mesh_prim(name: str, part: Solid | Surface, looks: Looks, uvs: bool) -> Prim
         In the unit and the axes of the file.
     looks : Looks
         Its materials are added there.
-    uvs : bool
-        Whether it gets places in a picture to come, where it has none.
+    laid : (f, 3, 2) float32 array, optional
+        Places in a picture to come, of its proper triangles.
     """
     mesh, skin = part.mesh, part.skin
     if skin is not None and skin.rest is not None:
@@ -49,7 +50,7 @@ def mesh_prim(name: str, part: Solid | Surface, looks: Looks, uvs: bool) -> Prim
     made.put("int[] faceVertexIndices", numbers(faces.ravel()))
     made.put("point3f[] points", tuples(mesh.vertices, PLACES))
     _put_normals(made, part, mesh, proper)
-    corners = _places(part, mesh, faces, proper, uvs)
+    corners = laid if part.texture is None else part.texture.corners[proper]
     if corners is not None:
         rows = corners.reshape(-1, 2) * (1.0, -1.0) + (0.0, 1.0)
         made.put("texCoord2f[] primvars:st", _interpolated(tuples(rows, "%.7g"), "faceVarying"))
@@ -90,24 +91,6 @@ def _unit(vectors: Floats) -> Array:
     rows = vectors.astype(np.float64)
     length = np.linalg.norm(rows, axis=1, keepdims=True)
     return np.where(length > 0, rows / np.where(length > 0, length, 1.0), (0.0, 1.0, 0.0)) + 0.0
-
-
-def _places(
-    part: Solid | Surface,
-    mesh: Mesh,
-    faces: NDArray[np.int32],
-    proper: NDArray[np.bool_],
-    uvs: bool,
-) -> Floats | None:
-    """Return where corners lie in a picture, (f, 3, 2), from its upper left corner."""
-    if part.texture is not None:
-        return part.texture.corners[proper]
-    if not uvs:
-        return None
-    from bozzetto.geometry.atlas.unwrapping import unwrapped
-
-    atlas = unwrapped(mesh.vertices.astype(np.float64), faces.astype(np.int64))
-    return atlas.corners.astype(np.float32)
 
 
 def _put_colors(made: Prim, part: Solid | Surface) -> None:

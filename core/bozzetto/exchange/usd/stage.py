@@ -11,6 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.exchange.handover import MM_PER, FileFrame
 from bozzetto.exchange.mesh.gltf_motion import drawn_parts, is_still, quaternions
+from bozzetto.exchange.mesh.picture_places import picture_places
 from bozzetto.exchange.usd.looks import Looks
 from bozzetto.exchange.usd.mesh_prims import mesh_prim
 from bozzetto.exchange.usd.prims import FULL, PLACES, Names, Prim, samples, tokens
@@ -64,7 +65,7 @@ def stage_text(
     picture_name : callable
         Gives the file of a picture by its number, from 1.
     uvs : bool
-        Whether parts without a picture get places in one that somebody may paint.
+        Whether parts without a picture get places in one that somebody may paint: one for all.
     motions, seconds
         Where each part is at each of these times, as seen from where it is written.
 
@@ -78,6 +79,7 @@ def stage_text(
     looks = Looks(f"/{ROOT}/{root.names.new(MATERIALS)}", picture_name)
     rigs: list[tuple[Rig, _Holder, str]] = []
     holding = {(*part.path[:k],) for part in parts for k in range(1, len(part.path) + 1)}
+    laid = picture_places(parts) if uvs else [None] * len(parts)
     for number, part in enumerate(parts):
         holder, skeleton = root, ""
         if part.skin is not None:
@@ -91,7 +93,7 @@ def stage_text(
             holder = holder.held(name)
         if (*part.path, part.name) in holding:
             holder = holder.held(part.name)  # a mesh may hold no meshes
-        made = mesh_prim(holder.names.new(part.name), part, looks, uvs)
+        made = mesh_prim(holder.names.new(part.name), part, looks, laid[number])
         if part.skin is not None:
             put_skin(made, part.skin, skeleton)
         elif motions:

@@ -18,6 +18,8 @@ from bozzetto.geometry.atlas.chart_flattening import (
 from bozzetto.geometry.atlas.chart_packing import Outline, box_sizes, packed
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bozzetto.arrays import Array, Index
 
 MOST_STRETCH: Final = 2.0
@@ -71,11 +73,14 @@ class Chart(NamedTuple):
 
     Attributes
     ----------
+    surface : Surface
+        What it is a piece of.
     piece : Piece
     places : (v, 2) float array
         Of its points, in the size that it has on the surface.
     """
 
+    surface: Surface
     piece: Piece
     places: Array
 
@@ -101,23 +106,50 @@ def unwrapped(vertices: Array, faces: Index) -> Atlas:
     faces : (f, 3) int array
         Oriented; triangles without an area are laid where they belong.
     """
-    surface = Surface(np.asarray(vertices, np.float64), np.asarray(faces, np.intp))
-    charts = _cut_to_fit(surface, _laid_flat(surface, surface.regions()))
+    return unwrapped_together([(vertices, faces)])[0]
+
+
+def unwrapped_together(meshes: Sequence[tuple[Array, Index]]) -> list[Atlas]:
+    """Cut surfaces into charts, lay them flat, and pack all of them into one square.
+
+    Parameters
+    ----------
+    meshes : sequence of ((v, 3) float array, (f, 3) int array)
+        As `unwrapped` takes them, in one unit; one of them has an area.
+
+    Returns
+    -------
+    list of Atlas
+        Of each mesh its faces; the numbers of the charts go on from one to the next.
+    """
+    surfaces = [
+        Surface(np.asarray(vertices, np.float64), np.asarray(faces, np.intp))
+        for vertices, faces in meshes
+    ]
+    charts = [
+        chart
+        for surface in surfaces
+        for chart in _laid_flat(surface, surface.regions() if len(surface.faces) else [])
+    ]
+    charts = _cut_to_fit(sum(float(one.areas.sum()) for one in surfaces), charts)
     packing = packed([chart.outline for chart in charts], CELLS)
-    corners = np.zeros((len(faces), 3, 2))
-    number = np.zeros(len(faces), np.intp)
-    for k, chart in enumerate(charts):
-        corners[chart.piece.face] = chart.corners @ packing.turn[k] + packing.offset[k]
-        number[chart.piece.face] = k
-    corners /= packing.side
-    corners[..., 1] = 1.0 - corners[..., 1]
-    return Atlas(corners, number, packing.side)
+    found = []
+    for surface in surfaces:
+        corners = np.zeros((len(surface.faces), 3, 2))
+        number = np.zeros(len(surface.faces), np.intp)
+        for k, chart in enumerate(charts):
+            if chart.surface is surface:
+                corners[chart.piece.face] = chart.corners @ packing.turn[k] + packing.offset[k]
+                number[chart.piece.face] = k
+        corners /= packing.side
+        corners[..., 1] = 1.0 - corners[..., 1]
+        found.append(Atlas(corners, number, packing.side))
+    return found
 
 
-def _cut_to_fit(surface: Surface, charts: list[Chart]) -> list[Chart]:
+def _cut_to_fit(area: float, charts: list[Chart]) -> list[Chart]:
     """Cut charts across that leave much of the boxes around them free, if all fit better then."""
     side = packed([chart.outline for chart in charts], CELLS, FEW_TRIES).side
-    area = float(surface.areas.sum())
     whole: set[int] = set()
     for _ in range(CUTS):
         free = [-1.0 if id(chart) in whole else _free(chart) / area for chart in charts]
@@ -126,9 +158,9 @@ def _cut_to_fit(surface: Surface, charts: list[Chart]) -> list[Chart]:
         if area >= FULL * side * side or free[most] < LEAST_FREE:
             break
         chart = charts[most]
-        parts = surface.across(chart.piece.face, chart.corners)
+        parts = chart.surface.across(chart.piece.face, chart.corners)
         if len(parts) > 1:
-            cut = [*charts[:most], *_laid_flat(surface, parts), *charts[most + 1 :]]
+            cut = [*charts[:most], *_laid_flat(chart.surface, parts), *charts[most + 1 :]]
             found = packed([chart.outline for chart in cut], CELLS, FEW_TRIES).side
             if area / found**2 >= area / side**2 + GAIN * (len(cut) - len(charts)):
                 charts, side = cut, found
@@ -164,7 +196,7 @@ def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
     """Lay faces flat, or return the parts into which they have to be cut first."""
     piece = surface.piece(face)
     if len(face) == 1:
-        return _chart(piece, flattened_piece(piece))
+        return _chart(surface, piece, flattened_piece(piece))
     normals, size = surface.normals[face], surface.areas[face]
     mean = (size[:, None] * normals).sum(axis=0)
     away = normals @ mean < AWAY * float(np.linalg.norm(mean))
@@ -177,7 +209,9 @@ def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
     drawn_out = size[worst > MOST_STRETCH].sum() > 0.01 * size.sum()
     if drawn_out or (areas(corners) < 0.0).any():
         return surface.by_sides(face)
-    return _chart(piece, places) if lies_once(piece, places) else surface.across(face, corners)
+    if lies_once(piece, places):
+        return _chart(surface, piece, places)
+    return surface.across(face, corners)
 
 
 def _in_two(face: Index, parts: list[Index]) -> list[Index]:
@@ -186,10 +220,10 @@ def _in_two(face: Index, parts: list[Index]) -> list[Index]:
     return parts if len(parts) > 1 else [face[:half], face[half:]]
 
 
-def _chart(piece: Piece, places: Array) -> Chart:
+def _chart(surface: Surface, piece: Piece, places: Array) -> Chart:
     """Return a chart as large as its piece is."""
     corners = piece.points[piece.triangles]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     wanted = 0.5 * float(np.linalg.norm(cross, axis=1).sum())
     there = float(areas(places[piece.triangles]).sum())
-    return Chart(piece, places * np.sqrt(wanted / there) if there > 0.0 else places)
+    return Chart(surface, piece, places * np.sqrt(wanted / there) if there > 0.0 else places)

@@ -500,9 +500,27 @@ def test_a_name_of_a_namespace_is_no_text():
         read_svg(text.encode(), "test")
 
 
-def test_a_compressed_file_is_told_from_a_damaged_one():
-    with pytest.raises(FormatError, match="compressed"):
-        read_svg(gzip.compress(b"<svg/>"), "test")
+def test_a_compressed_file_is_unpacked(tmp_path):
+    plain = b'<svg xmlns="http://www.w3.org/2000/svg"><path d="M1 2L30 4"/></svg>'
+    for name in ("a.svgz", "b.svg"):  # as they are called, and as people call them
+        (tmp_path / name).write_bytes(gzip.compress(plain))
+        (line,) = read_drawing(tmp_path / name).strokes
+        (other,) = read_svg(plain, "test").strokes
+        np.testing.assert_array_equal(line.x, other.x)
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (gzip.compress(bytes(65 << 20), 1), "64 MB when it is unpacked"),
+        (gzip.compress(b"<svg/>")[:-9], "cut short"),
+        (gzip.compress(gzip.compress(b"<svg/>")), "twice"),
+        (gzip.compress(b"<svg/>").replace(b"\x00\x00", b"\xff\xff"), "damaged"),
+    ],
+)
+def test_a_compressed_file_that_is_none_is_refused(data, said):
+    with pytest.raises(FormatError, match=said):
+        read_svg(data, "test")
 
 
 # -- refused --------------------------------------------------------------------------------

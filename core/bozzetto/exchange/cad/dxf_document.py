@@ -1,0 +1,166 @@
+"""DXF files as ezdxf opens them (the extra ``bozzetto[dxf]``): what can be seen, and how it looks.
+
+Blocks are taken apart; what lies on layers that are off or frozen is not seen.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections import Counter
+from collections.abc import Callable
+from typing import Any, Final
+
+from bozzetto.errors import FormatError
+from bozzetto.exchange.limits import MAX_DEPTH, MAX_STROKES, USUAL_BYTES, at_most
+from bozzetto.exchange.optional_libraries import library
+from bozzetto.exchange.page_layout import Color
+
+MM_PER: Final = {
+    1: 25.4, 2: 304.8, 3: 1_609_344.0, 4: 1.0, 5: 10.0, 6: 1000.0, 7: 1e6, 8: 2.54e-5, 9: 0.0254,
+    10: 914.4, 11: 1e-7, 12: 1e-6, 13: 1e-3, 14: 100.0, 15: 10_000.0, 16: 100_000.0,
+}  # fmt: skip
+"""Millimetres in a unit by the value of $INSUNITS."""
+
+BY_LAYER, BY_BLOCK, BLACK_OR_WHITE = 256, 0, 7
+"""Numbers of colours that stand for another one, or for that of ink."""
+
+ENTITY: Final = re.compile(rb"\n[ \t]*0[ \t]*\r?\n[ \t]*[A-Z]")
+"""Where an entity begins: a code of zero, and its kind."""
+
+FACES: Final = frozenset((b"3DFACE", b"MESH"))
+"""Entities that are faces; a POLYLINE may be some, too."""
+
+KIND: Final = re.compile(
+    rb"\n[ \t]*0[ \t]*\r?\n[ \t]*(3DFACE|MESH|POLYLINE|LINE|LWPOLYLINE|ARC|CIRCLE|ELLIPSE|SPLINE"
+    rb"|HELIX)[ \t]*\r?\n"
+)
+
+FLAGS: Final = re.compile(rb"\n[ \t]*70[ \t]*\r?\n[ \t]*(\d{1,5})")
+
+POLYLINE_HEAD: Final = 600
+"""Bytes of a POLYLINE within which its flags stand."""
+
+MESH_FLAGS: Final = 16 | 64
+"""Flags of a POLYLINE that is a grid or a set of faces."""
+
+
+def mostly_faces(data: bytes) -> bool:
+    """Whether a DXF file holds more entities that are faces than such that are lines."""
+    faces = lines = 0
+    for found in KIND.finditer(data):
+        kind = found[1]
+        if kind == b"POLYLINE":
+            part = data[found.end() - 1 : found.end() + POLYLINE_HEAD]
+            end = ENTITY.search(part)
+            flags = FLAGS.search(part, 0, end.start() + 1 if end else len(part))
+            is_mesh = flags is not None and bool(int(flags[1]) & MESH_FLAGS)
+        else:
+            is_mesh = kind in FACES
+        faces, lines = faces + is_mesh, lines + (not is_mesh)
+    return faces > lines
+
+
+def opened(data: bytes) -> Any:
+    """Return the document that ezdxf makes of a file.
+
+    Raises
+    ------
+    UserError
+        If ezdxf is not installed.
+    FormatError
+        If it is no DXF, binary, damaged or too large.
+    """
+    if data.startswith(b"AutoCAD Binary DXF"):
+        raise FormatError("This DXF file is binary. Save it as text (ASCII DXF).")
+    if data[:4096].lstrip(b"\xef\xbb\xbf").split(None, 1)[:1] not in ([b"0"], [b"999"]):
+        raise FormatError("This is not a DXF file.")
+    _check_count(data)
+    recover = library("ezdxf.recover", "dxf")
+    try:
+        document, _ = recover.read(io.BytesIO(data))
+    except (MemoryError, RecursionError):
+        raise
+    except Exception as problem:  # whatever the library makes of a damaged file
+        raise FormatError(
+            "It is damaged, or not what its name says. Save it again where it was made."
+        ) from problem
+    return document
+
+
+def _check_count(data: bytes) -> None:
+    """Refuse more entities than the library reads within the budget, before it begins.
+
+    It takes 50 µs for each, so that as many as the most strokes are ten seconds.
+    """
+    most = int(MAX_STROKES * max(1.0, len(data) / USUAL_BYTES))
+    for count, _ in enumerate(ENTITY.finditer(data)):
+        at_most(count, most, "lines")
+
+
+def entities_of(document: Any, wanted: Callable[[Any], bool]) -> tuple[list[Any], Counter[str]]:
+    """Return the entities that are wanted and can be seen, blocks taken apart; and other kinds."""
+    hidden = {layer.dxf.name.lower() for layer in document.layers
+              if layer.is_off() or layer.is_frozen()}  # fmt: skip
+    found: list[Any] = []
+    others: Counter[str] = Counter()
+    waiting = [(entity, 0) for entity in reversed(list(document.modelspace()))]
+    seen = 0
+    while waiting:
+        at_most(seen + len(waiting), MAX_STROKES, "lines")
+        entity, depth = waiting.pop()
+        seen += 1
+        at_most(depth, MAX_DEPTH, "levels of blocks")
+        kind = entity.dxftype()
+        if not entity.is_supported_dxf_attrib("layer"):  # of a program that the library ignores
+            others[kind] += 1
+            continue
+        if str(entity.dxf.get("layer", "0")).lower() in hidden or entity.dxf.get("invisible", 0):
+            continue
+        if kind == "INSERT":
+            inside, corners = _taken_apart(entity, seen + len(waiting))
+            seen += corners
+            waiting += [(one, depth + 1) for one in reversed(inside)]
+        elif wanted(entity):
+            found.append(entity)
+        elif kind not in ("VERTEX", "SEQEND", "VIEWPORT", "ATTDEF"):
+            others[kind] += 1
+    return found, others
+
+
+def _taken_apart(insert: Any, seen: int) -> tuple[list[Any], int]:
+    """Return the entities of a block where it is inserted, once or in rows, and their corners."""
+    found: list[Any] = []
+    corners = 0
+    try:
+        for one in insert.multi_insert() if insert.mcount > 1 else (insert,):
+            for entity in one.virtual_entities():
+                found.append(entity)
+                corners += len(entity.vertices) if entity.dxftype() == "POLYLINE" else 0
+                at_most(seen + len(found) + corners, MAX_STROKES, "lines")
+    except (MemoryError, RecursionError, FormatError):
+        raise
+    except Exception as problem:  # whatever the library makes of a damaged block
+        raise FormatError("A block of this drawing is damaged. Save it again.") from problem
+    return found, corners
+
+
+def color_of(document: Any, entity: Any) -> Color | None:
+    """Return the colour of an entity; None where it is that of ink."""
+    colors = library("ezdxf.colors", "dxf")
+    owner = entity
+    number = int(entity.dxf.get("color", BY_LAYER))
+    if entity.dxf.get("true_color") is None and number == BY_LAYER:
+        layer = str(entity.dxf.get("layer", "0"))
+        if layer not in document.layers:
+            return None
+        owner = document.layers.get(layer)
+        number = int(owner.dxf.get("color", BLACK_OR_WHITE))
+    exact = owner.dxf.get("true_color")
+    if exact is not None:
+        red, green, blue = colors.int2rgb(int(exact))
+    elif number in (BY_BLOCK, BLACK_OR_WHITE) or not 0 < number < BY_LAYER:
+        return None
+    else:
+        red, green, blue = colors.aci2rgb(number)
+    return int(red), int(green), int(blue)
