@@ -17,7 +17,8 @@ from bozzetto_silhouette.implicit.composite import Composite
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import combined
-from bozzetto_silhouette.solids.evaluate import draft_surface, tree_body
+from bozzetto_silhouette.solids.draft import draft_of
+from bozzetto_silhouette.solids.evaluate import tree_body
 from tests.benchmarks.timing import Row, processor_ms
 from tests.plugins.silhouette import bodies as b
 
@@ -74,7 +75,7 @@ def _dragged(state: SilhouetteState, place: int = -1) -> object:
     node = state.nodes[place]
     away = Placement(offset=(0.01 * next(_HAIRS), 0.0, 0.0))
     moved = replace(state.with_node(replace(node, pose=away)), selected=node.id)
-    return draft_surface(moved, LIVE_CELLS)
+    return draft_of(moved, LIVE_CELLS)
 
 
 def _tree() -> Iterator[Row]:

@@ -6,7 +6,7 @@ bodies keep their meshes, and what is far from a crease is not looked at.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,6 +21,7 @@ from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
+from bozzetto_silhouette.solids.body import Body, places_in
 from bozzetto_silhouette.solids.polygonize import Surface, extract
 
 if TYPE_CHECKING:
@@ -95,17 +96,58 @@ class _Zone(NamedTuple):
     reach: float
 
 
-def fillets_of(
-    solid: Composite, places: Array, step: float, checkpoint: Checkpoint = ignore
-) -> tuple[Fillet, ...]:
-    """Return what the blend of a composite adds to the sharp result, or takes away.
+class Crease(NamedTuple):
+    """Where two solids blend.
+
+    Attributes
+    ----------
+    solid : Composite
+        The two, without what is not felt there.
+    places : (n, 3) float array
+        Vertices of the bodies around.
+    box : (2, 3) float array
+        Around these, and a reach more.
+    """
+
+    solid: Composite
+    places: Array
+    box: Array
+
+
+def crease_between(
+    solid: Composite, first: Array, second: Array, bodies: Sequence[Body]
+) -> Crease | None:
+    """Find where the two solids of a composite may blend; None where they do not.
 
     Parameters
     ----------
     solid : Composite
         With a blend above 0.
-    places : (n, 3) float array
-        Vertices of both bodies.
+    first, second : (2, 3) float array
+        The boxes around the two.
+    bodies : sequence of Body
+        Of which both consist.
+    """
+    low = np.maximum(first[0], second[0]) - 2.0 * solid.reach
+    high = np.minimum(first[1], second[1]) + 2.0 * solid.reach
+    places = places_in(bodies, np.stack([low, high]))
+    near = places[solid.felt(places)]
+    if not len(near):
+        return None
+    near = near[np.lexsort(near.T)]
+    box = np.stack([near.min(axis=0) - solid.reach, near.max(axis=0) + solid.reach])
+    return Crease(solid.within(box, BEYOND * solid.reach), near, box)
+
+
+def fillets_along(
+    crease: Crease, step: float, checkpoint: Checkpoint = ignore
+) -> tuple[Fillet, ...]:
+    """Return what the blend of two solids adds to the sharp result, or takes away.
+
+    Parameters
+    ----------
+    crease : Crease
+        Where they blend.
     step : float
         Spacing of the finer of the two meshes.
     checkpoint : callable
@@ -117,13 +159,7 @@ def fillets_of(
         Closed meshes. Those of a union are to be united with it; those of a carved solid are to
         be taken away, and those of an intersection, too.
     """
-    near = places[solid.felt(places)]
-    if not len(near):
-        return ()
-    near = near[np.lexsort(near.T)]
-    box = np.stack([near.min(axis=0) - solid.reach, near.max(axis=0) + solid.reach])
-    local = solid.within(box, BEYOND * solid.reach)
-    return _made(local, near, step, checkpoint)
+    return _made(crease.solid, crease.places, step, checkpoint)
 
 
 def _depends_on(solid: Composite, places: Array, step: float, checkpoint: Checkpoint) -> Hashable:

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
-
 from bozzetto.errors import UserError
-from bozzetto.geometry import Mesh, Placement
+from bozzetto.geometry import Placement
 from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.appearance.surface_look import sketched
 from bozzetto_silhouette.model.state import DEEPEST, Group, Part, SilhouetteState
 from bozzetto_silhouette.rigging.posing import JOINT, posed, posed_scene
-from bozzetto_silhouette.solids.evaluate import draft_surface
+from bozzetto_silhouette.solids.draft import draft_of
 from bozzetto_silhouette.solids.placements import carried, groups_around
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.view.drag_motion import moved, pulled, resized, settled, turned
@@ -48,14 +47,13 @@ class Arrange(ErasingTool):
         if gesture.handle.startswith(JOINT):
             return posed_scene(state, gesture)
         arranged = self.drag(state, gesture, context)
-        draft = draft_surface(arranged, LIVE_CELLS)
+        draft, _ = draft_of(arranged, LIVE_CELLS)
         held = handles_layer(arranged)
         handles = () if held is None else (held,)
         if draft is None:
             return Scene((Layer("shape"), *handles))
-        vertices, faces, normals = draft
-        mesh = Mesh(vertices.astype(np.float32), faces, normals.astype(np.float32))
-        return Scene((Layer("shape", (Shaded(mesh, pickable=False),)), *handles))
+        shown = Shaded(sketched(arranged, draft), pickable=False)
+        return Scene((Layer("shape", (shown,)), *handles))
 
     @override
     def tap(self, state: SilhouetteState, tap: Tap, context: Context) -> SilhouetteState:

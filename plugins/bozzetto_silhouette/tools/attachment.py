@@ -12,9 +12,8 @@ from bozzetto.geometry import Placement
 from bozzetto.plugin import Command, Context, remembered
 from bozzetto_silhouette.model.state import Node, Part, SilhouetteState
 from bozzetto_silhouette.solids.assembly import Assembly
-from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.evaluate import assembly_of
-from bozzetto_silhouette.solids.lump import meet
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.placements import carried, drawn_rings, is_shown, shown_parts
 from bozzetto_silhouette.solids.traversal import without_blends
