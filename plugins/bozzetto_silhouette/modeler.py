@@ -127,12 +127,12 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     def solve(self, state: SilhouetteState, job: Job) -> SilhouetteResult:
         """Make one watertight solid; what did not change is remembered.
 
-        A preview of several parts is a draft of them, not united, unless its joints are turned.
+        A preview of several parts is a draft of them, not united, unless it is posed or moves.
         """
         resolution, final = state.resolution, job.quality == "final"
         if not final:
             resolution = min(resolution, PREVIEW_RESOLUTION)
-            if not state.posing and not state.turns:
+            if not (state.posing or state.turns or state.keys):
                 return _drafted(state, resolution, job)
         body, solids = evaluated(state, resolution, job.checkpoint)
         if body is None:
@@ -169,7 +169,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         if result.mesh is None or result.shown is None or result.body is None:
             return Shapes()
         skin = result.skin
-        if skin is None and result.final:
+        if skin is None and (result.final or result.body.solid is not None):
             skin = skinned(state, result.body, Painted(result.mesh, result.shown)).skin
         armature = armature_of(state)
         if skin is not None and armature is not None:

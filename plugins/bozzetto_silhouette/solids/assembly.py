@@ -18,7 +18,7 @@ from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Operation
 from bozzetto_silhouette.solids.body import Body, meet, places_in
 from bozzetto_silhouette.solids.field_body import field_body
-from bozzetto_silhouette.solids.fillet import Fillet, crease_between, fillets_along
+from bozzetto_silhouette.solids.fillet import Fillet, common_box, fillets_between
 from bozzetto_silhouette.solids.lump import Lump, Remainder, united
 from bozzetto_silhouette.solids.polygonize import Surface
 from bozzetto_silhouette.solids.volume_check import is_allowed, is_lost
@@ -141,9 +141,8 @@ def assembled(
     fillets: tuple[Fillet, ...] = ()
     if reach > 0.0:
         bodies = [piece.body for piece in first.pieces + second.pieces]
-        crease = crease_between(solid, first.box, second.box, bodies)
-        if crease is not None:
-            fillets = fillets_along(crease, step, checkpoint)
+        box = common_box(first.box, second.box, 2.0 * reach)
+        fillets = fillets_between(solid, box, bodies, step, checkpoint)
     added = tuple(Lump(fillet, fillet.box, fillet.surface) for fillet in fillets)
     side = -1 if operation == "carve" else 1
     whole = Assembly(

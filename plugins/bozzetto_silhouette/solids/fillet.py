@@ -21,7 +21,7 @@ from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
-from bozzetto_silhouette.solids.body import Body, places_in
+from bozzetto_silhouette.solids.body import Body, meet, places_in
 from bozzetto_silhouette.solids.polygonize import Surface, extract
 
 if TYPE_CHECKING:
@@ -96,58 +96,29 @@ class _Zone(NamedTuple):
     reach: float
 
 
-class Crease(NamedTuple):
-    """Where two solids blend.
-
-    Attributes
-    ----------
-    solid : Composite
-        The two, without what is not felt there.
-    places : (n, 3) float array
-        Vertices of the bodies around.
-    box : (2, 3) float array
-        Around these, and a reach more.
-    """
-
-    solid: Composite
-    places: Array
-    box: Array
+def common_box(first: Array, second: Array, margin: float) -> Array:
+    """Return the box (2, 3) that two boxes have in common, larger by a margin on every side."""
+    low, high = np.maximum(first[0], second[0]), np.minimum(first[1], second[1])
+    return np.stack([low - margin, high + margin])
 
 
-def crease_between(
-    solid: Composite, first: Array, second: Array, bodies: Sequence[Body]
-) -> Crease | None:
-    """Find where the two solids of a composite may blend; None where they do not.
+def fillets_between(
+    solid: Composite,
+    box: Array,
+    bodies: Sequence[Body],
+    step: float,
+    checkpoint: Checkpoint = ignore,
+) -> tuple[Fillet, ...]:
+    """Return what the blend of a composite adds to the sharp result, or takes away.
 
     Parameters
     ----------
     solid : Composite
         With a blend above 0.
-    first, second : (2, 3) float array
-        The boxes around the two.
+    box : (2, 3) float array
+        Where both solids can be, and two reaches more.
     bodies : sequence of Body
         Of which both consist.
-    """
-    low = np.maximum(first[0], second[0]) - 2.0 * solid.reach
-    high = np.minimum(first[1], second[1]) + 2.0 * solid.reach
-    places = places_in(bodies, np.stack([low, high]))
-    near = places[solid.felt(places)]
-    if not len(near):
-        return None
-    near = near[np.lexsort(near.T)]
-    box = np.stack([near.min(axis=0) - solid.reach, near.max(axis=0) + solid.reach])
-    return Crease(solid.within(box, BEYOND * solid.reach), near, box)
-
-
-def fillets_along(
-    crease: Crease, step: float, checkpoint: Checkpoint = ignore
-) -> tuple[Fillet, ...]:
-    """Return what the blend of two solids adds to the sharp result, or takes away.
-
-    Parameters
-    ----------
-    crease : Crease
-        Where they blend.
     step : float
         Spacing of the finer of the two meshes.
     checkpoint : callable
@@ -159,7 +130,42 @@ def fillets_along(
         Closed meshes. Those of a union are to be united with it; those of a carved solid are to
         be taken away, and those of an intersection, too.
     """
-    return _made(crease.solid, crease.places, step, checkpoint)
+    near = tuple(body for body in bodies if meet(body.bounds, box))
+    margin = np.array([[-solid.reach], [solid.reach]])
+    local = solid.within(box + margin, BEYOND * solid.reach)
+    return _between(solid, local, box, near, step, checkpoint)
+
+
+def _asked_between(
+    solid: Composite,
+    local: Composite,
+    box: Array,
+    bodies: tuple[Body, ...],
+    step: float,
+    checkpoint: Checkpoint,
+) -> Hashable:
+    boxes = box, solid.first.bounds, solid.second.bounds
+    return signature(local), bodies, step, *(some.tobytes() for some in boxes)
+
+
+# By the bodies themselves, so that neither their vertices are looked at again. Where one was made
+# anew just as it was, the fillets are found by its vertices.
+@remembered(limit=512, key=_asked_between)
+def _between(
+    solid: Composite,
+    local: Composite,
+    box: Array,
+    bodies: tuple[Body, ...],
+    step: float,
+    checkpoint: Checkpoint,
+) -> tuple[Fillet, ...]:
+    places = places_in(bodies, box)
+    near = places[solid.felt(places)]
+    if not len(near):
+        return ()
+    near = near[np.lexsort(near.T)]
+    around = np.stack([near.min(axis=0) - solid.reach, near.max(axis=0) + solid.reach])
+    return _made(local.within(around, BEYOND * solid.reach), near, step, checkpoint)
 
 
 def _depends_on(solid: Composite, places: Array, step: float, checkpoint: Checkpoint) -> Hashable:

@@ -17,12 +17,9 @@ from bozzetto_silhouette.solids.placements import carried, groups_around
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.view.drag_motion import moved, pulled, resized, settled, turned
 from bozzetto_silhouette.view.handles import ARRANGE, depth_grip, grip_of, handles_layer
-from bozzetto_silhouette.view.picking import touched_part
+from bozzetto_silhouette.view.picking import TOUCHED_CELLS, touched_part
 
 Moved = TypeVar("Moved", bound=Part | Group)
-
-LIVE_CELLS = 48
-"""Resolution of the shape while a part is dragged."""
 
 SHALLOWEST = 0.01
 """Least depth that a tool can be dragged to, as a share of the radius of its ring."""
@@ -41,13 +38,13 @@ class Arrange(ErasingTool):
 
     @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """Show the whole shape as it would be, coarser, in place of the shape shown."""
+        """Show a draft of the whole shape as it would be in place of the shape shown."""
         if not isinstance(gesture, Drag):
             return Scene()
         if gesture.handle.startswith(JOINT):
             return posed_scene(state, gesture)
         arranged = self.drag(state, gesture, context)
-        draft, _ = draft_of(arranged, LIVE_CELLS)
+        draft, _ = draft_of(arranged, TOUCHED_CELLS)
         held = handles_layer(arranged)
         handles = () if held is None else (held,)
         if draft is None:
