@@ -235,12 +235,13 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
 
 def _drafted(state: SilhouetteState, resolution: int, job: Job) -> SilhouetteResult:
     """Return what is shown while a value is dragged."""
-    body, solids = draft_of(state, resolution, job.checkpoint)
-    if body is None:
+    draft, solids = draft_of(state, resolution, job.checkpoint)
+    if draft is None:
         return SilhouetteResult(None, None, None, None, False, solids)
+    body = draft.body
     if body.solid is not None:  # one part by itself
         return SilhouetteResult(body, *painted(state, body, job.checkpoint), None, False, solids)
-    mesh = sketched(state, body, job.checkpoint)
+    mesh = sketched(state, draft, job.checkpoint)
     return SilhouetteResult(body, mesh, mesh, None, False, solids)
 
 

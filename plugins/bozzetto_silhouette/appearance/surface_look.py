@@ -23,6 +23,7 @@ from bozzetto_silhouette.appearance.vertex_colors import (
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Picture, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.draft import Drafted
 
 
 class Painted(NamedTuple):
@@ -58,15 +59,20 @@ def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore)
     return Painted(mesh, _split(plain, coat, creases, picture))
 
 
-def sketched(state: SilhouetteState, draft: Body, checkpoint: Checkpoint = ignore) -> Mesh:
+def sketched(state: SilhouetteState, draft: Drafted, checkpoint: Checkpoint = ignore) -> Mesh:
     """Color a draft: every surface in it as the part that it belongs to."""
     checkpoint(1.0, "colours")
-    plain = Mesh(draft.vertices.astype(np.float32), draft.faces, draft.normals.astype(np.float32))
-    parts = coat_of_origins(state, draft)
-    picture = _picture_coat(state, draft)
-    if parts is None and picture is None:
-        return plain
-    coat = parts or bare(len(draft.vertices))
+    body = draft.body
+    plain = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
+    walls = coat_of_origins(state, body)
+    under = coat_of_origins(state, replace(body, origins=draft.under.astype(np.int32)))
+    picture = _picture_coat(state, body)
+    if walls is None or under is None:
+        coat = bare(len(body.vertices))
+        if picture is None:
+            return plain
+    else:
+        coat = walls.over(under)
     return _colored(plain, coat if picture is None else picture.over(coat))
 
 

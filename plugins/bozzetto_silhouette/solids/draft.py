@@ -7,16 +7,19 @@ costs what it touches, however large the tree is.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Placement
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
+from bozzetto_silhouette.inflation.manifold_check import original_numbers
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore
 from bozzetto_silhouette.model.state import Group, Operation, Part, SilhouetteState
@@ -28,10 +31,7 @@ from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.placements import groups_around
 from bozzetto_silhouette.solids.polygonize import Surface
 from bozzetto_silhouette.solids.traversal import put_together
-from bozzetto_silhouette.solids.union_mesh import found, mesh_of
-
-if TYPE_CHECKING:
-    from manifold3d import Manifold
+from bozzetto_silhouette.solids.union_mesh import UnionMesh, found, mesh_of
 
 FILLETED = 2
 """Fillets that may change with the chosen part and still be shown while it does: each takes 20 to
@@ -42,15 +42,64 @@ FELT = 5.0
 `Implicit` on values outside is no better."""
 
 
+class Shell(NamedTuple):
+    """A closed surface of a draft, and which parts it belongs to.
+
+    Attributes
+    ----------
+    lump : Lump
+    owner : str
+        Id of the part; of a fillet that of the later of its two.
+    numbers : (v,) int array, optional
+        Of what was carved: under which manifold3d keeps apart what its vertices come from.
+    walls : mapping of int to str
+        Ids of the parts by these numbers.
+    """
+
+    lump: Lump
+    owner: str
+    numbers: Index | None = None
+    walls: Mapping[int, str] = MappingProxyType({})
+
+    def known(self) -> dict[int, str]:
+        """Return the ids of the parts by the numbers of manifold3d."""
+        if self.numbers is not None:
+            return dict(self.walls)
+        return dict.fromkeys(original_numbers(self.lump.manifold), self.owner)
+
+    def owners(self) -> list[str]:
+        """Return the ids of the parts that its vertices belong to."""
+        if self.numbers is None:
+            return [self.owner] * len(self.lump.shown().vertices)
+        known, at = np.unique(self.numbers, return_inverse=True)
+        names = [self.walls.get(int(number), self.owner) for number in known]
+        return [names[k] for k in at.tolist()]
+
+
+class Drafted(NamedTuple):
+    """What is seen of a tree.
+
+    Attributes
+    ----------
+    body : Body
+        Every surface in it is closed, and they overlap. A wall that was carved has its origin
+        in the part that carved it.
+    under : (v,) int array
+        For every vertex the index in `body.sources` of the part that it would belong to if
+        nothing had been carved.
+    """
+
+    body: Body
+    under: Index
+
+
 @dataclass(frozen=True, eq=False)
 class Draft:
     """Some solids one in another.
 
     Attributes
     ----------
-    lumps : tuple of Lump
-    owners : tuple of str
-        The id of the part that each belongs to; of a fillet that of the later of its two.
+    shells : tuple of Shell
     bodies : tuple of Body
         Those of the parts, by whose vertices creases are found.
     implicit : Implicit
@@ -61,8 +110,7 @@ class Draft:
         The finest spacing of the meshes.
     """
 
-    lumps: tuple[Lump, ...]
-    owners: tuple[str, ...]
+    shells: tuple[Shell, ...]
     bodies: tuple[Body, ...]
     implicit: Implicit
     radius: float
@@ -71,13 +119,13 @@ class Draft:
     @classmethod
     def of(cls, body: Body) -> Draft:
         """Return one part by itself."""
-        lump = Lump(body, body.bounds, _surface(body))
-        return cls((lump,), body.sources, (body,), body.implicit, body.radius, body.step)
+        shell = Shell(Lump(body, body.bounds, _surface(body)), body.sources[0])
+        return cls((shell,), (body,), body.implicit, body.radius, body.step)
 
     @cached_property
     def box(self) -> Array:
-        """Corners of the box around all lumps, (2, 3)."""
-        boxes = np.stack([lump.box for lump in self.lumps])
+        """Corners of the box around all of it, (2, 3)."""
+        boxes = np.stack([shell.lump.box for shell in self.shells])
         return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
     def placed(self, pose: Placement) -> Draft:
@@ -85,42 +133,46 @@ class Draft:
         if pose.is_identity:
             return self
         return Draft(
-            tuple(_placed(lump, pose) for lump in self.lumps),
-            self.owners,
+            tuple(shell._replace(lump=_placed(shell.lump, pose)) for shell in self.shells),
             tuple(_placed_body(body, pose) for body in self.bodies),
             Placed(self.implicit, pose),
             self.radius * pose.scale,
             self.step * pose.scale,
         )
 
-    def body(self) -> Body:
-        """Return what is seen as one body: every surface is closed, and they overlap."""
-        if len(self.lumps) == 1 and self.lumps[0].held is self.bodies[0]:
-            return self.bodies[0]
-        seen = [lump.shown() for lump in self.lumps]
-        starts = np.cumsum([0, *(len(surface.vertices) for surface in seen)])
-        sources = tuple(dict.fromkeys(self.owners))
+    def seen(self) -> Drafted:
+        """Return what is seen as one body."""
+        if len(self.shells) == 1 and self.shells[0].lump.held is self.bodies[0]:
+            body = self.bodies[0]
+            return Drafted(body, body.origins.astype(np.intp))
+        surfaces = [shell.lump.shown() for shell in self.shells]
+        starts = np.cumsum([0, *(len(surface.vertices) for surface in surfaces)])
+        owners = [shell.owners() for shell in self.shells]
+        sources = tuple(dict.fromkeys(
+            source for shell, found in zip(self.shells, owners, strict=True)
+            for source in (shell.owner, *dict.fromkeys(found))
+        ))  # fmt: skip
         number = {source: k for k, source in enumerate(sources)}
-        return Body(
-            np.concatenate([surface.vertices for surface in seen]),
+        body = Body(
+            np.concatenate([surface.vertices for surface in surfaces]),
             np.concatenate([
                 surface.faces + np.int32(start)
-                for surface, start in zip(seen, starts, strict=False)
+                for surface, start in zip(surfaces, starts, strict=False)
             ]),
-            np.concatenate([surface.normals for surface in seen]),
-            np.repeat(
-                np.array([number[owner] for owner in self.owners], np.int32), np.diff(starts)
-            ),
+            np.concatenate([surface.normals for surface in surfaces]),
+            np.array([number[name] for found in owners for name in found], np.int32),
             sources,
             self.implicit,
             self.radius,
             self.step,
         )  # fmt: skip
+        whole = np.array([number[shell.owner] for shell in self.shells], np.intp)
+        return Drafted(body, np.repeat(whole, np.diff(starts)))
 
 
 def draft_of(
     state: SilhouetteState, resolution: int, checkpoint: Checkpoint = ignore
-) -> tuple[Body | None, dict[str, SilhouetteSolid]]:
+) -> tuple[Drafted | None, dict[str, SilhouetteSolid]]:
     """Return what is seen of all nodes that are switched on, and the solids of the parts by id.
 
     It is told by the state alone. Where the chosen node meets so many others that the fillets
@@ -136,7 +188,7 @@ def draft_of(
     if 0 < making.changing <= FILLETED:
         making = _Making(state, resolution, checkpoint, leaves_out=False)
         whole = making.whole()
-    return None if whole is None else whole.body(), making.solids
+    return None if whole is None else whole.seen(), making.solids
 
 
 @dataclass
@@ -178,18 +230,17 @@ class _Making:
         step = min(first.step, second.step)
         added = self._fillets(first, second, solid, step) if reach > 0.0 else ()
         if operation in ("carve", "intersect"):
-            lumps, owners = _acted_on(first, second.lumps, added, operation)
+            shells = _acted_on(first.shells, second.shells, added, operation)
         else:
-            lumps = first.lumps + second.lumps + added
-            owners = first.owners + second.owners + (second.owners[0],) * len(added)
-        if not lumps:
+            shells = first.shells + second.shells + added
+        if not shells:
             return None
         radius = max(first.radius, second.radius)
-        return Draft(lumps, owners, first.bodies + second.bodies, solid, radius, step)
+        return Draft(shells, first.bodies + second.bodies, solid, radius, step)
 
     def _fillets(
         self, first: Draft, second: Draft, solid: Composite, step: float
-    ) -> tuple[Lump, ...]:
+    ) -> tuple[Shell, ...]:
         bodies = first.bodies + second.bodies
         around = common_box(first.box, second.box, (2.0 + FELT) * solid.reach)
         if any(meet(body.bounds, around) for body in bodies if self._is_chosen(body)):
@@ -198,7 +249,8 @@ class _Making:
                 return ()
         box = common_box(first.box, second.box, 2.0 * solid.reach)
         fillets = fillets_between(solid, box, bodies, step, self.checkpoint)
-        return tuple(Lump(fillet, fillet.box, fillet.surface) for fillet in fillets)
+        owner = second.shells[0].owner
+        return tuple(Shell(Lump(f, f.box, f.surface), owner) for f in fillets)
 
     def _is_chosen(self, body: Body) -> bool:
         return body.sources[0] in self._chosen
@@ -216,19 +268,38 @@ class _Making:
 
 
 def _acted_on(
-    first: Draft, tools: tuple[Lump, ...], fillets: tuple[Lump, ...], operation: Operation
-) -> tuple[tuple[Lump, ...], tuple[str, ...]]:
-    """Return what carving or intersecting leaves of each lump, and whose it is."""
-    left: list[tuple[Lump, str]] = []
-    for lump, owner in zip(first.lumps, first.owners, strict=True):
-        met = tuple(tool for tool in tools if meet(tool.box, lump.box))
-        taken = tuple(fillet for fillet in fillets if meet(fillet.box, lump.box))
-        if operation == "carve":
-            rest = [_left(lump, None, met + taken)] if met or taken else [lump]
+    first: tuple[Shell, ...],
+    tools: tuple[Shell, ...],
+    fillets: tuple[Shell, ...],
+    operation: Operation,
+) -> tuple[Shell, ...]:
+    """Return what carving or intersecting leaves of each shell."""
+    left: list[Shell | None] = []
+    for shell in first:
+        box = shell.lump.box
+        met = tuple(tool for tool in tools if meet(tool.lump.box, box))
+        taken = tuple(fillet for fillet in fillets if meet(fillet.lump.box, box))
+        if operation == "intersect":
+            left += [_cut(shell, tool, taken) for tool in met]
         else:
-            rest = [_left(lump, tool, taken) for tool in met]
-        left += [(some, owner) for some in rest if some is not None]
-    return tuple(lump for lump, _ in left), tuple(owner for _, owner in left)
+            left.append(_cut(shell, None, met + taken) if met or taken else shell)
+    return tuple(shell for shell in left if shell is not None)
+
+
+def _cut(shell: Shell, within: Shell | None, taken: tuple[Shell, ...]) -> Shell | None:
+    """Return a shell as far as it lies within another, without what is taken; None for nothing."""
+    found = _left(
+        shell.lump, None if within is None else within.lump, tuple(tool.lump for tool in taken)
+    )
+    if found is None:
+        return None
+    lump, numbers = found
+    if lump is shell.lump:
+        return shell
+    walls: dict[int, str] = {}
+    for one in (*taken, *(() if within is None else (within,)), shell):
+        walls |= one.known()
+    return Shell(lump, shell.owner, numbers, walls)
 
 
 @remembered(
@@ -237,8 +308,10 @@ def _acted_on(
         lump.held, None if within is None else within.held, tuple(tool.held for tool in taken),
     ),
 )  # fmt: skip
-def _left(lump: Lump, within: Lump | None, taken: tuple[Lump, ...]) -> Lump | None:
-    """Return a lump as far as it lies within another, without what is taken; None for nothing.
+def _left(
+    lump: Lump, within: Lump | None, taken: tuple[Lump, ...]
+) -> tuple[Lump, Index | None] | None:
+    """Return what is left of a lump, and where its vertices come from; None for nothing.
 
     Where manifold3d finds no sound solid the lump stays as it is.
     """
@@ -248,20 +321,21 @@ def _left(lump: Lump, within: Lump | None, taken: tuple[Lump, ...]) -> Lump | No
     if taken:
         solid = Manifold.batch_boolean([solid, *(tool.manifold for tool in taken)], OpType.Subtract)
     if solid.status().name != "NoError":
-        return lump
+        return lump, None
     if solid.is_empty():
         return None
-    box = np.array(solid.bounding_box()).reshape(2, 3)
+    mesh = mesh_of(solid)
     others = taken if within is None else (within, *taken)
-    return Lump(Remainder(solid), box, _with_normals_of(solid, (lump, *others), within))
+    surface = _with_normals_of(mesh, (lump, *others), within)
+    box = np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
+    return Lump(Remainder(solid), box, surface), np.repeat(mesh.numbers, 3)
 
 
-def _with_normals_of(solid: Manifold, lumps: tuple[Lump, ...], within: Lump | None) -> Surface:
+def _with_normals_of(mesh: UnionMesh, lumps: tuple[Lump, ...], within: Lump | None) -> Surface:
     """Return the surface of a remainder, whose corners keep the normals of what they come from.
 
     Those of new corners, along creases, are the normals of their faces.
     """
-    mesh = mesh_of(solid)
     corners = mesh.vertices[mesh.faces].reshape(-1, 3)
     faces = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
     normals = vertex_normals(corners, faces)
@@ -279,7 +353,7 @@ def _placed(lump: Lump, pose: Placement) -> Lump:
     """Return a lump of a group that was moved."""
     held = lump.held
     if isinstance(held, Body):
-        return Draft.of(_placed_body(held, pose)).lumps[0]
+        return Draft.of(_placed_body(held, pose)).shells[0].lump
     vertices, faces, normals = lump.shown()
     surface = Surface(
         pose.points(vertices),

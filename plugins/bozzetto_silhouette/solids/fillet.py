@@ -17,7 +17,7 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite, signature
 from bozzetto_silhouette.implicit.fillet_solid import DEPTH, FilletSolid, layers
-from bozzetto_silhouette.inflation.manifold_check import as_manifold
+from bozzetto_silhouette.inflation.manifold_check import as_manifold, original_numbers
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
@@ -86,7 +86,7 @@ class Fillet:
     @cached_property
     def numbers(self) -> set[int]:
         """The numbers under which manifold3d keeps its faces apart from others."""
-        return {int(number) for number in self.manifold.to_mesh64().run_original_id}
+        return original_numbers(self.manifold)
 
 
 class _Zone(NamedTuple):

@@ -49,7 +49,7 @@ def part(name: str, x: float = 0.0, z: float = 0.0, **changes) -> Part:
 def draft(*nodes: Part | Group, chosen: str = "") -> Body:
     found, _ = drafts.draft_of(SilhouetteState(nodes, selected=chosen), 32)
     assert found is not None
-    return found
+    return found.body
 
 
 def seen(shape: Body, low: tuple[float, float], high: tuple[float, float]):
@@ -178,7 +178,8 @@ def test_colours_are_those_of_the_parts() -> None:
     red, blue = (200, 30, 30), (30, 30, 200)
     nodes = (part("a", color=red), part("b", 70.0, color=blue, blend=0.5))
     state = SilhouetteState(nodes)
-    some, body = draft(*nodes), tree.tree_body(state, 32)
+    some, body = drafts.draft_of(state, 32)[0], tree.tree_body(state, 32)
+    assert some is not None
     assert body is not None
     shown, final = sketched(state, some), painted(state, body).shown
     assert shown.colors is not None
@@ -189,7 +190,37 @@ def test_colours_are_those_of_the_parts() -> None:
             assert near.any()
             assert (mesh.colors[near, :3] == color).all()
     plain = SilhouetteState((part("a"), part("b", 70.0)))
-    assert sketched(plain, draft(*plain.nodes)).colors is None
+    bare = drafts.draft_of(plain, 32)[0]
+    assert bare is not None
+    assert sketched(plain, bare).colors is None
+
+
+@pytest.mark.parametrize("operation", ["carve", "intersect"])
+@pytest.mark.parametrize("blend", [0.0, 0.3])
+def test_walls_belong_to_what_made_them_and_have_its_colour_or_else_that_under_it(
+    operation: str, blend: float
+) -> None:
+    red, blue, green = (200, 30, 30), (30, 30, 200), (30, 200, 30)
+    tool = part("t", 60.0, operation=operation, blend=blend)
+    nodes = (part("a", color=red), part("b", 0.0, 40.0, color=blue), tool)
+    for color in (None, green):
+        state = SilhouetteState((*nodes[:2], replace(tool, color=color)))
+        some, body = drafts.draft_of(state, 32)[0], tree.tree_body(state, 32)
+        assert some is not None
+        assert body is not None
+        one, other = some.body, body
+        names, owners = (np.array(each.sources)[each.origins] for each in (one, other))
+        on_wall = [
+            np.abs(np.linalg.norm(each.vertices - (60.0, 0.0, 0.0), axis=1) - 50.0) < 0.02
+            for each in (one, other)
+        ]
+        assert on_wall[0].sum() > 100
+        assert (names[on_wall[0]] == "t").mean() > 0.95
+        assert (owners[on_wall[1]] == "t").mean() > 0.95
+        shown = sketched(state, some).colors
+        assert shown is not None
+        seen_there = {tuple(row) for row in shown[on_wall[0] & (names == "t"), :3].tolist()}
+        assert seen_there == ({green} if color else {red, blue})
 
 
 def test_a_mistake_names_its_part_and_nobody_waits_for_what_is_not_wanted() -> None:
