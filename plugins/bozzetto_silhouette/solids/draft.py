@@ -8,13 +8,16 @@ costs what it touches, however large the tree is.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
+from math import ceil
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
+from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite
@@ -23,12 +26,13 @@ from bozzetto_silhouette.inflation.manifold_check import original_numbers
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore
 from bozzetto_silhouette.model.state import Group, Operation, Part, SilhouetteState
+from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
 from bozzetto_silhouette.solids.fillet import Fillet, common_box, fillets_between
 from bozzetto_silhouette.solids.lump import Held, Lump, Remainder
 from bozzetto_silhouette.solids.part_solid import body_of
-from bozzetto_silhouette.solids.placements import groups_around
+from bozzetto_silhouette.solids.placements import carried, groups_around, outlined_parts
 from bozzetto_silhouette.solids.polygonize import Surface
 from bozzetto_silhouette.solids.traversal import put_together
 from bozzetto_silhouette.solids.union_mesh import UnionMesh, found, mesh_of
@@ -37,7 +41,17 @@ FILLETED = 2
 """Fillets that may change with the chosen part and still be shown while it does: each takes 20 to
 30 ms."""
 
-FELT = 5.0
+COARSEST = 24
+"""Cells along the longest side of a small part, at least."""
+
+CLASSES = 8
+"""Steps between that and the resolution asked for: a part that grows seldom needs another mesh."""
+
+FINER = 2.0
+"""How much finer than the largest part's the cells of the others are at most: on the screen
+nobody sees more, and thirty limbs would have ten times the triangles."""
+
+FELT = 6.0
 """Distance from a crease, in reaches, up to which a part may tell on its fillet: the promise of
 `Implicit` on values outside is no better."""
 
@@ -208,7 +222,7 @@ class _Making:
     def part(self, part: Part, before: Draft | None) -> Draft:
         if before is not None and acts_on(part):
             return Draft.of(straight_body(part, before.box, self.resolution))
-        body = body_of(part, self.resolution, self.checkpoint)
+        body = body_of(part, self._cells.get(part.id, self.resolution), self.checkpoint)
         if body.solid is not None:
             self.solids[part.id] = body.solid
         return Draft.of(body)
@@ -251,6 +265,23 @@ class _Making:
         fillets = fillets_between(solid, box, bodies, step, self.checkpoint)
         owner = second.shells[0].owner
         return tuple(Shell(Lump(f, f.box, f.surface), owner) for f in fillets)
+
+    @cached_property
+    def _cells(self) -> dict[str, int]:
+        """The cells along the longest side of each part, by its size beside the largest one."""
+        sizes: dict[str, float] = {}
+        for part in outlined_parts(self.state):
+            with suppress(UserError):  # told when it is to be made
+                low, high = outline_of(part).bounds
+                sizes[part.id] = float((high - low).max()) * carried(self.state, part).scale
+        largest = max(sizes.values(), default=1.0)
+        return {
+            name: max(
+                min(COARSEST, self.resolution),
+                self.resolution * min(CLASSES, ceil(CLASSES * FINER * size / largest)) // CLASSES,
+            )
+            for name, size in sizes.items()
+        }
 
     def _is_chosen(self, body: Body) -> bool:
         return body.sources[0] in self._chosen
