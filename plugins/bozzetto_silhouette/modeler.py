@@ -31,7 +31,7 @@ from bozzetto_silhouette.solids.evaluate import evaluated
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, placement_of, shown_parts
 from bozzetto_silhouette.tools import all_tools
 from bozzetto_silhouette.tools.animate import motion_commands
-from bozzetto_silhouette.tools.attachment import ATTACH
+from bozzetto_silhouette.tools.attachment import ATTACH, offers_to_attach
 from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.tools.hole_filling import FILL
 from bozzetto_silhouette.view.handles import handles_layer
@@ -197,7 +197,9 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         self, state: SilhouetteState, result: SilhouetteResult, job: Job
     ) -> Mapping[str, Any]:
         """Report how close every part is to its outline, and whether the whole can be printed."""
-        figures = report_of(state, result.body, result.solids, job)
+        figures = report_of(
+            state, result.body, result.solids, job, lambda: offers_to_attach(state, job)
+        )
         rig = None if result.body is None else rig_of(state)
         return figures if rig is None else {**figures, "rig": rig_facts(rig)}
 

@@ -110,7 +110,7 @@ def _tree() -> Iterator[Row]:
         )  # fmt: skip
     for words, place in places:
         yield Row(
-            "blends", f"a tree of {LIMBS + 1} parts, a slider of its {words}, frame, processor time",
+            "blends", f"a tree of {LIMBS + 1} parts, {words}, frame of a slider, processor time",
             processor_ms(partial(_slid, state, place), repeats=7), budget="≤ 100 ms",
         )  # fmt: skip
     yield Row(
