@@ -45,6 +45,10 @@ MOST_TURN: Final = np.deg2rad(110.0)
 SHARP: Final = 0.3
 """Sine of the turn below which lines meet nowhere near: both head the same or the opposite way."""
 
+AGREED: Final = 0.5
+"""Farthest, in widths of the gap, that the corner for which two lines head may lie from the one
+that less of their ink tells."""
+
 LANDING: Final = 0.15
 """Ink right at an end, as a share of the length that is fitted: where the pen lands and lifts it
 tells the place, and no direction."""
@@ -303,17 +307,28 @@ def _cut(a: Array, b: Array, length: float, between: Array) -> Joint:
 def _corner(a: Array, b: Array) -> Array:
     """Return the corner that both lines head for, if the gap is only what was missed of it."""
     gap = _gap(a, b)
-    length = max(2.0 * gap, NARROW)
+    corner = _headed_for(a, b, max(2.0 * gap, NARROW))
+    if corner is None:
+        return _NOTHING
+    nearer = _headed_for(a, b, max(gap, NARROW))
+    if nearer is None or np.hypot(*(nearer - corner)) > AGREED * gap:
+        return _NOTHING  # round ends, which head for anywhere
+    return corner[None]
+
+
+def _headed_for(a: Array, b: Array, length: float) -> Array | None:
+    """Return where two lines would meet, as ink of some length at their ends tells it."""
+    gap = _gap(a, b)
     back, arc_a, arc_b = a[::-1], arc_length(a[::-1]), arc_length(b)
     if min(np.searchsorted(arc_a, length), np.searchsorted(arc_b, length)) < LEAST_INK:
-        return _NOTHING
+        return None
     end, start = _parabola(back, arc_a, length), _parabola(b, arc_b, length)
     if end is None or start is None:
-        return _NOTHING
+        return None
     ways = np.column_stack((-end[1] / np.hypot(*end[1]), start[1] / np.hypot(*start[1])))
     if abs(np.linalg.det(ways)) < SHARP:
-        return _NOTHING
+        return None
     missed = np.linalg.solve(ways, b[0] - a[-1])
     if not (0.0 < missed.min() and missed.max() < 1.5 * gap):
-        return _NOTHING
-    return np.asarray(a[-1] + missed[0] * ways[:, 0])[None]
+        return None
+    return np.asarray(a[-1] + missed[0] * ways[:, 0])

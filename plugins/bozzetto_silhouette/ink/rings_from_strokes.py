@@ -57,7 +57,7 @@ _REDRAW = "The outline crosses itself at the marked place. Draw it again, or lif
 
 
 def rings_from_strokes(
-    strokes: Sequence[ArrayLike], *, tolerance: float | None = None
+    strokes: Sequence[ArrayLike], *, tolerance: float | None = None, grain: float = 0.0
 ) -> list[Array]:
     """Turn strokes into closed simple rings that do not cross each other.
 
@@ -67,6 +67,9 @@ def rings_from_strokes(
         Samples, in any unit.
     tolerance : float, optional
         Size of the jitter to be filtered, in the same unit; measured when not given.
+    grain : float
+        Distance of the places that samples can have, where they were rounded to whole pixels,
+        in the same unit; 0 where they were not.
 
     Returns
     -------
@@ -105,7 +108,7 @@ def rings_from_strokes(
     noise = None if tolerance is None else tolerance / size
     clean: list[Array] = []
     for ring in rings:
-        simple, crossings = untangled(filtered(ring, noise))
+        simple, crossings = untangled(filtered(ring, noise, grain / size))
         if len(crossings):
             raise UserError(_REDRAW, places=_places(crossings, size, middle))
         if simple is not None:

@@ -17,6 +17,10 @@ from bozzetto_silhouette.outline.edits import Rings, edited
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 
 
+GRAINS = (1.0, 0.5)
+"""Parts of a pixel that mice round to."""
+
+
 def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
     """Project every stroke's samples onto the sheet, shape (n, 2) each, mm.
 
@@ -75,7 +79,7 @@ def _after(ink_and_edits: Hashable, part: Part, before: Rings, count: int) -> Ri
     lines = points_on_sheet(strokes, part.sheet)
     try:
         if edit is None:
-            return tuple(rings_from_strokes(lines))
+            return tuple(rings_from_strokes(lines, grain=_grain(strokes, lines)))
         return edited(before, edit, lines[0])
     except UserError as problem:
         if not problem.places:
@@ -83,6 +87,21 @@ def _after(ink_and_edits: Hashable, part: Part, before: Rings, count: int) -> Ri
         camera = strokes[-1].camera
         pixels, _ = camera.project(part.sheet.to_world(np.asarray(problem.places)))
         raise UserError(problem.message, places=[(x, y) for x, y in pixels]) from None
+
+
+def _grain(strokes: Sequence[Stroke], lines: Sequence[Array]) -> float:
+    """Return the distance on the sheet of the places that samples can have, mm; 0 for a pen's.
+
+    A mouse tells whole pixels, or halves of them on a screen with two for one.
+    """
+    points = np.concatenate([stroke.points for stroke in strokes]).astype(np.float64)
+    grain = next((g for g in GRAINS if np.array_equal(np.rint(points / g) * g, points)), 0.0)
+    if not grain:
+        return 0.0
+    ways = [np.diff(stroke.points.astype(np.float64), axis=0) for stroke in strokes]
+    pixels = np.hypot(*np.concatenate(ways).T)
+    moved = np.hypot(*np.concatenate([np.diff(line, axis=0) for line in lines]).T)
+    return grain * float(moved.sum() / max(pixels.sum(), 1e-300))
 
 
 def surrounds(outline: Outline, points: Array) -> bool:
