@@ -33,6 +33,9 @@ ALIKE: Final = float(np.cos(np.deg2rad(40.0)))
 NARROW, WIDE = 0.018, 0.15
 """Least and greatest length of ink at each end that a smooth joint is fitted to."""
 
+SHARE, SHARE_OF_SHORT = 0.2, 0.4
+"""The same as a share of the shorter line, and of a line so short that this would be too little."""
+
 REACH: Final = 2.5
 """That length in widths of the gap."""
 
@@ -59,6 +62,15 @@ holds a corner or a hook of its own."""
 
 LEAST_INK: Final = 4
 """Samples that each end must have in the length that is fitted: fewer are vertices of a polygon."""
+
+STEP: Final = 2.0
+"""Ink that is cut off at both ends where they lie beside each other, in widths of the gap."""
+
+WIDEST_STEP: Final = 0.012
+"""Widest gap that counts as a step: the ink that is cut off must be nearly straight."""
+
+RUNS_ON: Final = float(np.cos(np.deg2rad(35.0)))
+"""The way over a gap leads on as the ink does, up to this angle; else it is a step."""
 
 SAMPLES: Final = 24
 """Points on each side of a smooth joint."""
@@ -110,9 +122,10 @@ def self_joint(line: Array) -> tuple[Array, Array]:
         import shapely
 
         if len(line) < FEW or shapely.LinearRing(line).is_simple:
-            smooth = _smooth(line[half:], line[: half + 1])
+            before, after = line[half:], line[: half + 1]
+            smooth = _smooth(before, after)
             if smooth is None:
-                return line, _NOTHING
+                smooth = Joint(*_without_step(before, after), _NOTHING)
             return np.concatenate([smooth.after[:-1], smooth.before]), smooth.between
     tail, head, between = joint(line[half:], line[: half + 1])
     return np.concatenate([head[:-1], tail]), between
@@ -124,7 +137,36 @@ def joint(before: Array, after: Array) -> Joint:
     smooth = _smooth(before, after)
     if smooth is not None:
         return smooth
-    return Joint(before, after, _NOTHING if crossed else _corner(before, after))
+    if crossed:
+        return Joint(before, after, _NOTHING)
+    corner = _corner(before, after)
+    if len(corner):
+        return Joint(before, after, corner)
+    return Joint(*_without_step(before, after), _NOTHING)
+
+
+def _without_step(a: Array, b: Array) -> tuple[Array, Array]:
+    """Cut so much off lines that run on but miss each other sideways that the step is none.
+
+    Ink is too short there, or too near a corner, for a smooth joint.
+    """
+    gap = _gap(a, b)
+    arc_a, arc_b = arc_length(a), arc_length(b)
+    cut = STEP * gap
+    if not 0.0 < gap < WIDEST_STEP or min(arc_a[-1], arc_b[-1]) < 2.0 * cut:
+        return a, b
+    last, first = points_along(a, arc_a, arc_a[-1] - cut), points_along(b, arc_b, cut)
+    leave, arrive = a[-1] - last, first - b[0]
+    long = float(np.hypot(*leave) * np.hypot(*arrive))
+    if float(leave @ arrive) < np.cos(CORNER) * long:
+        return a, b
+    ahead = leave + arrive
+    if float((b[0] - a[-1]) @ ahead) > RUNS_ON * gap * float(np.hypot(*ahead)):
+        return a, b
+    return (
+        np.vstack([a[: np.searchsorted(arc_a, arc_a[-1] - cut)], last]),
+        np.vstack([first, b[np.searchsorted(arc_b, cut, side="right") :]]),
+    )
 
 
 def _gap(before: Array, after: Array) -> float:
@@ -192,7 +234,8 @@ def _smooth(a: Array, b: Array) -> Joint | None:
     """Join two lines smoothly, if that is what their ink says; the miss is shared by both."""
     gap = _gap(a, b)
     back, arc_a, arc_b = a[::-1], arc_length(a[::-1]), arc_length(b)
-    longest = 0.2 * float(min(arc_a[-1], arc_b[-1]))
+    shorter = float(min(arc_a[-1], arc_b[-1]))
+    longest = max(SHARE * shorter, min(3.0 * NARROW, SHARE_OF_SHORT * shorter))
     long_gap = gap > LONG_GAP
     length = min(LONG_GAP if long_gap else max(REACH * gap, 3.0 * NARROW), WIDE, longest)
     while length >= (NARROW if long_gap else max(NARROW, 1.2 * gap)):

@@ -16,7 +16,6 @@ from bozzetto_silhouette.model.state import Oversketch, Part, Removal, Smoothing
 from bozzetto_silhouette.outline.edits import Rings, edited
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 
-
 GRAINS = (1.0, 0.5)
 """Parts of a pixel that mice round to."""
 
