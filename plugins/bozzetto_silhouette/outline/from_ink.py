@@ -16,8 +16,11 @@ from bozzetto_silhouette.model.state import Oversketch, Part, Removal, Smoothing
 from bozzetto_silhouette.outline.edits import Rings, edited
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 
-GRAINS = (1.0, 0.5)
-"""Parts of a pixel that mice round to."""
+GRAINS = tuple(1.0 / scale for scale in (1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0))
+"""Distances of the places that a mouse can tell, px: those of the screen's own pixels."""
+
+ON_GRAIN = 2e-3
+"""Rounding of such places, in grains: strokes are kept in single precision."""
 
 
 def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
@@ -91,16 +94,21 @@ def _after(ink_and_edits: Hashable, part: Part, before: Rings, count: int) -> Ri
 def _grain(strokes: Sequence[Stroke], lines: Sequence[Array]) -> float:
     """Return the distance on the sheet of the places that samples can have, mm; 0 for a pen's.
 
-    A mouse tells whole pixels, or halves of them on a screen with two for one.
+    A mouse tells whole pixels of the screen.
     """
     points = np.concatenate([stroke.points for stroke in strokes]).astype(np.float64)
-    grain = next((g for g in GRAINS if np.array_equal(np.rint(points / g) * g, points)), 0.0)
+    grain = next((g for g in GRAINS if _lies_on(points, g)), 0.0)
     if not grain:
         return 0.0
     ways = [np.diff(stroke.points.astype(np.float64), axis=0) for stroke in strokes]
     pixels = np.hypot(*np.concatenate(ways).T)
     moved = np.hypot(*np.concatenate([np.diff(line, axis=0) for line in lines]).T)
     return grain * float(moved.sum() / max(pixels.sum(), 1e-300))
+
+
+def _lies_on(points: Array, grain: float) -> bool:
+    """Whether all coordinates are multiples of a grain."""
+    return bool((np.abs(points / grain - np.rint(points / grain)) < ON_GRAIN).all())
 
 
 def surrounds(outline: Outline, points: Array) -> bool:
