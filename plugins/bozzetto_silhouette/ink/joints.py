@@ -48,6 +48,9 @@ MOST_TURN: Final = np.deg2rad(110.0)
 SHARP: Final = 0.3
 """Sine of the turn below which lines meet nowhere near: both head the same or the opposite way."""
 
+ROUND: Final = np.deg2rad(30.0)
+"""Lines that bend together by more, on the way that is looked at, are a round end and no corner."""
+
 AGREED: Final = 0.5
 """Farthest, in widths of the gap, that the corner for which two lines head may lie from the one
 that less of their ink tells."""
@@ -350,26 +353,38 @@ def _cut(a: Array, b: Array, length: float, between: Array) -> Joint:
 def _corner(a: Array, b: Array) -> Array:
     """Return the corner that both lines head for, if the gap is only what was missed of it."""
     gap = _gap(a, b)
-    corner = _headed_for(a, b, max(2.0 * gap, NARROW))
+    length = max(2.0 * gap, NARROW)
+    if _samples_within(a, b, length) < LEAST_INK:
+        return _NOTHING
+    corner = _headed_for(a, b, length)
     if corner is None:
         return _NOTHING
-    nearer = _headed_for(a, b, max(gap, NARROW))
-    if nearer is None or np.hypot(*(nearer - corner)) > AGREED * gap:
-        return _NOTHING  # round ends, which head for anywhere
+    half = max(gap, NARROW)
+    if _samples_within(a, b, half) >= LEAST_INK // 2:
+        nearer = _headed_for(a, b, half)
+        if nearer is None or np.hypot(*(nearer - corner)) > AGREED * gap:
+            return _NOTHING  # round ends, which head for anywhere
     return corner[None]
+
+
+def _samples_within(a: Array, b: Array, length: float) -> int:
+    """Return how many samples both lines have at least within a length of where they are joined."""
+    back, ahead = arc_length(a[::-1]), arc_length(b)
+    return int(min(np.searchsorted(back, length), np.searchsorted(ahead, length)))
 
 
 def _headed_for(a: Array, b: Array, length: float) -> Array | None:
     """Return where two lines would meet, as ink of some length at their ends tells it."""
     gap = _gap(a, b)
     back, arc_a, arc_b = a[::-1], arc_length(a[::-1]), arc_length(b)
-    if min(np.searchsorted(arc_a, length), np.searchsorted(arc_b, length)) < LEAST_INK:
-        return None
     end, start = _parabola(back, arc_a, length), _parabola(b, arc_b, length)
     if end is None or start is None:
         return None
     ways = np.column_stack((-end[1] / np.hypot(*end[1]), start[1] / np.hypot(*start[1])))
-    if abs(np.linalg.det(ways)) < SHARP:
+    turn = float(np.linalg.det(ways))
+    if abs(turn) < SHARP:
+        return None
+    if (_bend(start) - _bend(end)) * length * np.sign(turn) > ROUND:
         return None
     missed = np.linalg.solve(ways, b[0] - a[-1])
     if not (0.0 < missed.min() and missed.max() < 1.5 * gap):
