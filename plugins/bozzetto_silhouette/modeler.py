@@ -16,7 +16,7 @@ from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.analysis.figures import FIGURES
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
 from bozzetto_silhouette.appearance.part_groups import with_groups
-from bozzetto_silhouette.appearance.surface_look import Painted, painted, texture_of
+from bozzetto_silhouette.appearance.surface_look import Painted, painted, sketched, texture_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.model.sketch_plane import sheet_under
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
@@ -26,11 +26,12 @@ from bozzetto_silhouette.rigging.hand_over import handed_over
 from bozzetto_silhouette.rigging.key_poses import clip_of
 from bozzetto_silhouette.rigging.posing import Posed, joints_layer, rig_facts, rig_of, skinned
 from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.draft import draft_of
 from bozzetto_silhouette.solids.evaluate import evaluated
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, placement_of, shown_parts
 from bozzetto_silhouette.tools import all_tools
 from bozzetto_silhouette.tools.animate import motion_commands
-from bozzetto_silhouette.tools.attachment import ATTACH
+from bozzetto_silhouette.tools.attachment import ATTACH, offers_to_attach
 from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.tools.hole_filling import FILL
 from bozzetto_silhouette.view.handles import handles_layer
@@ -124,12 +125,16 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
 
     @override
     def solve(self, state: SilhouetteState, job: Job) -> SilhouetteResult:
-        """Make one watertight solid; what did not change is remembered."""
-        resolution = state.resolution
-        if job.quality == "preview":
+        """Make one watertight solid; what did not change is remembered.
+
+        A preview of several parts is a draft of them, not united, unless it is posed or moves.
+        """
+        resolution, final = state.resolution, job.quality == "final"
+        if not final:
             resolution = min(resolution, PREVIEW_RESOLUTION)
+            if not (state.posing or state.turns or state.keys):
+                return _drafted(state, resolution, job)
         body, solids = evaluated(state, resolution, job.checkpoint)
-        final = job.quality == "final"
         if body is None:
             return SilhouetteResult(None, None, None, None, final, solids)
         look = painted(state, body, job.checkpoint)
@@ -164,7 +169,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         if result.mesh is None or result.shown is None or result.body is None:
             return Shapes()
         skin = result.skin
-        if skin is None:
+        if skin is None and (result.final or result.body.solid is not None):
             skin = skinned(state, result.body, Painted(result.mesh, result.shown)).skin
         armature = armature_of(state)
         if skin is not None and armature is not None:
@@ -192,7 +197,9 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         self, state: SilhouetteState, result: SilhouetteResult, job: Job
     ) -> Mapping[str, Any]:
         """Report how close every part is to its outline, and whether the whole can be printed."""
-        figures = report_of(state, result.body, result.solids, job)
+        figures = report_of(
+            state, result.body, result.solids, job, lambda: offers_to_attach(state, job)
+        )
         rig = None if result.body is None else rig_of(state)
         return figures if rig is None else {**figures, "rig": rig_facts(rig)}
 
@@ -226,6 +233,18 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         ]
         kept = {key: state[key] for key in ("resolution",) if key in state}
         return {"nodes": nodes, "selected": "n1" if nodes else "", **kept}
+
+
+def _drafted(state: SilhouetteState, resolution: int, job: Job) -> SilhouetteResult:
+    """Return what is shown while a value is dragged."""
+    draft, solids = draft_of(state, resolution, job.checkpoint)
+    if draft is None:
+        return SilhouetteResult(None, None, None, None, False, solids)
+    body = draft.body
+    if body.solid is not None:  # one part by itself
+        return SilhouetteResult(body, *painted(state, body, job.checkpoint), None, False, solids)
+    mesh = sketched(state, draft, job.checkpoint)
+    return SilhouetteResult(body, mesh, mesh, None, False, solids)
 
 
 def _deviation(state: SilhouetteState, result: SilhouetteResult) -> Layer | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -49,7 +49,11 @@ def _walls(solid: SilhouetteSolid | Body) -> Walls:
 
 
 def report_of(
-    state: SilhouetteState, body: Body | None, solids: Mapping[str, SilhouetteSolid], job: Job
+    state: SilhouetteState,
+    body: Body | None,
+    solids: Mapping[str, SilhouetteSolid],
+    job: Job,
+    floating: Callable[[], Sequence[str]],
 ) -> dict[str, Any]:
     """Return the figures of the whole, then of every part, in mm, and warnings; plain JSON values.
 
@@ -63,6 +67,9 @@ def report_of(
         By the id of the part, in its object frame.
     job : Job
         Looked at between the parts.
+    floating : callable
+        Returns what to do with parts that touch nothing, a sentence each; asked only where the
+        shape falls into pieces.
     """
     warnings: list[str] = []
     shown = [part for part in shown_parts(state) if part.id in solids]
@@ -75,6 +82,8 @@ def report_of(
     if body is not None:
         whole = _of_whole(body)
         problems = _print_problems(whole)
+        if whole["components"] > 1:
+            problems += floating()
         report["whole"] = whole
         report["print"] = {
             "ready": not problems,

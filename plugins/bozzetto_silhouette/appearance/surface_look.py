@@ -16,16 +16,14 @@ from bozzetto_silhouette.appearance.vertex_colors import (
     Coat,
     Creases,
     bare,
+    coat_of_origins,
     creases_between,
     part_coat,
 )
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Picture, SilhouetteState
-from bozzetto_silhouette.numerics.isotropic_remeshing import unit
 from bozzetto_silhouette.solids.body import Body
-
-_INTO = 0.3
-"""Where the normal of a face at a crease is looked up: the way from the crease to its middle."""
+from bozzetto_silhouette.solids.draft import Drafted
 
 
 class Painted(NamedTuple):
@@ -59,6 +57,23 @@ def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore)
     if creases is None:
         return Painted(mesh, mesh)
     return Painted(mesh, _split(plain, coat, creases, picture))
+
+
+def sketched(state: SilhouetteState, draft: Drafted, checkpoint: Checkpoint = ignore) -> Mesh:
+    """Color a draft: every surface in it as the part that it belongs to."""
+    checkpoint(1.0, "colours")
+    body = draft.body
+    plain = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
+    walls = coat_of_origins(state, body)
+    under = coat_of_origins(state, replace(body, origins=draft.under.astype(np.int32)))
+    picture = _picture_coat(state, body)
+    if walls is None or under is None:
+        coat = bare(len(body.vertices))
+        if picture is None:
+            return plain
+    else:
+        coat = walls.over(under)
+    return _colored(plain, coat if picture is None else picture.over(coat))
 
 
 def _split(plain: Mesh, coat: Coat, creases: Creases, picture: Coat | None) -> Mesh:
@@ -137,17 +152,5 @@ def creased(body: Body) -> Mesh:
 
     There every face gets the normal of its own side.
     """
-    on_crease = np.zeros(len(body.vertices), dtype=bool)
-    on_crease[body.creases] = True
-    face, corner = np.nonzero(on_crease[body.faces])
-    copied = body.faces[face, corner]
-    middle = body.vertices[body.faces[face]].mean(axis=1)
-    at = body.vertices[copied] + _INTO * (middle - body.vertices[copied])
-    inwards = body.implicit.sample(at).gradient if len(at) else np.zeros((0, 3))
-    faces = body.faces.copy()
-    faces[face, corner] = len(body.vertices) + np.arange(len(copied))
-    return Mesh(
-        np.vstack([body.vertices, body.vertices[copied]]).astype(np.float32),
-        faces,
-        np.vstack([body.normals, -unit(inwards)]).astype(np.float32),
-    )
+    vertices, faces, normals = body.split_at_creases()
+    return Mesh(vertices.astype(np.float32), faces, normals.astype(np.float32))

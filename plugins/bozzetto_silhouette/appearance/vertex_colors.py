@@ -118,9 +118,25 @@ def part_coat(state: SilhouetteState, body: Body, points: Array | None = None) -
         return None
     counted = sum(1 for _ in _leaves(body.implicit))
     if counted != len(body.sources):  # several parts solved as one
-        return None if points is not None else _coat_of_origins(body, colors)
+        return None if points is not None else coat_of_origins(state, body)
     painted = _Painted([colors.get(source) for source in body.sources], TIE * body.step)
     return painted.at(body.implicit, body.vertices if points is None else points, body.step)[1]
+
+
+def coat_of_origins(state: SilhouetteState, body: Body) -> Coat | None:
+    """Return for a body's vertices the colours of the parts they came from; None without colours.
+
+    Nothing passes from one colour into another.
+    """
+    colors = {part.id: color_of(part) for part in state.parts}
+    if all(colors.get(source) is None for source in body.sources):
+        return None
+    table = bare(len(body.sources))
+    for index, source in enumerate(body.sources):
+        color = colors.get(source)
+        if color is not None:
+            table.rgb[index], table.cover[index] = color, 1.0
+    return Coat(table.rgb[body.origins], table.cover[body.origins])
 
 
 def creases_between(state: SilhouetteState, body: Body, coat: Coat) -> Creases | None:
@@ -171,15 +187,6 @@ def _has_crease(solid: Implicit) -> bool:
     if not isinstance(solid, Composite):
         return False
     return solid.reach <= 0.0 or _has_crease(solid.first) or _has_crease(solid.second)
-
-
-def _coat_of_origins(body: Body, colors: dict[str, Color | None]) -> Coat:
-    table = bare(len(body.sources))
-    for index, source in enumerate(body.sources):
-        color = colors.get(source)
-        if color is not None:
-            table.rgb[index], table.cover[index] = color, 1.0
-    return Coat(table.rgb[body.origins], table.cover[body.origins])
 
 
 class _Painted:

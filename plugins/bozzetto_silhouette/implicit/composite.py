@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -179,8 +180,11 @@ def _corners(box: Array) -> Array:
 
 def _box_gap(box: Array, other: Array) -> float:
     """Return the distance between two boxes (2, 3)."""
-    beyond = np.maximum(np.maximum(box[0] - other[1], other[0] - box[1]), 0.0)
-    return float(np.sqrt((beyond**2).sum()))
+    (low, high), (other_low, other_high) = box.tolist(), other.tolist()
+    return math.hypot(*(
+        max(a - d, c - b, 0.0)
+        for a, b, c, d in zip(low, high, other_low, other_high, strict=True)
+    ))  # fmt: skip
 
 
 def box_distance(points: Array, bounds: Array) -> Array:

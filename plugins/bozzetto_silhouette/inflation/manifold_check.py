@@ -85,6 +85,11 @@ def as_manifold(vertices: Array, faces: Faces) -> Manifold:
     return manifold3d.Manifold(mesh)
 
 
+def original_numbers(solid: Manifold) -> set[int]:
+    """Return the numbers under which manifold3d keeps the meshes apart that a solid was made of."""
+    return {int(number) for number in solid.to_mesh64().run_original_id}
+
+
 def soundness_of(vertices: Array, faces: Faces, outline: Outline) -> Soundness:
     """Check a mesh (v, 3), (f, 3) against the outline it was made from."""
     return Soundness(

@@ -16,7 +16,17 @@ SPACING = 3e-3
 """Resampling before the filter, as a share of the size."""
 
 UNNOTICED = 4e-4
-"""Noise below this share of the size is left alone."""
+"""Noise below this share of the size is left alone, unless it is that of the grain."""
+
+ROUNDING = 12.0**-0.5
+"""Standard deviation of places that are rounded to a grain, in grains."""
+
+GRAINY = 0.1
+"""Noise of grainy ink, as a share of that, from which on it shows: lines along the grain have
+none."""
+
+ROUNDED_BY = 4.0
+"""Farthest that grainy ink is moved, in standard deviations: what stands out farther was drawn."""
 
 DENSE, SPARSE = 0.03, 0.08
 """Longest edges of ink, as a share of the size, and of ink that a fast pen left few samples of."""
@@ -114,7 +124,7 @@ def _by_length(length: Array, share: float) -> float:
     return float(ordered[np.searchsorted(way, share * way[-1])])
 
 
-def filtered(ring: Array, noise: float | None = None) -> Array:
+def filtered(ring: Array, noise: float | None = None, grain: float = 0.0) -> Array:
     """Filter a closed ring.
 
     Parameters
@@ -123,6 +133,8 @@ def filtered(ring: Array, noise: float | None = None) -> Array:
         Longest side of the drawing about 1.
     noise : float, optional
         Size of the jitter; measured when not given.
+    grain : float
+        Distance of the places that samples can have, where they were rounded, as by a mouse.
 
     Returns
     -------
@@ -131,6 +143,9 @@ def filtered(ring: Array, noise: float | None = None) -> Array:
     """
     for _ in range(_PASSES):
         size = noise_of(ring) if noise is None else noise
+        if grain and GRAINY * ROUNDING * grain < size < UNNOTICED and len(ring) >= 24:
+            rounding = max(size, ROUNDING * grain)
+            return _filtered_once(ring, rounding, ROUNDED_BY * rounding)
         if size < UNNOTICED or len(ring) < 24:
             return _rounded(ring)
         # Heavy jitter makes the line much longer than the shape it stands for, and the
@@ -180,8 +195,11 @@ def _rounded(ring: Array) -> Array:
     return np.concatenate(pieces)
 
 
-def _filtered_once(ring: Array, noise: float) -> Array:
-    """Run one pass of the filter for jitter of a given size."""
+def _filtered_once(ring: Array, noise: float, farthest: float = np.inf) -> Array:
+    """Run one pass of the filter for jitter of a given size.
+
+    Where it would move the line farther than some distance it stays as it is.
+    """
     # Where samples lie closer than the jitter is wide, the line runs to and fro: averaging
     # the samples themselves first gives a line whose length means something.
     spacing = float(np.median(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)))
@@ -208,7 +226,10 @@ def _filtered_once(ring: Array, noise: float) -> Array:
             fit = np.polynomial.polynomial.polyfit(side, dense[where], 2 if half > 4 else 1)
             result[where] = np.polynomial.polynomial.polyval(side, fit).T
         result[around[half]] = dense[corner]
-    return result
+    near = np.hypot(*(result - dense).T) < farthest
+    if near.all():
+        return result
+    return np.asarray(dense + _faded_in(near, half)[:, None] * (result - dense))
 
 
 def _calmer(dense: Array, calm: Array, half: int, corners: Index, doubt: float) -> Array:

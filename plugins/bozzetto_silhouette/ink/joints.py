@@ -33,6 +33,9 @@ ALIKE: Final = float(np.cos(np.deg2rad(40.0)))
 NARROW, WIDE = 0.018, 0.15
 """Least and greatest length of ink at each end that a smooth joint is fitted to."""
 
+SHARE, SHARE_OF_SHORT = 0.2, 0.4
+"""The same as a share of the shorter line, and of a line so short that this would be too little."""
+
 REACH: Final = 2.5
 """That length in widths of the gap."""
 
@@ -45,6 +48,13 @@ MOST_TURN: Final = np.deg2rad(110.0)
 SHARP: Final = 0.3
 """Sine of the turn below which lines meet nowhere near: both head the same or the opposite way."""
 
+ROUND: Final = np.deg2rad(30.0)
+"""Lines that bend together by more, on the way that is looked at, are a round end and no corner."""
+
+AGREED: Final = 0.5
+"""Farthest, in widths of the gap, that the corner for which two lines head may lie from the one
+that less of their ink tells."""
+
 LANDING: Final = 0.15
 """Ink right at an end, as a share of the length that is fitted: where the pen lands and lifts it
 tells the place, and no direction."""
@@ -55,6 +65,15 @@ holds a corner or a hook of its own."""
 
 LEAST_INK: Final = 4
 """Samples that each end must have in the length that is fitted: fewer are vertices of a polygon."""
+
+STEP: Final = 2.0
+"""Ink that is cut off at both ends where they lie beside each other, in widths of the gap."""
+
+WIDEST_STEP: Final = 0.012
+"""Widest gap that counts as a step: the ink that is cut off must be nearly straight."""
+
+RUNS_ON: Final = float(np.cos(np.deg2rad(35.0)))
+"""The way over a gap leads on as the ink does, up to this angle; else it is a step."""
 
 SAMPLES: Final = 24
 """Points on each side of a smooth joint."""
@@ -106,9 +125,10 @@ def self_joint(line: Array) -> tuple[Array, Array]:
         import shapely
 
         if len(line) < FEW or shapely.LinearRing(line).is_simple:
-            smooth = _smooth(line[half:], line[: half + 1])
+            before, after = line[half:], line[: half + 1]
+            smooth = _smooth(before, after)
             if smooth is None:
-                return line, _NOTHING
+                smooth = Joint(*_without_step(before, after), _NOTHING)
             return np.concatenate([smooth.after[:-1], smooth.before]), smooth.between
     tail, head, between = joint(line[half:], line[: half + 1])
     return np.concatenate([head[:-1], tail]), between
@@ -120,7 +140,36 @@ def joint(before: Array, after: Array) -> Joint:
     smooth = _smooth(before, after)
     if smooth is not None:
         return smooth
-    return Joint(before, after, _NOTHING if crossed else _corner(before, after))
+    if crossed:
+        return Joint(before, after, _NOTHING)
+    corner = _corner(before, after)
+    if len(corner):
+        return Joint(before, after, corner)
+    return Joint(*_without_step(before, after), _NOTHING)
+
+
+def _without_step(a: Array, b: Array) -> tuple[Array, Array]:
+    """Cut so much off lines that run on but miss each other sideways that the step is none.
+
+    Ink is too short there, or too near a corner, for a smooth joint.
+    """
+    gap = _gap(a, b)
+    arc_a, arc_b = arc_length(a), arc_length(b)
+    cut = STEP * gap
+    if not 0.0 < gap < WIDEST_STEP or min(arc_a[-1], arc_b[-1]) < 2.0 * cut:
+        return a, b
+    last, first = points_along(a, arc_a, arc_a[-1] - cut), points_along(b, arc_b, cut)
+    leave, arrive = a[-1] - last, first - b[0]
+    long = float(np.hypot(*leave) * np.hypot(*arrive))
+    if float(leave @ arrive) < np.cos(CORNER) * long:
+        return a, b
+    ahead = leave + arrive
+    if float((b[0] - a[-1]) @ ahead) > RUNS_ON * gap * float(np.hypot(*ahead)):
+        return a, b
+    return (
+        np.vstack([a[: np.searchsorted(arc_a, arc_a[-1] - cut)], last]),
+        np.vstack([first, b[np.searchsorted(arc_b, cut, side="right") :]]),
+    )
 
 
 def _gap(before: Array, after: Array) -> float:
@@ -188,7 +237,8 @@ def _smooth(a: Array, b: Array) -> Joint | None:
     """Join two lines smoothly, if that is what their ink says; the miss is shared by both."""
     gap = _gap(a, b)
     back, arc_a, arc_b = a[::-1], arc_length(a[::-1]), arc_length(b)
-    longest = 0.2 * float(min(arc_a[-1], arc_b[-1]))
+    shorter = float(min(arc_a[-1], arc_b[-1]))
+    longest = max(SHARE * shorter, min(3.0 * NARROW, SHARE_OF_SHORT * shorter))
     long_gap = gap > LONG_GAP
     length = min(LONG_GAP if long_gap else max(REACH * gap, 3.0 * NARROW), WIDE, longest)
     while length >= (NARROW if long_gap else max(NARROW, 1.2 * gap)):
@@ -304,16 +354,39 @@ def _corner(a: Array, b: Array) -> Array:
     """Return the corner that both lines head for, if the gap is only what was missed of it."""
     gap = _gap(a, b)
     length = max(2.0 * gap, NARROW)
-    back, arc_a, arc_b = a[::-1], arc_length(a[::-1]), arc_length(b)
-    if min(np.searchsorted(arc_a, length), np.searchsorted(arc_b, length)) < LEAST_INK:
+    if _samples_within(a, b, length) < LEAST_INK:
         return _NOTHING
+    corner = _headed_for(a, b, length)
+    if corner is None:
+        return _NOTHING
+    half = max(gap, NARROW)
+    if _samples_within(a, b, half) >= LEAST_INK // 2:
+        nearer = _headed_for(a, b, half)
+        if nearer is None or np.hypot(*(nearer - corner)) > AGREED * gap:
+            return _NOTHING  # round ends, which head for anywhere
+    return corner[None]
+
+
+def _samples_within(a: Array, b: Array, length: float) -> int:
+    """Return how many samples both lines have at least within a length of where they are joined."""
+    back, ahead = arc_length(a[::-1]), arc_length(b)
+    return int(min(np.searchsorted(back, length), np.searchsorted(ahead, length)))
+
+
+def _headed_for(a: Array, b: Array, length: float) -> Array | None:
+    """Return where two lines would meet, as ink of some length at their ends tells it."""
+    gap = _gap(a, b)
+    back, arc_a, arc_b = a[::-1], arc_length(a[::-1]), arc_length(b)
     end, start = _parabola(back, arc_a, length), _parabola(b, arc_b, length)
     if end is None or start is None:
-        return _NOTHING
+        return None
     ways = np.column_stack((-end[1] / np.hypot(*end[1]), start[1] / np.hypot(*start[1])))
-    if abs(np.linalg.det(ways)) < SHARP:
-        return _NOTHING
+    turn = float(np.linalg.det(ways))
+    if abs(turn) < SHARP:
+        return None
+    if (_bend(start) - _bend(end)) * length * np.sign(turn) > ROUND:
+        return None
     missed = np.linalg.solve(ways, b[0] - a[-1])
     if not (0.0 < missed.min() and missed.max() < 1.5 * gap):
-        return _NOTHING
-    return np.asarray(a[-1] + missed[0] * ways[:, 0])[None]
+        return None
+    return np.asarray(a[-1] + missed[0] * ways[:, 0])

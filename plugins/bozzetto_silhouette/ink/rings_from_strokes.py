@@ -50,6 +50,11 @@ OWN_GAP = 0.5
 """A stroke whose ends are farther apart than this share of its length is not closed by
 itself if another stroke can close it."""
 
+TOUCH_UP = 0.06
+"""A stroke over other ink that only makes sure of it is not longer than this."""
+TOUCH_UP_WIDTH = 0.008
+"""Such a stroke lies no farther beside the others than this: the round end of a limb does."""
+
 SMALLEST = 6e-3
 """Strokes smaller than this beside larger ones are specks."""
 
@@ -57,7 +62,7 @@ _REDRAW = "The outline crosses itself at the marked place. Draw it again, or lif
 
 
 def rings_from_strokes(
-    strokes: Sequence[ArrayLike], *, tolerance: float | None = None
+    strokes: Sequence[ArrayLike], *, tolerance: float | None = None, grain: float = 0.0
 ) -> list[Array]:
     """Turn strokes into closed simple rings that do not cross each other.
 
@@ -67,6 +72,9 @@ def rings_from_strokes(
         Samples, in any unit.
     tolerance : float, optional
         Size of the jitter to be filtered, in the same unit; measured when not given.
+    grain : float
+        Distance of the places that samples can have, where they were rounded to whole pixels,
+        in the same unit; 0 where they were not.
 
     Returns
     -------
@@ -99,13 +107,13 @@ def rings_from_strokes(
 
     lines = [thinned((s - middle) / size) for s in given]
     lines = [s for s in lines if len(s) >= 2 and np.ptp(s, axis=0).max() > SMALLEST]
-    lines = [without_hooks(s) for s in without_folds(lines)]
+    lines = [without_hooks(s) for s in without_folds(without_touch_ups(lines))]
     rings = [_closed(chain) for chain in _chains(lines)]
     rings = [r if len(r) <= MOST_SAMPLES else thinned(r) for r in rings if len(r) >= 3]
     noise = None if tolerance is None else tolerance / size
     clean: list[Array] = []
     for ring in rings:
-        simple, crossings = untangled(filtered(ring, noise))
+        simple, crossings = untangled(filtered(ring, noise, grain / size))
         if len(crossings):
             raise UserError(_REDRAW, places=_places(crossings, size, middle))
         if simple is not None:
@@ -154,6 +162,23 @@ def _without_clumps(line: Array, clump: float) -> Array:
             keep.append(number)
             x, y = px, py
     return line[keep]
+
+
+def without_touch_ups(lines: list[Array]) -> list[Array]:
+    """Leave out short strokes that lie all along longer ones: they would be joined to and fro."""
+    import shapely
+
+    lengths = [float(arc_length(line)[-1]) for line in lines]
+    kept = []
+    for line, length in zip(lines, lengths, strict=True):
+        longer = [other for other, far in zip(lines, lengths, strict=True) if far > length]
+        if length < TOUCH_UP and longer:
+            ink = shapely.MultiLineString(longer)
+            points = shapely.points(_along(line, arc_length(line), np.linspace(0.0, length, 9)))
+            if float(shapely.distance(ink, points).max()) < TOUCH_UP_WIDTH:
+                continue
+        kept.append(line)
+    return kept
 
 
 def without_folds(lines: list[Array]) -> list[Array]:

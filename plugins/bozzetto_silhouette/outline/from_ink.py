@@ -16,6 +16,12 @@ from bozzetto_silhouette.model.state import Oversketch, Part, Removal, Smoothing
 from bozzetto_silhouette.outline.edits import Rings, edited
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 
+GRAINS = tuple(1.0 / scale for scale in (1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0))
+"""Distances of the places that a mouse can tell, px: those of the screen's own pixels."""
+
+ON_GRAIN = 2e-3
+"""Rounding of such places, in grains: strokes are kept in single precision."""
+
 
 def points_on_sheet(strokes: Sequence[Stroke], sheet: Sheet) -> list[Array]:
     """Project every stroke's samples onto the sheet, shape (n, 2) each, mm.
@@ -75,7 +81,7 @@ def _after(ink_and_edits: Hashable, part: Part, before: Rings, count: int) -> Ri
     lines = points_on_sheet(strokes, part.sheet)
     try:
         if edit is None:
-            return tuple(rings_from_strokes(lines))
+            return tuple(rings_from_strokes(lines, grain=_grain(strokes, lines)))
         return edited(before, edit, lines[0])
     except UserError as problem:
         if not problem.places:
@@ -83,6 +89,26 @@ def _after(ink_and_edits: Hashable, part: Part, before: Rings, count: int) -> Ri
         camera = strokes[-1].camera
         pixels, _ = camera.project(part.sheet.to_world(np.asarray(problem.places)))
         raise UserError(problem.message, places=[(x, y) for x, y in pixels]) from None
+
+
+def _grain(strokes: Sequence[Stroke], lines: Sequence[Array]) -> float:
+    """Return the distance on the sheet of the places that samples can have, mm; 0 for a pen's.
+
+    A mouse tells whole pixels of the screen.
+    """
+    points = np.concatenate([stroke.points for stroke in strokes]).astype(np.float64)
+    grain = next((g for g in GRAINS if _lies_on(points, g)), 0.0)
+    if not grain:
+        return 0.0
+    ways = [np.diff(stroke.points.astype(np.float64), axis=0) for stroke in strokes]
+    pixels = np.hypot(*np.concatenate(ways).T)
+    moved = np.hypot(*np.concatenate([np.diff(line, axis=0) for line in lines]).T)
+    return grain * float(moved.sum() / max(pixels.sum(), 1e-300))
+
+
+def _lies_on(points: Array, grain: float) -> bool:
+    """Whether all coordinates are multiples of a grain."""
+    return bool((np.abs(points / grain - np.rint(points / grain)) < ON_GRAIN).all())
 
 
 def surrounds(outline: Outline, points: Array) -> bool:

@@ -16,10 +16,10 @@ from bozzetto_silhouette.implicit.composite import Composite
 from bozzetto_silhouette.implicit.implicit_solid import Implicit
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Operation
-from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.body import Body, meet, places_in
 from bozzetto_silhouette.solids.field_body import field_body
-from bozzetto_silhouette.solids.fillet import Fillet, fillets_of
-from bozzetto_silhouette.solids.lump import Lump, Remainder, meet, united
+from bozzetto_silhouette.solids.fillet import Fillet, common_box, fillets_between
+from bozzetto_silhouette.solids.lump import Lump, Remainder, united
 from bozzetto_silhouette.solids.polygonize import Surface
 from bozzetto_silhouette.solids.volume_check import is_allowed, is_lost
 
@@ -104,27 +104,9 @@ class Assembly:
         """Whether a body in it was made anew from its function."""
         return any(piece.body.resampled for piece in self.pieces)
 
-    def shown(self) -> Surface:
-        """Return the surfaces of all lumps, one in another: what is seen of them is the union."""
-        found = [lump.shown() for lump in self.lumps]
-        starts = np.cumsum([0, *(len(surface.vertices) for surface in found)])
-        return Surface(
-            np.concatenate([surface.vertices for surface in found]),
-            np.concatenate([
-                surface.faces + np.int32(start)
-                for surface, start in zip(found, starts, strict=False)
-            ]),
-            np.concatenate([surface.normals for surface in found]),
-        )  # fmt: skip
-
     def places(self, box: Array) -> Array:
         """Return the vertices of the bodies in a box (2, 3)."""
-        found = [np.zeros((0, 3))]
-        for body, _ in self.pieces:
-            if meet(body.bounds, box):
-                inside = (body.vertices >= box[0]) & (body.vertices <= box[1])
-                found.append(body.vertices[inside.all(axis=1)])
-        return np.concatenate(found)
+        return places_in((body for body, _ in self.pieces), box)
 
 
 def assembled(
@@ -158,9 +140,9 @@ def assembled(
     solid = Composite(first.implicit, second.implicit, operation, blend if reach else 0.0, reach)
     fillets: tuple[Fillet, ...] = ()
     if reach > 0.0:
-        box = _common(first, second, 2.0 * reach)
-        places = np.concatenate([first.places(box), second.places(box)])
-        fillets = fillets_of(solid, places, step, checkpoint)
+        bodies = [piece.body for piece in first.pieces + second.pieces]
+        box = common_box(first.box, second.box, 2.0 * reach)
+        fillets = fillets_between(solid, box, bodies, step, checkpoint)
     added = tuple(Lump(fillet, fillet.box, fillet.surface) for fillet in fillets)
     side = -1 if operation == "carve" else 1
     whole = Assembly(
@@ -218,9 +200,3 @@ def _remainder(
     if fillets is None or less is None or not is_allowed(less, "carve", left, fillets):
         return None
     return less
-
-
-def _common(first: Assembly, second: Assembly, margin: float) -> Array:
-    low = np.maximum(first.box[0], second.box[0]) - margin
-    high = np.minimum(first.box[1], second.box[1]) + margin
-    return np.stack([low, high])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from bozzetto.geometry import Placement
 from bozzetto.plugin import cached_property, override
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
+from bozzetto_silhouette.numerics.isotropic_remeshing import unit
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
     from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
     from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 
+
+INTO = 0.3
+"""Where the normal of a face at a crease is looked up: the way from the crease to its middle."""
 
 VERTEX = 320
 """Bytes that a vertex takes in manifold3d's own copy of the mesh."""
@@ -86,6 +91,26 @@ class Body:
         """Return the bytes besides its arrays: mostly the copy of the mesh in manifold3d."""
         return object.__sizeof__(self) + VERTEX * len(self.vertices)
 
+    def split_at_creases(self) -> tuple[Array, Faces, Array]:
+        """Return vertices (v, 3), faces and normals with a vertex for every face at the creases.
+
+        There every face has the normal of its own side.
+        """
+        on_crease = np.zeros(len(self.vertices), dtype=bool)
+        on_crease[self.creases] = True
+        face, corner = np.nonzero(on_crease[self.faces])
+        copied = self.faces[face, corner]
+        middle = self.vertices[self.faces[face]].mean(axis=1)
+        at = self.vertices[copied] + INTO * (middle - self.vertices[copied])
+        inwards = self.implicit.sample(at).gradient if len(at) else np.zeros((0, 3))
+        faces = self.faces.copy()
+        faces[face, corner] = len(self.vertices) + np.arange(len(copied))
+        return (
+            np.vstack([self.vertices, self.vertices[copied]]),
+            faces,
+            np.vstack([self.normals, -unit(inwards)]),
+        )
+
     def placed(self, placement: Placement) -> Body:
         """Return the body moved, turned, scaled or mirrored."""
         if placement.is_identity:
@@ -101,3 +126,18 @@ class Body:
             constraints=None if self.constraints is None else self.constraints.placed(placement),
             known=None,
         )
+
+
+def meet(box: Array, other: Array) -> bool:
+    """Whether two boxes (2, 3) meet."""
+    return bool((box[0] <= other[1]).all() and (other[0] <= box[1]).all())
+
+
+def places_in(bodies: Iterable[Body], box: Array) -> Array:
+    """Return the vertices (n, 3) of some bodies in a box (2, 3)."""
+    found = [np.zeros((0, 3))]
+    for body in bodies:
+        if meet(body.bounds, box):
+            inside = (body.vertices >= box[0]) & (body.vertices <= box[1])
+            found.append(body.vertices[inside.all(axis=1)])
+    return np.concatenate(found)

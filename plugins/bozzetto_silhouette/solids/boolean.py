@@ -15,8 +15,7 @@ from bozzetto_silhouette.model.state import Operation
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.handle_removal import without_narrow_handles
 from bozzetto_silhouette.solids.assembly import Assembly, assembled, remade
-from bozzetto_silhouette.solids.body import Body
-from bozzetto_silhouette.solids.lump import meet
+from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.seams import Sewn, sewn
 from bozzetto_silhouette.solids.union_mesh import UnionMesh, found, union_mesh
 from bozzetto_silhouette.solids.variational_csg import variational_combined

@@ -13,15 +13,8 @@ from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import joined, meshed
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
-from bozzetto_silhouette.solids.lump import meet
 from bozzetto_silhouette.solids.part_solid import body_of
-from bozzetto_silhouette.solids.placements import shown_parts
-from bozzetto_silhouette.solids.polygonize import Surface
-from bozzetto_silhouette.solids.traversal import put_together, without_blends
-
-FILLETED = 3
-"""Parts that one may meet and still be shown with its fillets while it is dragged: each fillet
-takes 20 to 40 ms."""
+from bozzetto_silhouette.solids.traversal import put_together
 
 
 class Tree(NamedTuple):
@@ -45,30 +38,6 @@ def tree_body(
 ) -> Body | None:
     """Return the body of all nodes that are switched on, in the model's frame; None for nothing."""
     return evaluated(state, resolution, checkpoint).body
-
-
-def draft_surface(state: SilhouetteState, resolution: int) -> Surface | None:
-    """Return what is seen of all nodes that are switched on, not united; None for nothing.
-
-    While something is dragged its shape changes at every move of the pen: parts and fillets are
-    shown one in another, and only the fillets beside what moved are made anew. Where the chosen
-    part meets many others these would take longer than a pen may wait, and creases are sharp.
-    """
-    crowded = _meets_many(state, resolution)
-    whole = assembly_of(without_blends(state) if crowded else state, resolution)
-    return None if whole is None else whole.shown()
-
-
-def _meets_many(state: SilhouetteState, resolution: int) -> bool:
-    """Whether the chosen part may meet more parts beside it than can be blended while it moves."""
-    parts = shown_parts(state)
-    chosen = next((part for part in parts if part.id == state.selected), None)
-    if chosen is None:
-        return False
-    box = body_of(chosen, resolution, ignore).bounds
-    beside = [part for part in parts if part.within == chosen.within and part.id != chosen.id]
-    met = (meet(body_of(part, resolution, ignore).bounds, box) for part in beside)
-    return sum(met) > FILLETED
 
 
 def assembly_of(state: SilhouetteState, resolution: int) -> Assembly | None:

@@ -6,7 +6,7 @@ bodies keep their meshes, and what is far from a crease is not looked at.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
@@ -17,10 +17,11 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite, signature
 from bozzetto_silhouette.implicit.fillet_solid import DEPTH, FilletSolid, layers
-from bozzetto_silhouette.inflation.manifold_check import as_manifold
+from bozzetto_silhouette.inflation.manifold_check import as_manifold, original_numbers
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
+from bozzetto_silhouette.solids.body import Body, meet, places_in
 from bozzetto_silhouette.solids.polygonize import Surface, extract
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ class Fillet:
     @cached_property
     def numbers(self) -> set[int]:
         """The numbers under which manifold3d keeps its faces apart from others."""
-        return {int(number) for number in self.manifold.to_mesh64().run_original_id}
+        return original_numbers(self.manifold)
 
 
 class _Zone(NamedTuple):
@@ -95,8 +96,18 @@ class _Zone(NamedTuple):
     reach: float
 
 
-def fillets_of(
-    solid: Composite, places: Array, step: float, checkpoint: Checkpoint = ignore
+def common_box(first: Array, second: Array, margin: float) -> Array:
+    """Return the box (2, 3) that two boxes have in common, larger by a margin on every side."""
+    low, high = np.maximum(first[0], second[0]), np.minimum(first[1], second[1])
+    return np.stack([low - margin, high + margin])
+
+
+def fillets_between(
+    solid: Composite,
+    box: Array,
+    bodies: Sequence[Body],
+    step: float,
+    checkpoint: Checkpoint = ignore,
 ) -> tuple[Fillet, ...]:
     """Return what the blend of a composite adds to the sharp result, or takes away.
 
@@ -104,8 +115,10 @@ def fillets_of(
     ----------
     solid : Composite
         With a blend above 0.
-    places : (n, 3) float array
-        Vertices of both bodies.
+    box : (2, 3) float array
+        Where both solids can be, and two reaches more.
+    bodies : sequence of Body
+        Of which both consist.
     step : float
         Spacing of the finer of the two meshes.
     checkpoint : callable
@@ -117,13 +130,42 @@ def fillets_of(
         Closed meshes. Those of a union are to be united with it; those of a carved solid are to
         be taken away, and those of an intersection, too.
     """
+    near = tuple(body for body in bodies if meet(body.bounds, box))
+    margin = np.array([[-solid.reach], [solid.reach]])
+    local = solid.within(box + margin, BEYOND * solid.reach)
+    return _between(solid, local, box, near, step, checkpoint)
+
+
+def _asked_between(
+    solid: Composite,
+    local: Composite,
+    box: Array,
+    bodies: tuple[Body, ...],
+    step: float,
+    checkpoint: Checkpoint,
+) -> Hashable:
+    boxes = box, solid.first.bounds, solid.second.bounds
+    return signature(local), bodies, step, *(some.tobytes() for some in boxes)
+
+
+# By the bodies themselves, so that neither their vertices are looked at again. Where one was made
+# anew just as it was, the fillets are found by its vertices.
+@remembered(limit=512, key=_asked_between)
+def _between(
+    solid: Composite,
+    local: Composite,
+    box: Array,
+    bodies: tuple[Body, ...],
+    step: float,
+    checkpoint: Checkpoint,
+) -> tuple[Fillet, ...]:
+    places = places_in(bodies, box)
     near = places[solid.felt(places)]
     if not len(near):
         return ()
     near = near[np.lexsort(near.T)]
-    box = np.stack([near.min(axis=0) - solid.reach, near.max(axis=0) + solid.reach])
-    local = solid.within(box, BEYOND * solid.reach)
-    return _made(local, near, step, checkpoint)
+    around = np.stack([near.min(axis=0) - solid.reach, near.max(axis=0) + solid.reach])
+    return _made(local.within(around, BEYOND * solid.reach), near, step, checkpoint)
 
 
 def _depends_on(solid: Composite, places: Array, step: float, checkpoint: Checkpoint) -> Hashable:

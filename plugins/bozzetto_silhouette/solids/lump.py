@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto_silhouette.inflation.sewing import vertex_normals
-from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.fillet import Fillet
 from bozzetto_silhouette.solids.polygonize import Surface
 from bozzetto_silhouette.solids.volume_check import is_union
@@ -55,11 +55,6 @@ class Lump(NamedTuple):
         vertices = corners.reshape(-1, 3)
         faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
         return Surface(vertices, faces, vertex_normals(vertices, faces))
-
-
-def meet(box: Array, other: Array) -> bool:
-    """Whether two boxes (2, 3) meet."""
-    return bool((box[0] <= other[1]).all() and (other[0] <= box[1]).all())
 
 
 def united(lumps: tuple[Lump, ...], base: Manifold | None = None) -> Manifold | None:

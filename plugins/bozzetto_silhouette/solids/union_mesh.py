@@ -18,7 +18,8 @@ from bozzetto.plugin import remembered
 from bozzetto_silhouette.inflation.manifold_check import volume_of
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import border_edges
-from bozzetto_silhouette.solids.lump import Held, Lump, meet, united
+from bozzetto_silhouette.solids.body import meet
+from bozzetto_silhouette.solids.lump import Held, Lump, united
 from bozzetto_silhouette.solids.volume_check import is_volume_of_union
 
 if TYPE_CHECKING:

@@ -5,25 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
-
 from bozzetto.errors import UserError
-from bozzetto.geometry import Mesh, Placement
+from bozzetto.geometry import Placement
 from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.appearance.surface_look import sketched
 from bozzetto_silhouette.model.state import DEEPEST, Group, Part, SilhouetteState
 from bozzetto_silhouette.rigging.posing import JOINT, posed, posed_scene
-from bozzetto_silhouette.solids.evaluate import draft_surface
+from bozzetto_silhouette.solids.draft import draft_of
 from bozzetto_silhouette.solids.placements import carried, groups_around
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.view.drag_motion import moved, pulled, resized, settled, turned
 from bozzetto_silhouette.view.handles import ARRANGE, depth_grip, grip_of, handles_layer
-from bozzetto_silhouette.view.picking import touched_part
+from bozzetto_silhouette.view.picking import TOUCHED_CELLS, touched_part
 
 Moved = TypeVar("Moved", bound=Part | Group)
-
-LIVE_CELLS = 48
-"""Resolution of the shape while a part is dragged."""
 
 SHALLOWEST = 0.01
 """Least depth that a tool can be dragged to, as a share of the radius of its ring."""
@@ -42,20 +38,19 @@ class Arrange(ErasingTool):
 
     @override
     def preview(self, state: SilhouetteState, gesture: Gesture, context: Context) -> Scene:
-        """Show the whole shape as it would be, coarser, in place of the shape shown."""
+        """Show a draft of the whole shape as it would be in place of the shape shown."""
         if not isinstance(gesture, Drag):
             return Scene()
         if gesture.handle.startswith(JOINT):
             return posed_scene(state, gesture)
         arranged = self.drag(state, gesture, context)
-        draft = draft_surface(arranged, LIVE_CELLS)
+        draft, _ = draft_of(arranged, TOUCHED_CELLS)
         held = handles_layer(arranged)
         handles = () if held is None else (held,)
         if draft is None:
             return Scene((Layer("shape"), *handles))
-        vertices, faces, normals = draft
-        mesh = Mesh(vertices.astype(np.float32), faces, normals.astype(np.float32))
-        return Scene((Layer("shape", (Shaded(mesh, pickable=False),)), *handles))
+        shown = Shaded(sketched(arranged, draft), pickable=False)
+        return Scene((Layer("shape", (shown,)), *handles))
 
     @override
     def tap(self, state: SilhouetteState, tap: Tap, context: Context) -> SilhouetteState:

@@ -9,12 +9,11 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
-from bozzetto.plugin import Command, Context, remembered
+from bozzetto.plugin import Command, Context, Job, remembered
 from bozzetto_silhouette.model.state import Node, Part, SilhouetteState
 from bozzetto_silhouette.solids.assembly import Assembly
-from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.evaluate import assembly_of
-from bozzetto_silhouette.solids.lump import meet
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.placements import carried, drawn_rings, is_shown, shown_parts
 from bozzetto_silhouette.solids.traversal import without_blends
@@ -59,7 +58,26 @@ def attach(state: SilhouetteState, context: Context) -> SilhouetteState:
 
 def floating_part(state: SilhouetteState) -> Part | None:
     """Return the chosen part if it touches nothing of the rest; None else, or without a rest."""
-    part = next((part for part in state.parts if part.id == state.selected), None)
+    return _floating(state, state.selected)
+
+
+def offers_to_attach(state: SilhouetteState, job: Job) -> list[str]:
+    """Return for each part that touches nothing of the rest what pulls it on, a sentence each."""
+    found = []
+    for part in shown_parts(state):
+        job.checkpoint(1.0, part.name)
+        if _floating(state, part.id) is not None:
+            found.append(offer_to_attach(part))
+    return found
+
+
+def offer_to_attach(part: Part) -> str:
+    """Say of a part that touches nothing what pulls it on."""
+    return f"“{part.name}” touches nothing. {ATTACH.title} ({ATTACH.key}) pulls it on."
+
+
+def _floating(state: SilhouetteState, part_id: str) -> Part | None:
+    part = next((part for part in state.parts if part.id == part_id), None)
     if part is None or part.surface == "straight" or part.operation not in ("add", "merge"):
         return None
     if not is_shown(state, part) or _gap(state, part) is None:

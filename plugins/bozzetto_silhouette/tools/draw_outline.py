@@ -15,7 +15,7 @@ from bozzetto_silhouette.model.sketch_plane import FRONT_TOLERANCE, sheet_under
 from bozzetto_silhouette.model.state import Edit, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, rings_of, surrounds
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, stroke_in
-from bozzetto_silhouette.tools.attachment import ATTACH, floating_part
+from bozzetto_silhouette.tools.attachment import floating_part, offer_to_attach
 from bozzetto_silhouette.tools.erase import without
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.hole_filling import FILL, part_drawn_around
@@ -70,9 +70,7 @@ class DrawOutline(ErasingTool):
                 f"“{pierced.name}” has what it was drawn around as its hole. {FILL.title} "
                 f"({FILL.key}) makes each a body."
             )
-        return NextStep(
-            f"“{part.name}” touches nothing. {ATTACH.title} ({ATTACH.key}) pulls it on."
-        )
+        return NextStep(offer_to_attach(part))
 
     @override
     def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
+from bozzetto.geometry import Placement
 from bozzetto.plugin import remembered
 from bozzetto.scene import Layer, Lines
 from bozzetto_silhouette.analysis.fidelity import deviation_along
@@ -49,7 +50,7 @@ def ink_layer(state: SilhouetteState) -> Layer:
         if part.edits:
             items.append(_outline(state, part, color))
         elif len(part.strokes):
-            items.append(_ink(state, part, color))
+            items.append(_ink(part, carried(state, part), color))
         if chosen and len(part.profile):
             items.append(_lines(_profile(state, part), color, dashed=True))
     return Layer("ink", tuple(item for item in items if len(item.points)))
@@ -77,9 +78,9 @@ def _deviations(solid: SilhouetteSolid, outline: Outline) -> list[tuple[Array, A
     return [deviation_along(solid, ring) for ring in outline.rings]
 
 
-def _ink(state: SilhouetteState, part: Part, color: str) -> Lines:
-    """Return a part's ink, as wide as the hand pressed."""
-    pose = carried(state, part)
+@remembered(limit=256, key=lambda part, pose, color: (part.strokes, part.sheet, pose, color))
+def _ink(part: Part, pose: Placement, color: str) -> Lines:
+    """Return a part's ink, as wide as the hand pressed, where it stands now."""
     thin, thick = INK_WIDTH
     lines, widths = [], []
     for stroke in part.strokes:
@@ -93,7 +94,7 @@ def _outline(state: SilhouetteState, part: Part, color: str) -> Lines:
     try:
         rings = drawn_rings(state, part)
     except UserError:
-        return _ink(state, part, color)
+        return _ink(part, carried(state, part), color)
     return _lines((np.vstack([ring, ring[:1]]) for ring in rings), color)
 
 

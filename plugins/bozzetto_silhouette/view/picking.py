@@ -14,6 +14,7 @@ from bozzetto.scene import Hits, Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, Rays
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.draft import draft_of
 from bozzetto_silhouette.solids.evaluate import tree_body
 from bozzetto_silhouette.solids.traversal import without_blends
 
@@ -62,8 +63,10 @@ def shape_seen(state: SilhouetteState) -> Touch | None:
 @remembered(limit=16)
 def _seen(nodes: tuple[Any, ...]) -> Touch | None:
     body = tree_body(SilhouetteState(nodes), TOUCHED_CELLS)
-    if body is None:
-        return None
+    return None if body is None else _touch(body)
+
+
+def _touch(body: Body) -> Touch:
     mesh = Mesh(body.vertices.astype(np.float32), body.faces)
     return Touch(body, Scene((Layer("shape", (Shaded(mesh),)),)))
 
@@ -73,7 +76,7 @@ def touched_part(state: SilhouetteState, x: float, y: float, camera: Camera) -> 
 
     The wall of a tunnel belongs to the tunnel.
     """
-    touch = shape_seen(state)
+    touch = _seen_in_draft(without_blends(state).nodes)
     if touch is None:
         return None
     hits = touch.under([(x, y)], camera)
@@ -82,3 +85,10 @@ def touched_part(state: SilhouetteState, x: float, y: float, camera: Camera) -> 
     corner = touch.body.faces[hits.faces[0], hits.weights[0].argmax()]
     source = touch.body.sources[touch.body.origins[corner]]
     return next((part for part in state.parts if part.id == source), None)
+
+
+# Which part lies on top is seen without uniting them.
+@remembered(limit=16)
+def _seen_in_draft(nodes: tuple[Any, ...]) -> Touch | None:
+    draft, _ = draft_of(SilhouetteState(nodes), TOUCHED_CELLS)
+    return None if draft is None else _touch(draft.body)

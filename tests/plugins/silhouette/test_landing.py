@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from bozzetto.cli.main import main
+from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.errors import UserError
+from bozzetto.exchange.ink.ink_json import write_drawing
 from bozzetto.geometry import Placement
+from bozzetto.ink import Drawing, Stroke, Strokes
+from bozzetto.ink.steps import CommandStep, DrawStep, Step
 from bozzetto.plugin import Context, Ink, Job, Tap
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.display_list import Points
 from bozzetto.testing import Pen
@@ -19,6 +27,7 @@ from bozzetto_silhouette.modeler import Silhouette
 from bozzetto_silhouette.solids.evaluate import tree_body
 from bozzetto_silhouette.tools import DrawOutline, attachment
 from bozzetto_silhouette.tools.attachment import attach, floating_part
+from bozzetto_silhouette.tools.hole_filling import fill
 from tests.plugins.silhouette import bodies as b
 
 PEN, TOOL, MODELER = Pen(), DrawOutline(), Silhouette()
@@ -110,3 +119,37 @@ def test_what_overlaps_is_known_without_uniting_the_rest(monkeypatch: pytest.Mon
     assert floating_part(state) is None
     swallowed = state.with_node(replace(state.parts[1], pose=Placement(scale=0.5)))
     assert floating_part(swallowed) is None
+
+
+def steps_of(*strokes: Stroke, then: tuple[Step, ...] = ()) -> bytes:
+    """An ink file in which each stroke is drawn by itself, and then something is done."""
+    drawn = tuple(DrawStep("draw", (k,)) for k in range(len(strokes)))
+    return write_drawing(Drawing(Strokes(strokes), PEN.camera, steps=(*drawn, *then)))
+
+
+def built(folder: Path, ink: bytes) -> tuple[dict[str, object], SilhouetteState]:
+    """What the command line makes of an ink file: its report, and the state in the document."""
+    source, document, report = (folder / name for name in ("x.json", "x.bozz", "r.json"))
+    source.write_bytes(ink)
+    words = ["build", "silhouette", str(source), "-o", str(document), "--report", str(report)]
+    assert main([*words, "--set", "resolution=48"]) == 0
+    ((model,), _) = read_document(document, Registry())
+    return json.loads(report.read_text()), model.state
+
+
+def test_a_file_attaches_and_fills_by_the_same_functions(tmp_path: Path) -> None:
+    apart = (PEN.circle(600, 450, 150), PEN.circle(600, 180, 40))
+    told, before = built(tmp_path, steps_of(*apart))
+    assert told["whole"]["components"] == 2
+    problems = told["print"]["problems"]
+    assert any("“Part 2” touches nothing. Attach (Shift+A) pulls it on." in p for p in problems)
+    told, after = built(tmp_path, steps_of(*apart, then=(CommandStep("attach"),)))
+    assert told["whole"]["components"] == 1
+    assert "problems" not in told["print"]
+    assert after.nodes == attach(replace(before, selected="n2"), Context()).nodes
+    pierced = (PEN.circle(600, 450, 60), PEN.circle(610, 455, 200))
+    told, before = built(tmp_path, steps_of(*pierced))
+    assert told["whole"]["genus"] == 1
+    told, after = built(tmp_path, steps_of(*pierced, then=(CommandStep("fill"),)))
+    assert told["whole"]["genus"] == 0
+    assert after.nodes == fill(before, Context()).nodes

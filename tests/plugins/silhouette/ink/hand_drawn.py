@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from bozzetto.arrays import Array
@@ -89,3 +91,109 @@ def turns(ring: Array) -> tuple[Array, Array]:
     way = np.roll(places, -1, axis=0) - places
     heading = way[:, 0] + 1j * way[:, 1]
     return np.abs(np.degrees(np.angle(np.roll(heading, -1) / heading))), np.roll(places, -1, axis=0)
+
+
+@dataclass(frozen=True)
+class Hand:
+    """How somebody draws along an outline.
+
+    Parameters
+    ----------
+    tremor : float
+        px.
+    drift : float
+        How far it wanders off slowly, px; what it then draws is what it means.
+    grain : float
+        Distance of the places that the device tells, px: 1 for a mouse.
+    miss : float
+        How far a stroke may end early or late, px; it lands a quarter of that beside.
+    strokes : int
+        At most.
+    """
+
+    tremor: float = 0.5
+    drift: float = 3.0
+    grain: float = 0.1
+    miss: float = 9.0
+    strokes: int = 1
+
+
+RATE = 120.0
+"""Samples in a second."""
+
+PACE = (120.0, 900.0)
+"""Speed of the pen in bends and on straight ways, px/s; between, by the cube root of the curvature
+(Lacquaniti, Terzuolo and Viviani, 1983)."""
+
+WAY = 0.7
+"""Distance of the places of an outline before the pen follows it, px."""
+
+
+def drawn_after(random: np.random.Generator, ring: Array, hand: Hand) -> tuple[Array, list[Array]]:
+    """Return the outline that a hand means (n, 2), px, and the strokes that it leaves."""
+    meant = resample(ring, spacing=WAY, closed=True)
+    count = len(meant)
+    turned = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    meant = meant + sum(
+        random.normal(0.0, 0.5 * hand.drift, 2)
+        * np.cos(wave * turned[:, None] + random.uniform(0.0, 2.0 * np.pi, 2))
+        for wave in (1, 2, 3, 5)
+    )
+    ahead, behind = (np.roll(meant, k, axis=0) - meant for k in (-6, 6))
+    bend = np.abs(np.angle(-(ahead @ (1, 1j)) / (behind @ (1, 1j)))) / (6.0 * WAY)
+    bend = np.convolve(np.tile(bend, 3), np.full(24, 1.0 / 24.0), "same")[count : 2 * count]
+    speed = np.clip(180.0 * np.maximum(bend, 1e-3) ** (-1.0 / 3.0), *PACE)
+    begin = int(random.integers(count))
+    cuts = [0]
+    if hand.strokes > 1:
+        more = random.integers(count // 8, count - count // 8, random.integers(1, hand.strokes))
+        cuts = sorted({0, *more.tolist()})
+    lines = []
+    for start, stop in zip(cuts, [*cuts[1:], count], strict=True):
+        late = round(random.uniform(-hand.miss, hand.miss) / WAY)
+        early = round(random.uniform(-0.5, 0.5) * hand.miss / WAY) if len(cuts) > 1 else 0
+        way = (begin + np.arange(start + early, stop + late)) % count
+        when = np.concatenate([[0.0], np.cumsum(WAY / speed[way[1:]])])
+        at = np.arange(0.0, when[-1], 1.0 / RATE)
+        if len(at) < 3:
+            continue
+        line = np.column_stack([np.interp(at, when, meant[way, k]) for k in (0, 1)])
+        line += trembling(random, len(line), hand.tremor)
+        beside = random.normal(0.0, 0.25 * hand.miss, 2)
+        line += np.linspace(0.0, 1.0, len(line))[:, None] ** 4 * beside
+        lines.append(np.round(line / hand.grain) * hand.grain)
+    return meant, lines
+
+
+def corners_missed(meant: Array, ring: Array) -> tuple[int, int, int]:
+    """Return how many corners an outline has, how many are lost in a ring, and how many it adds.
+
+    A corner turns by 65° within 7 px to either side; lost, less than 60 % of that is left within
+    14 px; one that nobody drew turns by 32°, twice as much as anything within 16 px.
+    """
+    (places, turn), (others, found) = _turns_along(meant), _turns_along(ring)
+    sharp, drawn = _peaks(turn, 65.0), _peaks(found, 32.0)
+    lost = sum(_most(others, found, places[k], 14.0) < 0.6 * turn[k] for k in sharp)
+    added = sum(_most(places, turn, others[k], 16.0) < 0.45 * found[k] for k in drawn)
+    return len(sharp), int(lost), int(added)
+
+
+def unrest(meant: Array, ring: Array) -> float:
+    """Return how much a ring turns in all, over what the outline that was meant turns."""
+    return float(_turns_along(ring)[1].sum() / _turns_along(meant)[1].sum())
+
+
+def _turns_along(ring: Array) -> tuple[Array, Array]:
+    places = resample(ring, spacing=1.0, closed=True)
+    ahead, behind = (np.roll(places, k, axis=0) - places for k in (-7, 7))
+    return places, np.abs(np.degrees(np.angle(-(ahead @ (1, 1j)) / (behind @ (1, 1j)))))
+
+
+def _peaks(turn: Array, least: float) -> Array:
+    highest = np.max([np.roll(turn, k) for k in range(-8, 9)], axis=0)
+    return np.flatnonzero((turn >= highest) & (turn > least))
+
+
+def _most(places: Array, turn: Array, at: Array, within: float) -> float:
+    near = np.hypot(*(places - at).T) < within
+    return float(turn[near].max()) if near.any() else 0.0

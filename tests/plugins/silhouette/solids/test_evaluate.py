@@ -8,17 +8,14 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.geometry import Mesh, Placement
+from bozzetto.geometry import Placement
 from bozzetto.plugin.cache import forget_all
-from bozzetto.scene import Layer, Scene, Shaded, cast_rays
-from bozzetto.view import Rays
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.solids import evaluate as tree
 from bozzetto_silhouette.solids import fillet
 from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.polygonize import Surface
-from bozzetto_silhouette.solids.traversal import without_blends
 from tests.plugins.silhouette import bodies as b
 
 
@@ -135,53 +132,6 @@ def test_a_change_makes_only_the_fillets_beside_it_anew(monkeypatch: pytest.Monk
     # The same as if nothing had been remembered.
     forget_all()
     assert volume(nodes[0], shifted, *nodes[2:]) == pytest.approx(changed, rel=1e-9)
-
-
-@pytest.mark.parametrize("operation", ["add", "merge", "carve", "intersect"])
-def test_a_draft_looks_like_the_body(operation: str) -> None:
-    nodes = (
-        part("a"), part("b", 60.0, blend=0.5, operation=operation), part("c", 95.0, blend=0.5),
-    )  # fmt: skip
-    state = SilhouetteState(nodes)
-    body, draft = tree.tree_body(state, 32), tree.draft_surface(state, 32)
-    assert body is not None
-    assert draft is not None
-    x, z = (
-        axis.ravel() for axis in np.meshgrid(np.linspace(-60, 150, 40), np.linspace(-55, 55, 30))
-    )
-    rays = Rays(
-        np.column_stack([x, z, np.full(len(x), 400.0)]), np.tile([0.0, 0.0, -1.0], (len(x), 1))
-    )
-    one, other = (
-        cast_rays(
-            Scene((Layer("s", (Shaded(Mesh(shape.vertices.astype(np.float32), shape.faces)),)),)),
-            rays,
-        )
-        for shape in (body, draft)
-    )
-    assert (one.hit != other.hit).mean() < 0.01
-    both = one.hit & other.hit
-    assert both.sum() > 100
-    gap = np.abs(one.points[both] - other.points[both]).max(axis=1)
-    assert np.median(gap) < 1e-6  # only fillets differ, which a draft does not even out
-    assert np.quantile(gap, 0.97) < 0.5 * body.step
-    assert np.allclose(np.linalg.norm(draft.normals, axis=1), 1.0, atol=1e-6)
-
-
-def test_a_dragged_part_that_meets_many_is_shown_without_its_fillets() -> None:
-    nodes = (part("a"), *(part(f"b{k}", 12.0 * k - 40.0, blend=0.5) for k in range(6)))
-    drafts = {
-        chosen: tree.draft_surface(SilhouetteState(nodes, selected=chosen), 24)
-        for chosen in ("", "a")
-    }
-    sharp = tree.draft_surface(without_blends(SilhouetteState(nodes)), 24)
-    assert all(draft is not None for draft in (*drafts.values(), sharp))
-    assert len(drafts["a"].faces) == len(sharp.faces)  # type: ignore[union-attr]
-    assert len(drafts[""].faces) > len(sharp.faces)  # type: ignore[union-attr]
-    few = SilhouetteState(nodes[:3], selected="a")
-    assert len(tree.draft_surface(few, 24).faces) > len(  # type: ignore[union-attr]
-        tree.draft_surface(without_blends(few), 24).faces  # type: ignore[union-attr]
-    )
 
 
 def test_a_mistake_names_its_part() -> None:
