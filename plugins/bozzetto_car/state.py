@@ -263,7 +263,10 @@ class CarState(PartsState):
     without: tuple[str, ...] = ()
     own: str = ""
     template: Annotated[
-        Literal["sedan", "hatchback", "minivan", "own"],
+        Literal[
+            "sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car", "suv",
+            "van", "pickup", "own",
+        ],
         Parameter(
             "Template",
             help="The car that takes the shape of the sketch; one of your own comes from its file.",
@@ -271,10 +274,17 @@ class CarState(PartsState):
                 ("sedan", "Sedan"),
                 ("hatchback", "Hatchback"),
                 ("minivan", "Minivan"),
+                ("estate", "Estate"),
+                ("coupe", "Coupé"),
+                ("limousine", "Limousine"),
+                ("city_car", "City car"),
+                ("suv", "SUV"),
+                ("van", "Van"),
+                ("pickup", "Pickup"),
                 ("own", "My own"),
             ),
         ),
-    ] = "sedan"
+    ] = "sedan"  # fmt: skip
     trace: Annotated[
         float,
         Parameter("Follow the marks", 0.0, 1.0, step=0.05,
