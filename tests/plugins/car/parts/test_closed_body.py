@@ -17,10 +17,9 @@ from bozzetto_car.parts.wheel_arches import RADII, cut_panels
 from bozzetto_car.parts.wheels import wheels_of
 from bozzetto_car.parts.windows import LAID, SET_IN, inset_meshes
 from bozzetto_car.state import CarState
+from bozzetto_car.template.loader import TEMPLATES
 from tests.plugins.car.held_out import near_template
 from tests.plugins.car.marked_car import marked
-
-TEMPLATES = ["sedan", "hatchback", "minivan"]
 
 
 def volume(mesh) -> float:
