@@ -171,7 +171,31 @@ KINDS: Final[Mapping[str, Kind]] = {
             "B4": (3721, 923, 217), "B5": (4934, 874, 339),
             "WF": (930, 835, 345), "WR": (4138, 852, 345),
         },
+        words={
+            "S3": (
+                "Waistline at the B-pillar",
+                "Lower edge of the door’s window, at the pillar behind the door",
+            ),
+            "S4": (
+                "Waistline above the rear wheel",
+                "Side of the load space above the rear wheel, as high as the waistline",
+            ),
+            "R2": ("Roof edge at the B-pillar", "Edge of the roof, above the pillar of the door"),
+            "R3": ("Rear corner of the roof", "Rear corner of the roof, above the rear doors"),
+            "B3": (
+                "Sill at the B-pillar",
+                "Lower edge of the body, below the pillar behind the door",
+            ),
+            "C4": (
+                "Roof, highest point",
+                "Top of the roof, in the middle, above the pillars behind the doors",
+            ),
+        },
         glass=("windscreen", "tailgate_glass", "glass_front"),
+        shut_lines=(
+            "C1-S1", "S1-B1", "S2-S1", "S2-B2", "S3-B3", "R2-S3", "S4-B4", "C7-S6", "S6-S5",
+            "B5-S6",
+        ),
         rules={
             "The rear window leans forward": None,
             "The rear window leans rearward by 10 cm at most": "C6.x >= C5.x - 100",
@@ -191,6 +215,16 @@ KINDS: Final[Mapping[str, Kind]] = {
             "B1": (332, 842, 377), "B2": (1454, 907, 397), "B3": (2462, 912, 397),
             "B4": (3561, 907, 407), "B5": (5137, 842, 516),
             "WF": (980, 791, 385), "WR": (4090, 791, 385),
+        },
+        words={
+            "C6": ("Rear window, lower edge", "Foot of the rear window, in the middle, where the bed begins"),
+            "C7": ("Tailgate, upper edge", "Upper edge of the tailgate, in the middle"),
+            "S4": ("C-pillar, foot", "Foot of the cab’s rear pillar, where it meets the bed"),
+            "S5": ("Bed, rear corner", "Rear corner of the bed, above the tail lamp"),
+        },
+        rules={
+            "The boot lid lies behind the rear window": None,
+            "The bed lies behind the cab": "C7.x >= C6.x + 50",
         },
     ),
     "limousine": Kind(
