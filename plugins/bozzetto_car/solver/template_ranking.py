@@ -27,14 +27,15 @@ LIKELIER: Final = 7.0
 """Gain in probability with another template, as a natural logarithm, from which it is proposed."""
 
 RARER: Final = 3.0
-"""Logarithm of how much seldomer a kind of car is sketched that is no sedan, hatchback or minivan: of
-two kinds that a sketch does not tell apart the usual one is proposed."""
+"""Logarithm of how much seldomer a kind of car is sketched that is no sedan, hatchback or minivan:
+of two kinds that a sketch does not tell apart the usual one is proposed."""
 
 IMPOSSIBLE: Final = -1e9
 """Logarithm of a probability where no camera has the car before it as it is marked."""
 
 ANSWERS: Final = 16
 """Number of answers that are remembered."""
+
 
 def likelier_template(solved: Solved) -> Template | None:
     """Return the bundled template that the marks of a car are far likelier with; None if none is.
