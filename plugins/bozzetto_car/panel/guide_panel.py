@@ -51,7 +51,7 @@ TIPS: Final = (
     "Do not ask for this point any more in this sketch",
 )
 
-NAME, KEEP = "Name of this car", "Keep as template"
+NAME, KEEP = "Name", "Keep as template"
 
 KEEP_TIP: Final = "Add the car as it is to the templates that further cars can begin with"
 
@@ -174,7 +174,7 @@ class GuidePanel(PanelScroll):
         row.setSpacing(6)
         self.name = QLineEdit(whole)
         self.name.setPlaceholderText(NAME)
-        self.name.setAccessibleName(NAME)
+        self.name.setAccessibleName("Name of this car as a template")
         self.name.setMaxLength(LONGEST_NAME)
         self.keep = QPushButton(KEEP, whole)
         self.keep.setProperty("type", "small")

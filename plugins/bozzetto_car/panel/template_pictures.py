@@ -44,6 +44,9 @@ SIZE: Final = (64, 35)
 LINE: Final = 16
 """Height of the name under it, px."""
 
+SMALLER: Final = 0.85
+"""Size of the name relative to other text."""
+
 COLUMNS: Final = 4
 """Pictures beside each other."""
 
@@ -271,6 +274,9 @@ class PictureButton(QAbstractButton):
         left, top = 0.5 * (self.width() - wide), 4.0 + 0.5 * (SIZE[1] - high)
         painter.drawImage(QRectF(left, top, wide, high), self._image)
         painter.setPen(role(self, Role.WindowText))
+        font = self.font()
+        font.setPixelSize(round(SMALLER * self.fontInfo().pixelSize()))
+        painter.setFont(font)
         below = self.rect().adjusted(2, SIZE[1] + 4, -2, -2)
         words = painter.fontMetrics().elidedText(
             self.text(), Qt.TextElideMode.ElideRight, below.width()
