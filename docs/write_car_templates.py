@@ -217,7 +217,7 @@ KINDS: Final[Mapping[str, Kind]] = {
             "WF": (980, 791, 385), "WR": (4090, 791, 385),
         },
         words={
-            "C6": ("Rear window, lower edge", "Foot of the rear window, in the middle, above the bed"),
+            "C6": ("Rear window, lower edge", "Foot of the rear window, in the middle"),
             "C7": ("Tailgate, upper edge", "Upper edge of the tailgate, in the middle"),
             "S4": ("C-pillar, foot", "Foot of the cab’s rear pillar, where it meets the bed"),
             "S5": ("Bed, rear corner", "Rear corner of the bed, above the tail lamp"),

@@ -285,6 +285,34 @@ class CarState(PartsState):
             ),
         ),
     ] = "sedan"  # fmt: skip
+    blend: Annotated[
+        Literal[
+            "none", "sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car",
+            "suv", "van", "pickup",
+        ],
+        Parameter(
+            "Blend with",
+            help="Another template: the car begins between both.",
+            choices=(
+                ("none", "Nothing"),
+                ("sedan", "Sedan"),
+                ("hatchback", "Hatchback"),
+                ("minivan", "Minivan"),
+                ("estate", "Estate"),
+                ("coupe", "Coupé"),
+                ("limousine", "Limousine"),
+                ("city_car", "City car"),
+                ("suv", "SUV"),
+                ("van", "Van"),
+                ("pickup", "Pickup"),
+            ),
+        ),
+    ] = "none"  # fmt: skip
+    share: Annotated[
+        float,
+        Parameter("Share", 0.0, 1.0, step=0.05,
+                  help="How far from the template to the one it is blended with."),
+    ] = 0.5  # fmt: skip
     trace: Annotated[
         float,
         Parameter("Follow the marks", 0.0, 1.0, step=0.05,
