@@ -81,7 +81,7 @@ def _no_edits(state: CarState, context: Context) -> CarState:
 
 def is_shaped(state: CarState) -> bool:
     """Whether a car is more than a bundled template."""
-    return state.is_begun or state.blend != "none" or bool(state.dimensions.given())
+    return state.is_begun or bool(state.dimensions.given())
 
 
 def car_as_template(state: CarState, name: str) -> bytes:

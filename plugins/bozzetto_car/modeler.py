@@ -55,7 +55,7 @@ class Car(PartsModeler[CarState, Body]):
     state_type = CarState
     state_version = 2
     part_types = (Sketch, StylingCurve, Group)
-    first_parameters = ("template", "blend", "share", "trace", "shading")
+    first_parameters = ("template", "trace", "shading")
     figures = FIGURES
 
     @override

@@ -404,8 +404,8 @@ class CarState(PartsState):
 
     @property
     def is_begun(self) -> bool:
-        """Whether it is somebody's car: with a sketch, curve, edit or a template of its own."""
-        return bool(self.nodes or self.edits or self.template == "own")
+        """Whether it is somebody's car: with a sketch, curve, edit, blend or own template."""
+        return bool(self.nodes or self.edits or self.template == "own" or self.blend != "none")
 
     @property
     def sketches(self) -> tuple[Sketch, ...]:
