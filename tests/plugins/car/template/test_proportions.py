@@ -20,9 +20,9 @@ MEASURES = ("length", "width", "height", "wheelbase")
 
 def published(kind: str) -> list[dict[str, float]]:
     """Cars of a kind in the table, mm; what a source does not tell is left out."""
-    cars, title = [], bundled(kind).title.lower()
+    cars, noun = [], bundled(kind).noun
     for match in ROW.finditer(PAGE.read_text(encoding="utf-8")):
-        if match[1] == title:
+        if match[1] == noun:
             told = zip(MEASURES, match.groups()[2:], strict=True)
             cars.append({name: float(text) for name, text in told if text != "–"})
     return cars
