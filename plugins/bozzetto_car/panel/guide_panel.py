@@ -32,7 +32,7 @@ from bozzetto_car.panel.turning_car import TurningCar
 from bozzetto_car.panel.view_model import Guide, guide_of
 from bozzetto_car.panel.widgets import Fold, Progress, SketchButton, label
 from bozzetto_car.state import CarState
-from bozzetto_car.template.library import keep_template
+from bozzetto_car.template.kept_templates import keep_template
 from bozzetto_car.template.loader import Bundled
 
 PATIENCE: Final = 60

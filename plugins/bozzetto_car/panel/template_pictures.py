@@ -34,7 +34,7 @@ from bozzetto_car.panel.car_picture import Pose, SmallCar, small_car
 from bozzetto_car.panel.colors import role
 from bozzetto_car.solver.pipeline import template_of
 from bozzetto_car.state import CarState
-from bozzetto_car.template.library import KeptTemplate, forget_template, kept_templates
+from bozzetto_car.template.kept_templates import KeptTemplate, forget_template, kept_templates
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 

@@ -30,7 +30,7 @@ from bozzetto_car.panel.node_chart import row_text
 from bozzetto_car.panel.turning_car import STILL
 from bozzetto_car.panel.view_model import chart_of, guide_of
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.template.library import keep_template
+from bozzetto_car.template.kept_templates import keep_template
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.shape_constraints import soundness_names
 from bozzetto_car.view.next_step import next_mark_step

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_car.template.library import (
+from bozzetto_car.template.kept_templates import (
     MOST_KEPT,
     forget_template,
     keep_template,
