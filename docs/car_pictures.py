@@ -38,6 +38,12 @@ WORDS = (
     "5  Styling curves, drawn on the body",
     "6  The curves alone",
 )
+TEMPLATE = (300, 170)
+"""Size of a picture of a template, px."""
+
+TEMPLATE_SEEN = ((38.0, 13.0), (142.0, 16.0))
+"""From where templates are seen: azimuth and elevation, degrees."""
+
 FAINT = 0.5
 """Strength of a sketch that has lines over it."""
 
@@ -77,6 +83,45 @@ def bodies() -> None:
         look = BEHIND if shading == "certainty" else LOOKS["hatchback"]
         plain = large("hatchback", LIGHT, look=look, shading=shading)
         save(plain, f"car-{shading}.png", smooth=True)
+
+
+def templates() -> None:
+    """All templates as complete cars, from before and behind."""
+    import unicodedata  # the font of the pictures has no accents
+
+    import numpy as np
+    from PIL import Image, ImageDraw
+
+    from bozzetto.scene import LIGHT, Scene, render
+    from bozzetto.view import Camera, fit_points, triple
+    from bozzetto_car.body.build import body_of
+    from bozzetto_car.state import CarState
+    from bozzetto_car.template.loader import TEMPLATES, bundled
+    from bozzetto_car.template.model import ViewHint
+    from bozzetto_car.view.scene import scene_of
+
+    across, (width, height) = 2, TEMPLATE
+    rows = -(-len(TEMPLATES) // across)
+    sheet = Image.new("RGB", (2 * across * width, rows * (height + CAPTION)), LIGHT.paper)
+    words = ImageDraw.Draw(sheet)
+    for number, name in enumerate(TEMPLATES):
+        row, column = divmod(number, across)
+        state = CarState(template=name, network=False, complete=True)
+        body = body_of(state)
+        layers = tuple(one for one in scene_of(state, body).layers if one.name != "handles")
+        places = body.network.positions
+        middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
+        for turn, seen in enumerate(TEMPLATE_SEEN):
+            eye = triple(middle + 14_000.0 * ViewHint(*seen).toward_eye)
+            near = Camera("perspective", eye, triple(middle), fov_y=24.0, viewport=TEMPLATE)
+            ground = np.vstack((places, places * (1.0, 1.0, 0.0)))
+            pixels = render(Scene(layers), fit_points(near, ground, 0.06), LIGHT, size=TEMPLATE)
+            at = ((2 * column + turn) * width, row * (height + CAPTION))
+            sheet.paste(Image.fromarray(np.asarray(pixels)).convert("RGB"), at)
+        below = (2 * column + 1) * width, (row + 1) * (height + CAPTION) - CAPTION // 2
+        plain = unicodedata.normalize("NFD", bundled(name).title).encode("ascii", "ignore")
+        words.text(below, plain.decode(), LIGHT.ink, anchor="mm", font_size=17)
+    save(np.asarray(sheet), "car-templates.png", smooth=True)
 
 
 def built(name: str) -> tuple[Workbench, Model]:

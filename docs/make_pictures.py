@@ -41,6 +41,7 @@ def main() -> int:
     symmetry_pictures.window()
     car_pictures.gallery()
     car_pictures.bodies()
+    car_pictures.templates()
     car_pictures.window()
     solid_pictures.samples()
     solid_pictures.linkages()

@@ -43,7 +43,7 @@ def all_commands() -> tuple[Command, ...]:
         Command(
             "save-template", "Save this car as a template",
             "Write a file with which further cars begin, and that marks files can name.",
-            _template, enabled=_is_shaped, writes=".json",
+            _template, enabled=is_shaped, writes=".json",
         ),
     )  # fmt: skip
 
@@ -79,13 +79,32 @@ def _no_edits(state: CarState, context: Context) -> CarState:
     return replace(state, edits=())
 
 
-def _is_shaped(state: CarState) -> bool:
+def is_shaped(state: CarState) -> bool:
+    """Whether a car is more than a bundled template."""
     return state.is_begun or bool(state.dimensions.given())
 
 
-def _template(state: CarState, context: Context) -> bytes:
+def car_as_template(state: CarState, name: str) -> bytes:
+    """Return the file of a template that is a car as it is, with all edits and dimensions.
+
+    Parameters
+    ----------
+    state : CarState
+        The car.
+    name : str
+        Title of the template.
+
+    Raises
+    ------
+    UserError
+        If no body is shown yet, or no template can be like it.
+    """
     network, source = body_in_work(state).network, state.template_source
-    return template_file(source, network, context.file, state.without, _remedy(state))
+    return template_file(source, network, name, state.without, _remedy(state))
+
+
+def _template(state: CarState, context: Context) -> bytes:
+    return car_as_template(state, context.file)
 
 
 def _remedy(state: CarState) -> str:

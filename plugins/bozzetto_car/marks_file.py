@@ -66,7 +66,7 @@ def car_from_facts(
     Parameters
     ----------
     facts : mapping
-        ``"template"``: ``"sedan"``, ``"hatchback"``, ``"minivan"`` or a template of one's own
+        ``"template"``: one of `TEMPLATES`, such as ``"sedan"``, or a template of one's own
         (an object); ``"views"``: a list of objects with ``"marks"``: ``{node: [u, v]}``,
         ``"kind"``, ``"cropped"``, ``"strokes"``: ``{edge: [[u, v], …]}``, ``"image"``,
         ``"name"``; ``"image"``: ``{"width", "height", "file"}`` for views that have none;

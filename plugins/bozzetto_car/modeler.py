@@ -34,6 +34,7 @@ from bozzetto_car.marks_file import (
     is_template_file,
 )
 from bozzetto_car.report import FIGURES, cautions_of, report_of
+from bozzetto_car.solver.pipeline import blend_problem
 from bozzetto_car.state import CarState, Sketch, StylingCurve
 from bozzetto_car.styling.commands import styling_commands
 from bozzetto_car.tools import all_tools
@@ -141,7 +142,8 @@ class Car(PartsModeler[CarState, Body]):
     @override
     def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:
         """Return what was left out, and whether any sketch shapes the car."""
-        return cautions_of(result)
+        problem = blend_problem(state)
+        return (*((Caution(problem),) if problem else ()), *cautions_of(result))
 
     @override
     def next_step(self, state: CarState, tool: Tool[CarState]) -> NextStep:

@@ -223,8 +223,9 @@ def _input_not_used(body: Body) -> Iterator[Caution]:
     solved = body.solved
     likelier = likelier_template(solved)
     if likelier is not None:
-        own = body.template.title.lower()
-        words = f"This looks like a {likelier.title.lower()}, not like a {own}."
+        own = body.template
+        other = f"not like {own.article} {own.noun}"
+        words = f"This looks like {likelier.article} {likelier.noun}, {other}."
         yield Caution(f"{words} Choose that template.")
     if not solved.placed:
         yield Caution("There is no sketch. The car is the template as it stands.")

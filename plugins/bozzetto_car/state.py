@@ -263,7 +263,10 @@ class CarState(PartsState):
     without: tuple[str, ...] = ()
     own: str = ""
     template: Annotated[
-        Literal["sedan", "hatchback", "minivan", "own"],
+        Literal[
+            "sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car", "suv",
+            "van", "pickup", "own",
+        ],
         Parameter(
             "Template",
             help="The car that takes the shape of the sketch; one of your own comes from its file.",
@@ -271,10 +274,45 @@ class CarState(PartsState):
                 ("sedan", "Sedan"),
                 ("hatchback", "Hatchback"),
                 ("minivan", "Minivan"),
+                ("estate", "Estate"),
+                ("coupe", "Coupé"),
+                ("limousine", "Limousine"),
+                ("city_car", "City car"),
+                ("suv", "SUV"),
+                ("van", "Van"),
+                ("pickup", "Pickup"),
                 ("own", "My own"),
             ),
         ),
-    ] = "sedan"
+    ] = "sedan"  # fmt: skip
+    blend: Annotated[
+        Literal[
+            "none", "sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car",
+            "suv", "van", "pickup",
+        ],
+        Parameter(
+            "Blend with",
+            help="Another template: the car begins between both.",
+            choices=(
+                ("none", "Nothing"),
+                ("sedan", "Sedan"),
+                ("hatchback", "Hatchback"),
+                ("minivan", "Minivan"),
+                ("estate", "Estate"),
+                ("coupe", "Coupé"),
+                ("limousine", "Limousine"),
+                ("city_car", "City car"),
+                ("suv", "SUV"),
+                ("van", "Van"),
+                ("pickup", "Pickup"),
+            ),
+        ),
+    ] = "none"  # fmt: skip
+    share: Annotated[
+        float,
+        Parameter("Share", 0.0, 1.0, step=0.05,
+                  help="How far from the template to the one it is blended with."),
+    ] = 0.5  # fmt: skip
     trace: Annotated[
         float,
         Parameter("Follow the marks", 0.0, 1.0, step=0.05,
@@ -366,8 +404,8 @@ class CarState(PartsState):
 
     @property
     def is_begun(self) -> bool:
-        """Whether it is somebody's car: with a sketch, curve, edit or a template of its own."""
-        return bool(self.nodes or self.edits or self.template == "own")
+        """Whether it is somebody's car: with a sketch, curve, edit, blend or own template."""
+        return bool(self.nodes or self.edits or self.template == "own" or self.blend != "none")
 
     @property
     def sketches(self) -> tuple[Sketch, ...]:

@@ -203,7 +203,7 @@ def doubts(placed: Placed, solved: Solved) -> Iterator[str]:
         yield f"The mark “{title}” disagrees with the others{far} and is left aside: drag it."
     likelier = likelier_template(solved) if placed.is_known else None
     if likelier is not None:
-        yield f"This looks like a {likelier.title.lower()}: choose that template."
+        yield f"This looks like {likelier.article} {likelier.noun}: choose that template."
 
 
 def _sentences(asked: Asked, placed: Placed, solved: Solved) -> Iterator[str]:

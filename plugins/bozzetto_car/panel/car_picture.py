@@ -33,9 +33,6 @@ MARGIN: Final = 0.04
 GLASS: Final = (74, 84, 98)
 """Colour of windows."""
 
-GLAZED: Final = ("glass", "windscreen", "backlight")
-"""Words in the names of patches that are windows."""
-
 TINT: Final = 0.62
 """Share of the accent in the colour of the patches that a prompt names, and of glass in that of
 windows: the clay below holds the picture together."""
@@ -142,8 +139,7 @@ def _scene(template: Template, tinted: tuple[str, ...], palette: Palette) -> Sce
     clay = np.array(palette.clay, float)
     colors = np.full((len(template.patches), (DIVISIONS + 1) ** 2, 4), 255, np.uint8)
     for number, patch in enumerate(template.patches):
-        glazed = any(word in patch.name for word in GLAZED)
-        over = palette.accent if patch.name in tinted else GLASS if glazed else palette.clay
+        over = palette.accent if patch.name in tinted else GLASS if patch.glass else palette.clay
         colors[number, :, :3] = np.rint(TINT * np.array(over) + (1.0 - TINT) * clay)
     body = Shaded(replace(mesh, colors=colors.reshape(-1, 4)))
     lines = network_lines(network.control_points, "ink", 1.0, 0.35, hidden="hide")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Final
+from pathlib import Path
+from typing import Final, Literal, cast
 
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QResizeEvent
@@ -12,6 +13,7 @@ from PySide6.QtWidgets import (
     QFormLayout,
     QHBoxLayout,
     QLabel,
+    QLineEdit,
     QListWidget,
     QListWidgetItem,
     QPushButton,
@@ -19,16 +21,19 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from bozzetto.errors import UserError
 from bozzetto.plugin import PanelHost, override
 from bozzetto_app.toolkit import PanelScroll, PanelWorker
+from bozzetto_car.commands import car_as_template, is_shaped
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.node_chart import NodeChart
-from bozzetto_car.panel.template_pictures import TemplatePictures
+from bozzetto_car.panel.template_pictures import TemplatePictures, template_folder
 from bozzetto_car.panel.turning_car import TurningCar
 from bozzetto_car.panel.view_model import Guide, guide_of
 from bozzetto_car.panel.widgets import Fold, Progress, SketchButton, label
 from bozzetto_car.state import CarState
-from bozzetto_car.template.loader import TEMPLATES
+from bozzetto_car.template.kept_templates import keep_template
+from bozzetto_car.template.loader import Bundled
 
 PATIENCE: Final = 60
 """Time from a change to the update of the panel, ms: the program solves the car first, and its
@@ -45,6 +50,13 @@ TIPS: Final = (
     "Ask for the next point; this one comes again",
     "Do not ask for this point any more in this sketch",
 )
+
+NAME, KEEP = "Name", "Keep as template"
+
+KEEP_TIP: Final = "Add the car as it is to the templates that further cars can begin with"
+
+LONGEST_NAME: Final = 60
+"""Most characters of the name of a template, for a picture has room for a few."""
 
 CHECKED, UNCHECKED = Qt.CheckState.Checked, Qt.CheckState.Unchecked
 
@@ -66,7 +78,7 @@ class GuidePanel(PanelScroll):
         self._host = host
         self._guide: Guide | None = None
         self._state: CarState | None = None
-        self._work = PanelWorker(self)
+        self._work, self._keeping = PanelWorker(self), PanelWorker(self)
         self._soon = QTimer(self, singleShot=True, interval=PATIENCE)
         self._soon.timeout.connect(self._look)
         self._build()
@@ -76,7 +88,8 @@ class GuidePanel(PanelScroll):
     @property
     def busy(self) -> bool:
         """Whether the panel does not show the newest state yet."""
-        return self._soon.isActive() or self._work.busy or self.templates.busy
+        works = (self._work, self._keeping, self.templates)
+        return self._soon.isActive() or any(work.busy for work in works)
 
     @override
     def sizeHint(self) -> QSize:
@@ -126,9 +139,7 @@ class GuidePanel(PanelScroll):
         self.rules.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.rules.setMinimumHeight(220)
         self.rules.itemChanged.connect(self._switch)
-        self.templates = TemplatePictures(inside)
-        self.templates.chosen.connect(self._choose_template)
-        self._kinds = Fold("Template", self.templates, inside, is_open=True)
+        self._kinds = Fold("Template", self._kinds_of_cars(inside), inside, is_open=True)
         column.insertWidget(0, self._kinds)
         column.addWidget(Fold("Sketches", self._rows, inside, is_open=True))
         column.addWidget(Fold("Dimensions as found", found, inside, is_open=False))
@@ -149,6 +160,33 @@ class GuidePanel(PanelScroll):
         self.hide_.clicked.connect(self._not_visible)
         return row
 
+    def _kinds_of_cars(self, inside: QWidget) -> QWidget:
+        """Return the pictures of the templates, and below them a row to keep this car as one."""
+        whole = QWidget(inside)
+        column = QVBoxLayout(whole)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(6)
+        self.templates = TemplatePictures(whole)
+        self.templates.chosen.connect(self._choose_template)
+        self.templates.refused.connect(self._host.complain)
+        column.addWidget(self.templates)
+        row = QHBoxLayout()
+        row.setSpacing(6)
+        self.name = QLineEdit(whole)
+        self.name.setPlaceholderText(NAME)
+        self.name.setAccessibleName("Name of this car as a template")
+        self.name.setMaxLength(LONGEST_NAME)
+        self.keep = QPushButton(KEEP, whole)
+        self.keep.setProperty("type", "small")
+        self.keep.setToolTip(KEEP_TIP)
+        self.keep.clicked.connect(self._keep)
+        self.name.returnPressed.connect(self.keep.click)
+        self.name.textChanged.connect(self._may_keep)
+        row.addWidget(self.name, 1)
+        row.addWidget(self.keep)
+        column.addLayout(row)
+        return whole
+
     # -- what is shown -----------------------------------------------------------------------------
 
     def _change_seen(self) -> None:
@@ -165,7 +203,8 @@ class GuidePanel(PanelScroll):
         if self._guide is None or begins != began:
             self._kinds.heading.setChecked(begins)  # then the room is for the points
         self._state, self._guide = state, guide
-        self.templates.show_template(state.template)
+        self.templates.show_template(state)
+        self._may_keep()
         self.car.show_node(guide.template, guide.asked)
         self.title.setText(guide.title)
         self.title.setVisible(bool(guide.title))
@@ -221,11 +260,38 @@ class GuidePanel(PanelScroll):
     def _choose(self, node: str) -> None:
         self._change(lambda state: with_asked(state, node), "Choose a point")
 
-    def _choose_template(self, name: str) -> None:
+    def _choose_template(self, name: str, own: str) -> None:
         state = self._host.state
-        kind = next(one for one in TEMPLATES if one == name)
         if isinstance(state, CarState):
-            self._host.change(replace(state, template=kind), "Template")
+            kept = own or state.own  # the car's own stays, should the person come back to it
+            kind: Bundled | Literal["own"] = "own" if own else cast(Bundled, name)
+            self._host.change(replace(state, template=kind, own=kept), "Template")
+
+    def _may_keep(self) -> None:
+        state = self._host.state
+        is_own = isinstance(state, CarState) and is_shaped(state)
+        self.name.setEnabled(is_own)
+        self.keep.setEnabled(is_own and bool(self.name.text().strip()) and not self._keeping.busy)
+
+    def _keep(self) -> None:
+        """Keep the car as a template, in a thread: it may have to be solved first."""
+        state, name, folder = self._host.state, self.name.text(), template_folder()
+        if not isinstance(state, CarState):
+            return
+
+        def work() -> Path:
+            return keep_template(folder, car_as_template(state, name))
+
+        def done(path: Path) -> None:
+            self.name.clear()
+            self.templates.look_again()
+
+        def failed(problem: UserError) -> None:
+            self._may_keep()
+            self._host.complain(problem)
+
+        self._keeping.ask(work, done, failed)
+        self.keep.setEnabled(False)
 
     def _choose_sketch(self, key: str) -> None:
         self._change(lambda state: replace(state, selected=key, asked=""), "Choose a sketch")

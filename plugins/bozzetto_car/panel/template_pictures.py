@@ -1,91 +1,198 @@
-"""Pictures of the templates to choose from; a thread draws them."""
+"""Pictures of the templates to choose from: the bundled ones, and those that a person keeps.
+
+A thread reads what is kept and draws the pictures.
+"""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Final
 
-from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QImage, QPainter, QPaintEvent, QPalette, QPen, QShowEvent
-from PySide6.QtWidgets import QAbstractButton, QButtonGroup, QHBoxLayout, QSizePolicy, QWidget
+from PySide6.QtCore import QEvent, QRectF, QSize, QStandardPaths, Qt, Signal
+from PySide6.QtGui import (
+    QAction,
+    QImage,
+    QKeySequence,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+    QShowEvent,
+)
+from PySide6.QtWidgets import QAbstractButton, QGridLayout, QSizePolicy, QWidget
 
+from bozzetto.errors import UserError
 from bozzetto.plugin import override
 from bozzetto.scene import Palette
 from bozzetto_app.toolkit import PanelWorker, palette_of
 from bozzetto_car.panel.car_picture import Pose, SmallCar, small_car
 from bozzetto_car.panel.colors import role
+from bozzetto_car.solver.pipeline import template_of
+from bozzetto_car.state import CarState
+from bozzetto_car.template.kept_templates import KeptTemplate, forget_template, kept_templates
 from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.model import Template
 
-SIZE: Final = (80, 44)
+SIZE: Final = (64, 35)
 """Size of a picture, px."""
 
-LINE: Final = 18
+LINE: Final = 16
 """Height of the name under it, px."""
+
+SMALLER: Final = 0.85
+"""Size of the name relative to other text."""
+
+COLUMNS: Final = 4
+"""Pictures beside each other."""
 
 POSE: Final = Pose(62.0, 14.0)
 """Nose, side and roof are seen, which tell the templates apart."""
 
+FOLDER: Final = "car templates"
+"""Name of the folder with the templates that a person keeps, among the program's own data."""
+
+FORGET: Final = "Remove from the list"
+
 Role = QPalette.ColorRole
 
 
+def template_folder() -> Path:
+    """Return the folder with the templates that a person keeps; it need not exist."""
+    kind = QStandardPaths.StandardLocation.AppLocalDataLocation
+    return Path(QStandardPaths.writableLocation(kind)) / FOLDER
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A template that is offered, and its picture.
+
+    Attributes
+    ----------
+    key : str
+        Id of a bundled one; the file of one of the person's own.
+    template : Template
+    car : SmallCar
+    kept : KeptTemplate or None
+        None for a bundled one, and for one that is the car's only.
+    """
+
+    key: str
+    template: Template
+    car: SmallCar
+    kept: KeptTemplate | None = None
+
+
 class TemplatePictures(QWidget):
-    """A row with a picture of each bundled template.
+    """Pictures of the bundled templates, those that the person keeps, and the car's own.
 
     Signals
     -------
-    chosen : str
-        A person chose this one.
+    chosen : str, str
+        A person chose this one: the template of the state, and the file of an own one or "".
+    refused : UserError
+        Something could not be done.
     """
 
-    chosen = Signal(str)
+    chosen = Signal(str, str)
+    refused = Signal(object)
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("car-guide-templates")
         self.setAccessibleName("Templates")
         self._work = PanelWorker(self)
-        self._drawn: tuple[Palette, float] | None = None
-        self._group = QButtonGroup(self)
-        self._group.setExclusive(False)  # none is on where the template is the person's own
+        self._drawn: tuple[Palette, float, str] | None = None
+        self._current, self._own = "", ""
         self.buttons: dict[str, PictureButton] = {}
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.setSpacing(4)
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid.setSpacing(4)
         for name in TEMPLATES:
-            button = PictureButton(bundled(name).title, self)
-            button.clicked.connect(partial(self._choose, name))
-            self.buttons[name] = button
-            row.addWidget(button, 1)
+            self._add(name, bundled(name))
 
     @property
     def busy(self) -> bool:
         """Whether pictures are being drawn."""
         return self._work.busy
 
-    def show_template(self, name: str) -> None:
-        """Show which one is the car's; none is for one of the person's own."""
-        for key, button in self.buttons.items():
-            button.setChecked(key == name)
+    def show_template(self, state: CarState) -> None:
+        """Show which one is the car's."""
+        self._current = state.own if state.template == "own" else state.template
+        if state.own != self._own:
+            self._own = state.own
+            self._draw()
+        self._check()
 
-    def _choose(self, name: str) -> None:
-        self.buttons[name].setChecked(True)
-        self.chosen.emit(name)
+    def look_again(self) -> None:
+        """Read anew which templates the person keeps."""
+        self._drawn = None
+        self._draw()
+
+    def _check(self) -> None:
+        for key, button in self.buttons.items():
+            button.setChecked(key == self._current)
+
+    def _choose(self, key: str) -> None:
+        self._check()
+        self.buttons[key].setChecked(True)
+        self.chosen.emit(key if key in TEMPLATES else "own", "" if key in TEMPLATES else key)
+
+    # -- the buttons -------------------------------------------------------------------------------
+
+    def _add(self, key: str, template: Template, kept: KeptTemplate | None = None) -> None:
+        button = PictureButton(template, self)
+        button.clicked.connect(partial(self._choose, key))
+        if kept is not None:
+            button.offer(FORGET, partial(self._forget, kept))
+        self.buttons[key] = button
+        row, column = divmod(len(self.buttons) - 1, COLUMNS)
+        self._grid.addWidget(button, row, column)
+
+    def _drop(self, key: str) -> None:
+        button = self.buttons.pop(key)
+        self._grid.removeWidget(button)
+        button.hide()
+        button.deleteLater()
+
+    def _show(self, drawn: list[Drawn], scale: float) -> None:
+        """Show the pictures; what has gone or come since has its button no more, or anew."""
+        for key in [key for key in self.buttons if key not in TEMPLATES]:
+            self._drop(key)
+        for one in drawn:
+            if one.key not in self.buttons:
+                self._add(one.key, one.template, one.kept)
+            self.buttons[one.key].show_car(one.car, scale)
+        self._check()
+
+    def _forget(self, kept: KeptTemplate) -> None:
+        try:
+            forget_template(kept)
+        except UserError as problem:
+            self.refused.emit(problem)
+        self.look_again()
+
+    # -- the pictures ------------------------------------------------------------------------------
 
     def _draw(self) -> None:
-        """Ask for the pictures where the colours or the pixels are others."""
-        palette, scale = palette_of(self), self.devicePixelRatioF()
-        if (palette, scale) == self._drawn or not self.isVisible():
+        """Ask for the pictures where the colours, the pixels or the templates are others."""
+        palette, scale, own = palette_of(self), self.devicePixelRatioF(), self._own
+        if (palette, scale, own) == self._drawn or not self.isVisible():
             return
-        self._drawn = palette, scale
+        self._drawn = palette, scale, own
+        folder = template_folder()
 
-        def work() -> list[SmallCar]:
-            return [small_car(bundled(n), "", POSE, palette, SIZE, scale) for n in TEMPLATES]
+        def work() -> list[Drawn]:
+            return [
+                Drawn(key, one, small_car(one, "", POSE, palette, SIZE, scale), kept)
+                for key, one, kept in _offered(folder, own)
+            ]
 
-        def done(made: list[SmallCar]) -> None:
-            for button, car in zip(self.buttons.values(), made, strict=True):
-                button.show_car(car, scale)
-
-        self._work.ask(work, done)
+        self._work.ask(work, lambda drawn: self._show(drawn, scale))
 
     @override
     def showEvent(self, event: QShowEvent) -> None:
@@ -97,18 +204,44 @@ class TemplatePictures(QWidget):
         self._draw()
 
 
+def _offered(folder: Path, own: str) -> Iterator[tuple[str, Template, KeptTemplate | None]]:
+    """Yield what can be chosen: its key, the template, and what the person keeps of it."""
+    for name in TEMPLATES:
+        yield name, bundled(name), None
+    mine = json.loads(own) if own else None
+    for kept in kept_templates(folder):
+        # A file that was imported is written otherwise in the car, and the same template.
+        is_mine = mine is not None and json.loads(kept.source) == mine
+        mine = None if is_mine else mine
+        yield own if is_mine else kept.source, kept.template, kept
+    if mine is not None:
+        with suppress(UserError):  # the program tells it, where it solves the car
+            yield own, template_of(CarState(template="own", own=own)), None
+
+
 class PictureButton(QAbstractButton):
     """A template to choose: its picture and its name."""
 
-    def __init__(self, title: str, parent: QWidget) -> None:
+    def __init__(self, template: Template, parent: QWidget) -> None:
         super().__init__(parent)
-        self.setText(title)
-        self.setAccessibleName(title)
-        self.setToolTip(f"The car takes its shape from a {title.lower()}; marks stay")
+        self.setText(template.title)
+        self.setAccessibleName(template.title)
+        self.setToolTip(
+            f"The car takes its shape from {template.article} {template.noun}; marks stay"
+        )
         self.setCheckable(True)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setFixedHeight(SIZE[1] + LINE + 8)
         self._image = QImage()
+
+    def offer(self, words: str, done: Callable[[], None]) -> None:
+        """Offer something in the context menu, and by the Delete key."""
+        action = QAction(words, self)
+        action.setShortcut(QKeySequence(QKeySequence.StandardKey.Delete))
+        action.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)
+        action.triggered.connect(done)
+        self.addAction(action)
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
 
     def show_car(self, car: SmallCar, scale: float) -> None:
         """Show a picture of the template."""
@@ -141,6 +274,9 @@ class PictureButton(QAbstractButton):
         left, top = 0.5 * (self.width() - wide), 4.0 + 0.5 * (SIZE[1] - high)
         painter.drawImage(QRectF(left, top, wide, high), self._image)
         painter.setPen(role(self, Role.WindowText))
+        font = self.font()
+        font.setPixelSize(round(SMALLER * self.fontInfo().pixelSize()))
+        painter.setFont(font)
         below = self.rect().adjusted(2, SIZE[1] + 4, -2, -2)
         words = painter.fontMetrics().elidedText(
             self.text(), Qt.TextElideMode.ElideRight, below.width()

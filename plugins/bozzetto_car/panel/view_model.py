@@ -10,6 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags
 from bozzetto.geometry.patches import bernstein
+from bozzetto.plugin import remembered
 from bozzetto.view import Camera, triple
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.camera.visibility import facing
@@ -30,8 +31,19 @@ from bozzetto_car.template.shape_constraints import soundness_names
 Status = Literal["asked", "set", "wrong", "skipped", "open", "hidden"]
 
 CHART_POSE: Final = ViewHint(69.0, 20.0)
-"""Direction of the view in the chart of all nodes: no two nodes overlap in any of the three
-templates."""
+"""Direction of the view in the chart of all nodes, where it shows them apart."""
+
+CHART_TURNS: Final = [
+    ViewHint(CHART_POSE.azimuth + turn, CHART_POSE.elevation + rise)
+    for turn, rise in sorted(
+        ((turn, rise) for turn in range(-24, 13, 3) for rise in range(-8, 17, 2)),
+        key=lambda aside: aside[0] ** 2 + aside[1] ** 2,
+    )
+]
+"""Directions for the chart, the usual one first."""
+
+APART: Final = 0.02
+"""Least distance of two nodes in the chart, per width of the chart: 5 px in a narrow panel."""
 
 CHART_SIZE: Final = (1000.0, 1000.0)
 """Canvas of the chart's camera, px; only its shape counts."""
@@ -252,11 +264,7 @@ def _rules(state: CarState, body: Body) -> Iterator[Rule]:
 
 def chart_of(template: Template, near: str) -> Chart:
     """Return the template drawn from above the corner of its nose, on the near side."""
-    side = 1.0 if near == "R" else -1.0
-    pose = ViewHint(side * CHART_POSE.azimuth, CHART_POSE.elevation)
-    middle = template.positions.mean(axis=0)
-    eye = middle + 20_000.0 * pose.toward_eye
-    camera = Camera("orthographic", triple(eye), triple(middle), height=6000.0, viewport=CHART_SIZE)
+    camera = _chart_camera(template, near)
     curves = bernstein(np.linspace(0.0, 1.0, PIECES + 1)) @ template.control_points
     drawn = camera.project(curves.reshape(-1, 3))[0]
     places = camera.project(template.positions)[0]
@@ -270,3 +278,25 @@ def chart_of(template: Template, near: str) -> Chart:
         np.asarray(seen[template.edges].all(axis=1)),
         float(high[1] - low[1]) / width,
     )
+
+
+@remembered(limit=16)
+def _chart_camera(template: Template, near: str) -> Camera:
+    """Return the view next to the usual one in which no two nodes overlap; else the best."""
+    side = 1.0 if near == "R" else -1.0
+    middle = template.positions.mean(axis=0)
+    best, widest = None, -1.0
+    for turn in CHART_TURNS:
+        eye = middle + 20_000.0 * ViewHint(side * turn.azimuth, turn.elevation).toward_eye
+        camera = Camera(
+            "orthographic", triple(eye), triple(middle), height=6000.0, viewport=CHART_SIZE
+        )
+        places = camera.project(template.positions)[0]
+        gaps = np.linalg.norm(places[:, None] - places, axis=2)[np.triu_indices(len(places), 1)]
+        least = float(gaps.min() / np.ptp(places[:, 0]))
+        if least >= APART:
+            return camera
+        if least > widest:
+            best, widest = camera, least
+    assert best is not None
+    return best

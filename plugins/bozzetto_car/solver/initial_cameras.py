@@ -103,6 +103,26 @@ def place_sketch(template: Template, sketch: Sketch, resumed: Placed | None = No
     return replace(placed, exchanged=exchanged)
 
 
+def seen_as(template: Template, placed: Placed) -> MarkedView | None:
+    """Return a sketch as one of a car like another template; None if no camera sees that so.
+
+    The search begins at the camera that is known, and the kind of the camera stays.
+    """
+    sketch, known = placed.sketch, placed.resection
+    assert known is not None
+    nodes, places = counted_marks(placed, template)
+    try:
+        found = resect(
+            template.positions[nodes], places, sketch.size, kind=known.camera.kind,
+            cropped=sketch.cropped, before=replace(known, disagreeing=()),
+        )  # fmt: skip
+    except UserError:
+        return None
+    if _too_near(template, nodes, found).any():
+        return None
+    return MarkedView(found.camera, nodes, places, found.shift, sketch.cropped)
+
+
 def _camera_of(
     sketch: Sketch,
     template: Template,

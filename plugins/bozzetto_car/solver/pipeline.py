@@ -33,7 +33,8 @@ from bozzetto_car.solver.initial_cameras import (
 )
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.state import TRACE, CarState, Sketch
-from bozzetto_car.template.loader import bundled, read_template
+from bozzetto_car.template.blend import blended, can_blend
+from bozzetto_car.template.loader import TEMPLATES, bundled, read_template
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network
 from bozzetto_car.template.shape_constraints import Soundness
@@ -74,16 +75,47 @@ class Solved:
 
 
 def template_of(state: CarState) -> Template:
-    """Return the template of a car.
+    """Return the template of a car, which may lie between two.
 
     Raises
     ------
     UserError
         If the car has no template of its own where that is wanted, or none that can be read.
     """
+    first = _first_template(state)
+    return first if state.blend == "none" else _blended(first, state.blend, state.share)
+
+
+def blend_problem(state: CarState) -> str:
+    """Return why the template of a car is not blended with another one; "" if it is, or need not.
+
+    Raises
+    ------
+    UserError
+        As `template_of` does.
+    """
+    first = _first_template(state)
+    if state.blend == "none" or can_blend(first, bundled(state.blend)):
+        return ""
+    second = bundled(state.blend)
+    like = [bundled(name) for name in TEMPLATES if can_blend(first, bundled(name))]
+    names = ", ".join(one.title for one in like if one is not first)
+    return (
+        f"{first.article.capitalize()} {first.noun} and {second.article} {second.noun} have other "
+        f"points, so they are not blended. Blend with one of these: {names}."
+    )
+
+
+def _first_template(state: CarState) -> Template:
     if state.template != "own":
         return bundled(state.template)
     return _own_template(state.template_source)
+
+
+@remembered(limit=REMEMBERED)
+def _blended(first: Template, name: str, share: float) -> Template:
+    second = bundled(name)
+    return blended(first, second, share) if can_blend(first, second) else first
 
 
 @remembered(limit=8)
@@ -130,7 +162,8 @@ def _question(state: CarState) -> tuple[object, ...]:
     sketches = tuple((sketch.id, *marks_of(sketch)) for sketch in _taking_part(state))
     locked = state.dimensions if state.lock else None
     own = state.own if state.template == "own" else state.template
-    shape = (own, state.trace, state.cost, state.without, locked)
+    blend = None if state.blend == "none" else (state.blend, state.share)
+    shape = (own, blend, state.trace, state.cost, state.without, locked)
     return (*shape, sketches)
 
 

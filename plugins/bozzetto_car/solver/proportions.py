@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 
 OUTER: Final = ("length", "width", "wheelbase", "height")
@@ -132,7 +132,7 @@ def kin_directions(template: Template) -> Array:
     few nodes in common (`SHARED_NODES`) are no kin.
     """
     found = []
-    for name in TEMPLATES:
+    for name in PAPER_TEMPLATES:
         other = bundled(name)
         shared = [node for node in template.names if node in other.node]
         if other is template or len(shared) < SHARED_NODES * len(template.names):

@@ -16,16 +16,19 @@ import numpy as np
 from bozzetto.plugin import remembered
 from bozzetto_car.solver.evidence import linear_sketch
 from bozzetto_car.solver.hyperparameters import Weights
-from bozzetto_car.solver.initial_cameras import FEWEST, marks_of, place_sketch, view_of
+from bozzetto_car.solver.initial_cameras import FEWEST, Placed, marks_of, seen_as
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.solver.proportions import SHARED_NODES
-from bozzetto_car.state import Sketch
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 
 LIKELIER: Final = 7.0
 """Gain in probability with another template, as a natural logarithm, from which it is proposed."""
+
+RARER: Final = 3.0
+"""Logarithm of how much seldomer a kind of car is sketched that is no sedan, hatchback or minivan:
+of two kinds that a sketch does not tell apart the usual one is proposed."""
 
 IMPOSSIBLE: Final = -1e9
 """Logarithm of a probability where no camera has the car before it as it is marked."""
@@ -45,42 +48,47 @@ def likelier_template(solved: Solved) -> Template | None:
     own = solved.template
     if own.id not in TEMPLATES or bundled(own.id) is not own:
         return None
-    sketches = tuple(placed.sketch for placed in solved.placed.values() if placed.is_known)
-    question = (own.id, *((sketch.id, *marks_of(sketch)) for sketch in sketches))
-    return _likelier(question, own, sketches)
+    known = tuple(placed for placed in solved.placed.values() if placed.is_known)
+    question = (own.id, *((placed.sketch.id, *marks_of(placed.sketch)) for placed in known))
+    return _likelier(question, own, known)
 
 
-@remembered(limit=ANSWERS, key=lambda question, own, sketches: question)
-def _likelier(question: Hashable, own: Template, sketches: tuple[Sketch, ...]) -> Template | None:
+@remembered(limit=ANSWERS, key=lambda question, own, known: question)
+def _likelier(question: Hashable, own: Template, known: tuple[Placed, ...]) -> Template | None:
     gains: dict[str, float] = {}
+    its: dict[tuple[int, ...], float] = {}
     for name in TEMPLATES:
         other = bundled(name)
-        common = [_of_both(sketch, own, other) for sketch in sketches if other is not own]
-        if common and all(map(_tells, common, sketches)):
-            gains[name] = _probability(other, common) - _probability(own, common)
+        common = [_of_both(placed, own, other) for placed in known if other is not own]
+        if common and all(map(_tells, common, known)):
+            counts = tuple(len(placed.sketch.marks) for placed in common)
+            if counts not in its:  # templates with the same nodes have the same marks in common
+                its[counts] = _probability(own, common)
+            rarer = 0.0 if name in PAPER_TEMPLATES else RARER
+            gains[name] = _probability(other, common) - its[counts] - rarer
     best = max(gains, key=lambda name: gains[name], default="")
     return bundled(best) if best and gains[best] > LIKELIER else None
 
 
-def _of_both(sketch: Sketch, own: Template, other: Template) -> Sketch:
+def _of_both(placed: Placed, own: Template, other: Template) -> Placed:
     """Return a sketch with the marks of points that both templates have."""
     both = own.node.keys() & other.node.keys()
-    return replace(sketch, marks=tuple(mark for mark in sketch.marks if mark.node in both))
+    marks = tuple(mark for mark in placed.sketch.marks if mark.node in both)
+    return replace(placed, sketch=replace(placed.sketch, marks=marks), disagreeing=())
 
 
-def _tells(common: Sketch, whole: Sketch) -> bool:
+def _tells(common: Placed, whole: Placed) -> bool:
     """Whether the marks of points that two templates share are enough to compare them."""
-    return len(common.marks) >= max(FEWEST, SHARED_NODES * len(whole.marks))
+    return len(common.sketch.marks) >= max(FEWEST, SHARED_NODES * len(whole.sketch.marks))
 
 
-def _probability(template: Template, sketches: Sequence[Sketch]) -> float:
+def _probability(template: Template, known: Sequence[Placed]) -> float:
     """Return the logarithm of the probability of the marks; `IMPOSSIBLE` without a camera."""
     linear, counted = [], []
-    for sketch in sketches:
-        placed = place_sketch(template, sketch)
-        if not placed.is_known or placed.disagreeing:
+    for placed in known:
+        view = seen_as(template, placed)
+        if view is None:
             return IMPOSSIBLE
-        view = view_of(placed, template)
         linear.append(linear_sketch(template, view, Cost.balanced().hand))
         counted.append(np.ones(len(view.nodes), bool))
     return Weights(template, linear, counted).total

@@ -1,4 +1,4 @@
-"""Read templates from files, complete both halves, and provide the three bundled ones.
+"""Read templates from files, complete both halves, and provide the bundled ones.
 
 A file (``bozzetto-car-template/1``, see `docs/car.md`) holds the right half of a car and its
 middle. The left half is made here by changing the sign of y, so a template from a file is symmetric
@@ -37,10 +37,16 @@ from bozzetto_car.template.schema import (
 )
 from bozzetto_car.template.validation import check
 
-Bundled = Literal["sedan", "hatchback", "minivan"]
+Bundled = Literal[
+    "sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car", "suv", "van",
+    "pickup",
+]  # fmt: skip
 
 TEMPLATES: Final[tuple[Bundled, ...]] = get_args(Bundled)
 """The templates that come with the modeler."""
+
+PAPER_TEMPLATES: Final = TEMPLATES[:3]
+"""Those of Kara & Shimada (2008), laid out by hand; the others are shaped from them."""
 
 FORMAT_WORD: Final = b'"bozzetto-car-template/'
 """A text that stands in every template file."""
@@ -57,7 +63,7 @@ MOST_FAULTS: Final = 3
 
 @lru_cache
 def bundled(name: str) -> Template:
-    """Return one of the bundled templates: sedan, hatchback or minivan.
+    """Return one of the bundled templates.
 
     Raises
     ------

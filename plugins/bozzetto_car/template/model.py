@@ -25,6 +25,9 @@ from bozzetto.plugin import cached_property
 MIRROR: Final = np.array([1.0, -1.0, 1.0])
 """The reflection in the plane of symmetry, as factors of the coordinates."""
 
+SOUNDS_OPEN: Final = "aeioAEIOFHLMNRSX"
+"""First letters of nouns that are spoken with a vowel: words in lower case, and abbreviations."""
+
 AXES: Final = "xyz"
 """Letters of the coordinates, in order."""
 
@@ -215,6 +218,16 @@ class Template:
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     # -- names ---------------------------------------------------------------------------------
+
+    @property
+    def noun(self) -> str:
+        """The title within a sentence: “minivan”, but “SUV”."""
+        return self.title if self.title.isupper() else self.title.lower()
+
+    @property
+    def article(self) -> str:
+        """The article of the noun: “an” where it is spoken with a vowel, as “SUV” is."""
+        return "an" if self.noun[:1] in SOUNDS_OPEN else "a"
 
     @cached_property
     def node(self) -> Mapping[str, int]:

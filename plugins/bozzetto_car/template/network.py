@@ -191,7 +191,7 @@ def edge_called(template: Template, name: str) -> int:
     found = template.edge_between.get((template.node.get(start, -1), template.node.get(end, -1)))
     if found is None:
         raise UserError(
-            f"The {template.title.lower()} has no edge “{name[:40]}”. Name the nodes at both of "
+            f"The {template.noun} has no edge “{name[:40]}”. Name the nodes at both of "
             f"its ends, as in {template.edge_names[0]}."
         )
     return max(found, ~found)
@@ -207,7 +207,7 @@ def node_called(template: Template, name: str) -> int:
     """
     if name not in template.node:
         raise UserError(
-            f"The {template.title.lower()} has no node “{name[:40]}”. Take one of its names, "
+            f"The {template.noun} has no node “{name[:40]}”. Take one of its names, "
             f"such as {template.names[0]}."
         )
     return template.node[name]

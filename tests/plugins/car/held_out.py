@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import apart, rms, rubbery, styled
@@ -76,15 +76,15 @@ def outer(template: Template, positions: Array) -> Array:
 
 def held_out(seed: int = 0) -> Iterator[TrueCar]:
     """Yield a car for each one in the table of published dimensions."""
-    for kind in TEMPLATES:
+    for kind in PAPER_TEMPLATES:
         for number, told in enumerate(published(kind)):
-            rng = np.random.default_rng((seed, TEMPLATES.index(kind), number))
+            rng = np.random.default_rng((seed, PAPER_TEMPLATES.index(kind), number))
             yield TrueCar(f"{kind} {number}", bundled(kind), _sound_car(kind, told, rng))
 
 
 def near_template(seeds: range) -> Iterator[TrueCar]:
     """Yield the styled and the rubbery cars of each template."""
-    for kind in TEMPLATES:
+    for kind in PAPER_TEMPLATES:
         template = bundled(kind)
         for seed in seeds:
             yield TrueCar(f"{kind} styled {seed}", template, styled(template, seed))
@@ -102,7 +102,7 @@ def _sound_car(kind: str, told: dict[str, float], rng: np.random.Generator) -> A
 
 
 def _car(template: Template, told: dict[str, float], rng: np.random.Generator) -> Array:
-    others = [bundled(kind) for kind in TEMPLATES if kind != template.id]
+    others = [bundled(kind) for kind in PAPER_TEMPLATES if kind != template.id]
     other = others[rng.integers(len(others))]
     own = outer(template, template.positions)
     length = told["length"]

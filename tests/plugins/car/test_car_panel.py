@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from dataclasses import replace
@@ -21,6 +22,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from bozzetto.scene import DARK, LIGHT
 from bozzetto_car.body.build import body_of
+from bozzetto_car.commands import car_as_template
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
 from bozzetto_car.panel.car_picture import Pose, between, pose_of, small_car
 from bozzetto_car.panel.guide_panel import GuidePanel
@@ -28,7 +30,8 @@ from bozzetto_car.panel.node_chart import row_text
 from bozzetto_car.panel.turning_car import STILL
 from bozzetto_car.panel.view_model import chart_of, guide_of
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.kept_templates import keep_template
+from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.shape_constraints import soundness_names
 from bozzetto_car.view.next_step import next_mark_step
 from tests.panel_host import StandInHost
@@ -124,7 +127,7 @@ def test_all_constraints_are_there(twelve):
 # -- drawings --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["sedan", "hatchback", "minivan"])
+@pytest.mark.parametrize("name", TEMPLATES)
 @pytest.mark.parametrize("near", ["L", "R"])
 def test_in_the_chart_every_node_can_be_hit(name, near):
     """At 250 px no two dots are closer than a pen can tell, and the nose points where it does."""
@@ -288,6 +291,101 @@ def test_sketches_are_chosen(shown, twelve, qtbot):
     first.click()
     calm(qtbot, panel)
     assert host.state.selected == "one"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder for the templates that are kept."""
+    from bozzetto_car.panel import guide_panel, template_pictures
+
+    for module in (guide_panel, template_pictures):
+        monkeypatch.setattr(module, "template_folder", lambda: tmp_path)
+    return tmp_path
+
+
+def titles(panel):
+    return [button.text() for button in panel.templates.buttons.values()]
+
+
+def checked(panel):
+    return [button.text() for button in panel.templates.buttons.values() if button.isChecked()]
+
+
+def test_every_template_is_chosen_by_its_picture(shown, folder, qtbot):
+    panel, host = shown(CarState())
+    assert titles(panel) == [bundled(name).title for name in TEMPLATES]
+    for name in ("suv", "pickup", "sedan"):
+        panel.templates.buttons[name].click()
+        calm(qtbot, panel)
+        assert host.state.template == name
+        assert checked(panel) == [bundled(name).title]
+    assert host.labels == ["Template"] * 3
+
+
+def test_a_car_is_kept_as_a_template_and_another_begins_with_it(shown, folder, qtbot):
+    panel, host = shown(CarState(template="coupe", length=4300.0))
+    assert not panel.keep.isEnabled()  # it has no name yet
+    panel.name.setText("Wedge")
+    panel.keep.click()
+    calm(qtbot, panel)
+    assert titles(panel)[len(TEMPLATES) :] == ["Wedge"]
+    assert panel.name.text() == ""
+    assert host.labels == []  # the car is what it was
+    assert checked(panel) == ["Coupé"]
+
+    panel, host = shown(CarState())
+    assert not panel.name.isEnabled()  # it is a template as it stands
+    key = next(key for key in panel.templates.buttons if key not in TEMPLATES)
+    panel.templates.buttons[key].click()
+    calm(qtbot, panel)
+    assert host.state.template == "own"
+    assert body_of(host.state).dimensions.length == pytest.approx(4300.0)
+    assert checked(panel) == ["Wedge"]
+    panel.templates.buttons["van"].click()
+    calm(qtbot, panel)
+    assert host.state.template == "van"
+    assert titles(panel)[len(TEMPLATES) :] == ["Wedge"]
+
+
+def test_a_kept_template_is_forgotten_and_a_car_has_it_still(shown, folder, qtbot):
+    keep_template(folder, car_as_template(CarState(length=4300.0), "Wedge"))
+    panel, host = shown(CarState())
+    key = next(key for key in panel.templates.buttons if key not in TEMPLATES)
+    panel.templates.buttons[key].click()
+    calm(qtbot, panel)
+    panel.templates.buttons[key].actions()[0].trigger()
+    calm(qtbot, panel)
+    assert list(folder.iterdir()) == []
+    assert checked(panel) == ["Wedge"]  # the car's own
+    assert not panel.templates.buttons[key].actions()
+    assert body_of(host.state).dimensions.length == pytest.approx(4300.0)
+
+
+def test_an_imported_template_is_one_with_the_file_that_is_kept(shown, folder, qtbot):
+    source = car_as_template(CarState(length=4300.0), "Wedge")
+    keep_template(folder, source)
+    panel, _ = shown(CarState(template="own", own=json.dumps(json.loads(source))))
+    assert titles(panel)[len(TEMPLATES) :] == checked(panel) == ["Wedge"]
+
+
+def test_why_a_car_cannot_be_kept_is_told_and_its_name_stays(shown, folder, qtbot):
+    panel, host = shown(blank())  # a sketch whose camera is not known
+    panel.name.setText("Wedge")
+    panel.keep.click()
+    calm(qtbot, panel)
+    assert "Mark its points" in host.problems[0]
+    assert panel.name.text() == "Wedge"
+    assert panel.keep.isEnabled()
+    assert list(folder.iterdir()) == []
+
+
+def test_quick_clicks_on_templates_end_with_the_last(shown, folder, qtbot):
+    panel, host = shown(CarState())
+    for name in ("suv", "van", "suv", "pickup"):
+        panel.templates.buttons[name].click()
+    calm(qtbot, panel)
+    assert host.state.template == "pickup"
+    assert checked(panel) == ["Pickup"]
 
 
 def test_constraints_are_switched_off_and_on(shown, twelve, qtbot):

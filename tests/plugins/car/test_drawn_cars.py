@@ -19,7 +19,7 @@ from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
 from bozzetto_car.solver.prior import Cost
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.network import Network, edge_called
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.drawn_cars import (
@@ -57,8 +57,8 @@ def solved(name: str) -> JointSolution:
 
 
 def test_there_is_a_car_for_every_template() -> None:
-    assert set(GALLERY_CARS) == set(TEMPLATES)
-    assert {marks_in(name)["template"] for name in GALLERY_CARS} == set(TEMPLATES)
+    assert set(GALLERY_CARS) == set(PAPER_TEMPLATES)
+    assert {marks_in(name)["template"] for name in GALLERY_CARS} == set(PAPER_TEMPLATES)
 
 
 def test_pictures_are_there_and_small(name: str) -> None:
@@ -275,7 +275,7 @@ def left(network: Network, camera: Camera, strokes: dict[str, Array]) -> list[fl
 # -- drawn cars by chance --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("id", TEMPLATES)
+@pytest.mark.parametrize("id", PAPER_TEMPLATES)
 def test_a_car_by_chance_is_told_exactly_without_a_hand(id: str) -> None:
     car = drawn(bundled(id), 5, (FRONT_QUARTER, SIDE), hand=0.0)
     assert symmetric(car.network)
@@ -287,7 +287,7 @@ def test_a_car_by_chance_is_told_exactly_without_a_hand(id: str) -> None:
     assert json.loads(json.dumps(car.marks_file())) == car.marks_file()
 
 
-@pytest.mark.parametrize("id", TEMPLATES)
+@pytest.mark.parametrize("id", PAPER_TEMPLATES)
 def test_cars_by_chance_are_found_from_two_sketches(id: str) -> None:
     errors, starts = [], []
     for seed in range(4):

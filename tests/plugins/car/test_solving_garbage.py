@@ -10,7 +10,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto_car.solver.pipeline import solve_car, template_of
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import PICTURE, looking
@@ -102,12 +102,12 @@ def survive(name: Name, seed: int, count: int) -> int:
     return cars
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 def test_marks_without_sense_give_a_sound_car_or_a_sentence(name: Name) -> None:
     assert survive(name, 0, 5) >= 2
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 @pytest.mark.parametrize("seed", range(1, 1 + sized(1, 33)))
 def test_many_sets_of_marks_without_sense(name: Name, seed: int) -> None:
     assert survive(name, seed, sized(50, 102)) >= 25

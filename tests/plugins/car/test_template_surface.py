@@ -68,12 +68,14 @@ def grid() -> tuple[Array, Array]:
 
 
 def test_surfaces_have_a_normal_everywhere_that_points_outward(template: Template) -> None:
+    front, rear = template.positions[template.wheels[:, 0], 0]
     for patch in template.patches:
         across = normals(template, patch, *grid())
         assert np.linalg.norm(across, axis=1).min() > 5e4  # mm² for the whole patch
         places = coons(template, patch, *grid())
         # Outward of a beam along the car that every part of the body lies around.
-        beam = np.clip(places[:, 0], 700.0, 3400.0), 0.0 * places[:, 0], np.full(len(places), 600.0)
+        along = np.clip(places[:, 0], front - 180.0, rear - 250.0)
+        beam = along, 0.0 * along, np.full(len(places), 600.0)
         assert ((places - np.stack(beam, axis=1)) * across).sum(axis=1).min() > 0.0
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from bozzetto_car.body.default_shape import posts, pull_out_panels
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called, with_tangents
 from tests.plugins.car.traced_car import curve, symmetric
 
 
-@pytest.fixture(params=TEMPLATES)
+@pytest.fixture(params=PAPER_TEMPLATES)
 def flat(request: pytest.FixtureRequest) -> Network:
     """A template all of whose edges are straight."""
     template = bundled(request.param)

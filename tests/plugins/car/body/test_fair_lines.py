@@ -13,7 +13,7 @@ from bozzetto_car.body.fair_lines import (
     straightened,
     turned_with_chords,
 )
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network import Network
 from bozzetto_car.template.network_validation import NARROWEST_CORNER
@@ -21,7 +21,7 @@ from tests.plugins.car.sketched import rubbery, styled
 from tests.plugins.car.unseen import KINDS, unseen
 
 
-@pytest.fixture(params=TEMPLATES)
+@pytest.fixture(params=PAPER_TEMPLATES)
 def template(request: pytest.FixtureRequest) -> Template:
     return bundled(request.param)
 

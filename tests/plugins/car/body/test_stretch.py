@@ -12,7 +12,7 @@ from bozzetto.geometry.patches.patch import extent
 from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
 from bozzetto_car.dimensions import Dimensions, measure_dimensions
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.network import Network, junctions, with_positions, with_tangents
 from tests.plugins.car.sketched import styled
 from tests.plugins.car.traced_car import curve, symmetric
@@ -66,7 +66,7 @@ def test_the_way_back_is_the_inverse(map_: Reshaping) -> None:
     assert np.abs(map_.points(map_.points_before(places)) - places).max() < 1e-8
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 def test_what_was_smooth_stays_so_exactly(name: str) -> None:
     network = car(name)
     made = stretch(
@@ -89,7 +89,7 @@ def test_what_was_smooth_stays_so_exactly(name: str) -> None:
 
 
 def test_edges_stay_as_near_to_the_map_as_moved_control_points_do() -> None:
-    for name in TEMPLATES:
+    for name in PAPER_TEMPLATES:
         network = car(name)
         map_ = mapped(network, length=1.04, front_overhang=0.92, wheelbase=1.07)
         made = stretch(network, map_)

@@ -16,7 +16,7 @@ from bozzetto_car.body.stroke_distances import stroke_distances
 from bozzetto_car.marks_file import car_from_facts
 from bozzetto_car.report import report_of
 from bozzetto_car.state import CarState, MovedNode, TracedEdges
-from bozzetto_car.template.loader import TEMPLATES
+from bozzetto_car.template.loader import PAPER_TEMPLATES
 from bozzetto_car.template.network import edge_called
 from tests.plugins.car.drawn_cars import GALLERY
 from tests.plugins.car.test_drawn_cars import seen_line
@@ -30,7 +30,7 @@ def of_gallery(name: str) -> tuple[dict[str, Any], CarState]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 def test_the_report_tells_of_every_stroke_of_a_file(name: str) -> None:
     facts, state = of_gallery(name)
     views = report_of(body_of(state), state.edits, Job())["views"]

@@ -13,7 +13,7 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_car.body.chain_smoothing import smooth_chains
 from bozzetto_car.body.trace_edges import trace
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.network import Network, edge_called, junctions, with_tangents
 from tests.plugins.car.traced_car import SEEN, path, symmetric, view
 
@@ -23,7 +23,7 @@ KINDS: tuple[Kind, ...] = ("perspective", "orthographic")
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 def test_its_own_picture_changes_nothing(kind: Kind, name: str) -> None:
     network, camera = Network.of(bundled(name)), view(48.0, 14.0, kind)
     for edge in ("C1-S1.R", "S3.R-S2.R", "C2-C3", "S2.R-B2.R"):

@@ -18,7 +18,7 @@ from bozzetto_car.marking.next_mark import (
     open_nodes,
 )
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import twin
 from tests.plugins.car.penned import blank, guided, places_of, view_of
 from tests.plugins.car.sketched import FRONT_QUARTER, PICTURE, looking, styled
@@ -55,7 +55,7 @@ def test_the_templates_order_is_followed_while_all_of_it_is_likely_seen():
     assert met == ORDER["L"][:5]
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 @pytest.mark.parametrize("azimuth", [20.0, 30.0, 45.0])
 def test_from_the_front_nothing_is_asked_of_the_rear_window(name, azimuth):
     """Its upper edge faces an eye that looks along the roof, and nobody can tell it there."""

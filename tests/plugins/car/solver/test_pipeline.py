@@ -11,7 +11,7 @@ from bozzetto.errors import UserError
 from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from tests.plugins.car.marked_points import Marked, aside, marked, with_marks
 from tests.plugins.car.sketched import (
@@ -30,7 +30,7 @@ CARS = {"styled": styled, "rubbery": rubbery}
 SEEDS = range(8)
 
 
-@pytest.fixture(params=TEMPLATES)
+@pytest.fixture(params=PAPER_TEMPLATES)
 def template(request: pytest.FixtureRequest) -> Template:
     return bundled(request.param)
 

@@ -14,7 +14,7 @@ from bozzetto_car.report import cautions_of
 from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.solver.template_ranking import likelier_template
 from bozzetto_car.state import CarState
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from tests.plugins.car.held_out import held_out
 from tests.plugins.car.marked_points import marked
 from tests.plugins.car.sketched import FRONT_QUARTER, SIDE, View, rubbery, styled
@@ -37,19 +37,19 @@ def as_marked_with(state: CarState, name: str) -> CarState:
     return replace(state.with_node(replace(sketch, marks=marks)), template=name)
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 @pytest.mark.parametrize("view", [FRONT_QUARTER, SIDE])
 def test_the_right_template_is_left_alone(name: str, view: View) -> None:
     for seed in SEEDS:
         assert likelier_template(solve_car(sketch_of(name, seed, view))) is None
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 def test_a_wrong_template_is_named(name: str) -> None:
     """Never another wrong one, and mostly at all."""
     named = []
     for seed in SEEDS:
-        for wrong in TEMPLATES:
+        for wrong in PAPER_TEMPLATES:
             if wrong != name:
                 found = likelier_template(solve_car(as_marked_with(sketch_of(name, seed), wrong)))
                 assert found is None or found.id == name

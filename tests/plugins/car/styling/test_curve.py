@@ -23,7 +23,7 @@ from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve import curve_paths, mirror_curve, project_stroke
 from bozzetto_car.styling.stroke_line import smooth_line
-from bozzetto_car.template.loader import TEMPLATES
+from bozzetto_car.template.loader import PAPER_TEMPLATES
 from bozzetto_car.template.network import with_positions
 from tests.plugins.car.styled_body import (
     ABOVE,
@@ -55,7 +55,7 @@ def kept(body: Body, stroke: Array, camera: Camera) -> StylingCurve:
 
 
 @pytest.mark.parametrize("kind", ["perspective", "orthographic"])
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 def test_it_is_seen_where_it_was_drawn_and_lies_on_the_body(name: str, kind: str) -> None:
     body, camera = template_body(name), view(50.0, 15.0, kind)  # type: ignore[arg-type]
     rng = np.random.default_rng(1)
@@ -203,7 +203,7 @@ def test_patches_that_another_template_lacks_are_left_out() -> None:
     assert curve_points(empty, sedan.nets, sedan.template).shape == (0, 3)
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 def test_the_mirror_image_is_the_mirror_image(name: str) -> None:
     body = template_body(name)
     for curve in (
@@ -245,7 +245,7 @@ def test_from_inside_the_body_there_is_nothing_to_draw_on() -> None:
 @pytest.mark.parametrize("trials", [9, pytest.param(90, marks=pytest.mark.slow)])
 def test_any_stroke_is_one_sound_curve_seen_where_it_was_drawn_or_refused(trials: int) -> None:
     rng = np.random.default_rng(8)
-    bodies = [template_body(name) for name in TEMPLATES]
+    bodies = [template_body(name) for name in PAPER_TEMPLATES]
     refused = 0
     for trial in range(trials):
         body = bodies[trial % 3]

@@ -14,7 +14,7 @@ from bozzetto.geometry.patches.patch import points_at
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve_fit import as_curves, spline_of
-from bozzetto_car.template.loader import TEMPLATES
+from bozzetto_car.template.loader import PAPER_TEMPLATES
 from tests.plugins.car.styled_body import (
     ABOVE,
     curve_points,
@@ -63,7 +63,7 @@ def test_it_has_no_kinks_between_its_places() -> None:
     assert turn.max() < 0.3
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
 def test_the_spline_is_on_the_body(name: str) -> None:
     body = template_body(name)
     for curve in curves_of(body):

@@ -10,7 +10,7 @@ from bozzetto.geometry import Patchwork
 from bozzetto.geometry.patches.patch import turned_over
 from bozzetto.geometry.patches.tessellation import shaded
 from bozzetto_car.solver.uncertainty import Source
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.view.surface_colors import (
     BENDS,
@@ -50,7 +50,7 @@ def as_lab(colors: Array, vision: Array) -> Array:
     return np.stack((116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)), axis=1)
 
 
-@pytest.fixture(params=TEMPLATES)
+@pytest.fixture(params=PAPER_TEMPLATES)
 def template(request: pytest.FixtureRequest) -> Template:
     return bundled(request.param)
 
