@@ -16,6 +16,11 @@ from bozzetto_car.template.writer import template_file
 def all_commands() -> tuple[Command, ...]:
     """Return all commands but those for styling curves, in the order of the menu."""
     return (
+        Command(
+            "new-car", "New car",
+            "Begin a car without a sketch; the panel shows the templates to choose from.",
+            lambda state, context: state, enabled=lambda state: not is_shaped(state),
+        ),
         *marking_commands(),
         Command(
             "exchange-sides", "Exchange left and right",

@@ -12,6 +12,7 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
 
 from bozzetto.scene.display_list import Handle, Image, Label, Lines
+from bozzetto_car.panel.template_pictures import TemplatePictures
 from bozzetto_car.state import CarState
 from tests.app.tablet import Stylus
 
@@ -278,6 +279,21 @@ def test_the_panel_of_a_car_gives_its_room_back(make_window, settle, qtbot):
     window.session.files.new()
     settle(window.session, window.keeper)
     qtbot.waitUntil(lambda: window._ends() == pytest.approx(before, abs=3))
+
+
+def test_a_new_car_begins_without_a_sketch_and_shows_its_templates(window, settle):
+    session = window.session
+    session.commands.run("new-car")
+    settle(session)
+    assert state(window) == CarState()
+    assert shown(window, "body")
+    pictures = window.findChild(TemplatePictures)
+    assert pictures is not None
+    assert pictures.isVisible()
+    session.gestures.commit()
+    session.commands.run("new-car")
+    settle(session)
+    assert len(session.drawing.document.models) == 2, "another one beside the first"
 
 
 def test_a_dropped_template_file_begins_a_car_with_it(window, settle, tmp_path):

@@ -37,7 +37,7 @@ COMMANDS_LIMIT = 20.0
 class _Outcome(NamedTuple):
     """The result of a command: `made` replaces `base`, or is new if there is none.
 
-    `differs` is False if it changed nothing.
+    `differs` is False if it neither changed nor began anything.
     """
 
     base: Model | None
@@ -176,7 +176,7 @@ class ModelerCommands(QObject):
             command = bench.commands.find(modeler, command_id)
             made = bench.commands.run(begun, command, context)
             only_chosen = base is not None and bench.parts.only_choice_differs(base, made)
-            differs = bench.differs(begun, made, only_chosen=only_chosen)
+            differs = base is None or bench.differs(begun, made, only_chosen=only_chosen)
             return _Outcome(base, made, command.title, only_chosen, differs)
 
         def done(answer: _Outcome | None) -> None:

@@ -145,6 +145,22 @@ def test_a_second_object_can_begin_with_a_command(make_session, marks, settle, m
     assert len({model.name for model in session.drawing.document}) == 2
 
 
+def test_a_command_may_begin_an_object_as_it_is(make_session, marks, settle, monkeypatch):
+    whole = marks.commands
+    plain = Command("plain", "New", "Begins marks without one.", lambda state, context: state)
+    monkeypatch.setattr(marks, "commands", lambda: [*whole(), plain])
+    session = make_session(MODELER, extra=[marks.package])
+    settle(session)
+    for count in (1, 1):  # on the object that it began it changes nothing, and says so
+        session.commands.run("plain")
+        settle(session)
+        assert len(session.drawing.document.models) == count
+    assert "done already" in session.heard[-1].text
+    session.drawing.undo()
+    settle(session)
+    assert not session.drawing.document.models
+
+
 def test_a_command_on_what_is_deleted_meanwhile_begins_nothing(session, settle):
     (model,) = session.drawing.document.models
     session.commands.run("flip")
