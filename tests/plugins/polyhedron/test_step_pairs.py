@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from bozzetto_polyhedron.graph import search
-from bozzetto_polyhedron.graph.detours import with_detours
 from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.graph.planar_embedding import is_whole, neighbors_of
 from bozzetto_polyhedron.graph.segments import Segments
+from bozzetto_polyhedron.graph.step_pairs import with_detours
 from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT
 from tests.plugins.polyhedron.graph_truth import is_right
 from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
