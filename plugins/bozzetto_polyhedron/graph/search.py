@@ -8,12 +8,12 @@ from typing import Final
 from bozzetto.arrays import Flags
 from bozzetto_polyhedron.graph.clustering import clustered
 from bozzetto_polyhedron.graph.dashes import rows_of_dashes
-from bozzetto_polyhedron.graph.detours import with_detours
 from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of, refitted
 from bozzetto_polyhedron.graph.grouping import ACROSS_DASHES, Members, dashed, grouped
 from bozzetto_polyhedron.graph.likelihood import Fits, Spread
 from bozzetto_polyhedron.graph.repair import LEAST_GAIN, repair
 from bozzetto_polyhedron.graph.segments import Segments
+from bozzetto_polyhedron.graph.step_pairs import with_detours
 
 ACROSS: Final = (0.004, 0.006, 0.009, 0.013)
 """Standard deviations of line ends across the line that are tried, shares of the diagonal."""

@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.plugin import cached_property
 from bozzetto_polyhedron.graph.line_graph import LineGraph
-from bozzetto_polyhedron.reconstruction.covered_lines import CoveredLines
+from bozzetto_polyhedron.reconstruction.line_samples import CoveredLines
 
 LEAST_NOISE: Final = 0.002
 """Least standard deviation of a corner, diagonals: nobody draws better."""

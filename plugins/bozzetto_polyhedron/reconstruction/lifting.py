@@ -55,7 +55,8 @@ def liftings(
 
     Where the part is 3-connected and planar, its faces are those of its only planar embedding.
     Otherwise pieces that hang between two corners are turned over as planarity asks, and faces are
-    sought in space, with depths that parallel lines alone determine.
+    sought in space, with depths that parallel lines alone determine. Corners of two lines are those
+    of a sheet's border, which is no face.
 
     Parameters
     ----------
@@ -74,8 +75,10 @@ def liftings(
         return [_of_rings(drawing, classes, corners, rings, unique=True)]
     found: list[Lifting] = []
     if rings is not None:
+        free = {corner for corner, around in part.items() if len(around) == 2}
         turned = [
-            _of_rings(drawing, classes, corners, each, unique=False) for each in _embeddings(rings)
+            _of_rings(drawing, classes, corners, _without_border(each, free), unique=False)
+            for each in _embeddings(rings)
         ]
         found = sorted(turned, key=lambda each: each.depth.residual)[:2]
     return _distinct(found + _from_space(drawing, classes, corners))
@@ -102,6 +105,17 @@ def _embeddings(rings: tuple[Ring, ...]) -> list[tuple[Ring, ...]]:
         if all(len(set(face)) == len(face) > 2 for face in faces):
             found.append(faces)
     return found
+
+
+def _without_border(rings: tuple[Ring, ...], free: set[int]) -> tuple[Ring, ...]:
+    """Return the faces of a sheet: all rings but its border, on which all corners of two lines are.
+
+    A solid has no such corners, and a ring that is one of two faces alone is no border.
+    """
+    borders = [ring for ring in rings if free <= set(ring)] if free else []
+    border = max(borders, key=len, default=())
+    inner = tuple(ring for ring in rings if ring != border)
+    return inner if all(len(ring) < len(border) for ring in inner) else rings
 
 
 def _of_rings(

@@ -8,6 +8,8 @@ as the height of a pyramid on a box, several multiples t of it are tried with ea
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from itertools import combinations, product
 from typing import Final
 
@@ -51,6 +53,19 @@ SEARCH_WEIGHTS: Final = np.array((2.1, 2.2, 2.4, 1.75, -2.0, -3.0, 1.5, 1.5))
 
 REGULARITY: Final = np.array([WEIGHTS[name] for name in MEASURES])
 """Weights of all measures, as readings are ranked."""
+
+FRAME: Final = 0.75
+"""Share of the lines along three axes from which on right angles tell the map: pyramids and frusta
+have about a half."""
+
+MOST_SYMMETRIC: Final = 100
+"""Maps of the grid, the most regular by all measures, of which different ones are refined."""
+
+BEST_SYMMETRIC: Final = 6
+"""Different ones that are refined by all measures."""
+
+SYMMETRIC_ROUNDS: Final = 14
+"""Steps of their pattern search."""
 
 HALVINGS: Final = 6
 """Steps by which the multiple of a change is refined."""
@@ -111,14 +126,36 @@ def metric_maps(relief: Relief, most: int) -> Array:
     """
     exact = _changed(relief, np.array(_from_triples(relief)).reshape(-1, 3))
     exact = _ordered(relief, exact, relief.right)
-    maps = _changed(relief, _from_grid(relief))
+    grid = _grid(relief)
+    maps = _changed(relief, _best_of(relief, grid))
     maps = _ordered(relief, np.vstack((exact, maps)), WIDE)
     maps = _distinct(relief, maps)[: most + 2]
     for right, rounds in ((WIDE, WIDE_ROUNDS), (relief.right, ROUNDS)):
-        maps = _refined(relief, maps, right, rounds)
+        steps = (0.15 if right >= WIDE else 0.03) * np.maximum(0.3, np.abs(maps))
+        maps = _refined(maps, steps, rounds, partial(_square, relief, right))
     maps = _distinct(relief, _ordered(relief, maps, relief.right))[:most]
     every = np.vstack((maps, _distinct(relief, exact)[:most]))
-    return every if every.shape[1] == 3 else _settled(relief, every)
+    if every.shape[1] > 3:
+        return _settled(relief, every)
+    return every if _has_frame(relief, every) else np.vstack((_symmetric(relief, grid), every))
+
+
+def _has_frame(relief: Relief, maps: Array) -> bool:
+    """Whether most lines of some map run along three axes, so that right angles tell the map."""
+    coverage = all_measures(relief, maps)[:, MEASURES.index("frame coverage")]
+    return bool(coverage.max(initial=0.0) >= FRAME)
+
+
+def _symmetric(relief: Relief, grid: Array) -> Array:
+    """Return the maps of a grid that all measures find most regular, refined by all of them.
+
+    Pyramids and frusta have few right angles: equal angles, equal lengths and mirror planes tell
+    their maps.
+    """
+    maps = grid[np.argsort(-_regularity(relief, grid), kind="stable")]
+    maps = _distinct(relief, maps[:MOST_SYMMETRIC])[:BEST_SYMMETRIC]
+    steps = 0.15 * np.maximum(0.3, np.abs(maps))
+    return _refined(maps, steps, SYMMETRIC_ROUNDS, lambda each: _regularity(relief, each))
 
 
 def _changed(relief: Relief, maps: Array) -> Array:
@@ -210,30 +247,37 @@ def _from_triples(relief: Relief) -> list[Array]:
     return found
 
 
-def _from_grid(relief: Relief) -> Array:
-    """Return the best maps of a grid, with a wide tolerance for right angles."""
+def _grid(relief: Relief) -> Array:
+    """Return maps of all kinds, (k, 3)."""
     used = np.unique(relief.lines)
     scale = relief.points[used].std(0).mean() / max(1e-9, float(relief.depths[used, 0].std()))
     tilts = np.linspace(-1.8, 1.8, 10)
-    grid = np.array(list(product(scale * np.array((0.35, 0.55, 0.8, 1.1, 1.6)), tilts, tilts)))
+    return np.array(list(product(scale * np.array((0.35, 0.55, 0.8, 1.1, 1.6)), tilts, tilts)))
+
+
+def _best_of(relief: Relief, grid: Array) -> Array:
+    """Return the best maps of a grid, with a wide tolerance for right angles."""
     still = np.pad(grid, ((0, 0), (0, relief.depths.shape[1] - 1)))
-    values = cheap_measures(relief, still, 0.3) @ SEARCH_WEIGHTS
+    values = _square(relief, 0.3, still)
     return np.asarray(grid[np.argsort(-values, kind="stable")[:BEST_OF_GRID]])
 
 
-def _refined(relief: Relief, maps: Array, right: float, rounds: int) -> Array:
+def _square(relief: Relief, right: float, maps: Array) -> Array:
+    """Return what the search by right angles looks for, (k,)."""
+    return np.asarray(cheap_measures(relief, maps, right) @ SEARCH_WEIGHTS)
+
+
+def _refined(maps: Array, steps: Array, rounds: int, value_of: Callable[[Array], Array]) -> Array:
     """Return maps after a pattern search from all of them at once."""
     count = maps.shape[1]
     ways = [s for s in product((-1, 0, 1), repeat=count) if 0 < np.abs(s).sum() < 3]
     around_one = np.array(ways, float)
-    values = cheap_measures(relief, maps, right) @ SEARCH_WEIGHTS
-    steps = (0.15 if right >= WIDE else 0.03) * np.maximum(0.3, np.abs(maps))
+    values = value_of(maps)
     number = np.arange(len(maps))
     for _ in range(rounds):
         around = maps[:, None] + steps[:, None] * around_one
         around[..., 0] = np.maximum(around[..., 0], 1e-3)
-        found = cheap_measures(relief, around.reshape(-1, count), right) @ SEARCH_WEIGHTS
-        found = found.reshape(len(maps), -1)
+        found = value_of(around.reshape(-1, count)).reshape(len(maps), -1)
         best = found.argmax(1)
         better = found[number, best] > values + 1e-6
         maps = np.where(better[:, None], around[number, best], maps)
@@ -248,7 +292,9 @@ def squared(relief: Relief, chosen: Array) -> Array:
     A search ends near the most regular map, never on it. Gauss-Newton on the cosines between
     classes ends on it where the drawing agrees with itself: without noise the solid is exact. Where
     right angles leave something open, the shortest step leaves it as it is; where they contradict
-    one another by more than the noise, the map stays. A change of the depths takes part only where
+    one another by more than the noise, the map stays, as it does where right angles would lead far
+    away to a less regular one: opposite lines of a regular tetrahedron are square to one another,
+    and so are those of many others. A change of the depths takes part only where
     that costs nothing else: of lines that no other is parallel to, some are square to others by
     chance.
 
@@ -261,10 +307,17 @@ def squared(relief: Relief, chosen: Array) -> Array:
     """
     if len(chosen) > 3:
         found = _squared(relief, chosen, len(chosen))
-        after, before = _regularity(relief, np.stack((found, chosen)))
-        if after > before - WORSE:
+        if _as_regular(relief, found, chosen):
             return found
-    return _squared(relief, chosen, 3)
+    found = _squared(relief, chosen, 3)
+    far = len(_distinct(relief, np.stack((chosen, found)))) > 1
+    return chosen if far and not _as_regular(relief, found, chosen) else found
+
+
+def _as_regular(relief: Relief, found: Array, chosen: Array) -> bool:
+    """Whether one map is about as regular as another one by all measures."""
+    after, before = _regularity(relief, np.stack((found, chosen)))
+    return bool(after > before - WORSE)
 
 
 def _squared(relief: Relief, chosen: Array, count: int) -> Array:

@@ -41,6 +41,13 @@ CERTAIN: Final = 3.0
 LEAST: Final = 0.04
 """Perspective, 1/diagonal, below which a drawing is as good as parallel."""
 
+MOST: Final = 1.1
+"""Perspective, 1/diagonal, above which none is believed: nobody draws from so near."""
+
+FEWEST: Final = 7
+"""Lines along axes of which perspective is believed: a wedge has as many. Turning axes and moving
+the eye explains five or six lines of a tetrahedron by chance."""
+
 NEAREST: Final = 0.2
 """Least distance from the eye, in those of the sheet."""
 
@@ -126,7 +133,11 @@ def parallel_view(drawing: Drawing, camera: Camera) -> ParallelView:
         if seen is not None:
             found.append((seen.cost - OF_CAMERA, eye, about, seen))
     fitted = axis_system(drawing, every, perspective=True, starts=STARTS)
-    if fitted is not None and LEAST < fitted.perspective:
+    if (
+        fitted is not None
+        and LEAST < fitted.perspective < MOST
+        and int((fitted.lines >= 0).sum()) >= FEWEST
+    ):
         found.append((fitted.cost + LEAST_GAIN, fitted.perspective, zero, fitted))
     found = [each for each in found if each[0] < parallel_cost]
     if not found:

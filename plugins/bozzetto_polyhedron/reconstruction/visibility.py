@@ -9,8 +9,8 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto_polyhedron.reconstruction.answer import Rings
-from bozzetto_polyhedron.reconstruction.covered_lines import SAMPLES, SHARES
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.line_samples import SAMPLES, SHARES
 from bozzetto_polyhedron.reconstruction.regularity import area_vector
 
 CLEARANCE: Final = 0.01

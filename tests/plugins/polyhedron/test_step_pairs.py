@@ -1,0 +1,116 @@
+"""Steps that cost something at first, lines of solids, and pressure where most ink is light."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from bozzetto_polyhedron.graph import search
+from bozzetto_polyhedron.graph.live import searched
+from bozzetto_polyhedron.graph.planar_embedding import is_whole, neighbors_of
+from bozzetto_polyhedron.graph.segments import Segments
+from bozzetto_polyhedron.graph.step_pairs import with_detours
+from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT
+from tests.plugins.polyhedron.graph_truth import is_right
+from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
+from tests.plugins.polyhedron.objects import OBJECTS, view
+from tests.plugins.polyhedron.workshop_parts import workshop_part
+
+HAND = Hand(retraced=0.15, split=0.1, overshot=0.3)
+
+
+def drawn(name: str, seed: int):
+    """Return the strokes of a part of the workshop, its corners in px, and its edges."""
+    solid = workshop_part(name, seed)
+    assert solid is not None
+    seen = view(solid, seed)
+    assert seen is not None
+    edges = [(int(a), int(b)) for a, b in solid.edges]
+    hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
+    strokes = strokes_of(seen.plane * UPRIGHT, edges, HAND, seed, hidden)
+    return strokes, seen.plane * UPRIGHT * SIZE + 200.0, edges
+
+
+@pytest.mark.slow
+def test_two_steps_find_what_one_after_the_other_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    strokes, places, edges = drawn("octagonal shaft with collar", 80_001)
+    assert is_right(searched(strokes).graph, places, edges)
+    monkeypatch.setattr(search, "with_detours", lambda draft, checkpoint: draft)
+    assert not is_right(searched(strokes).graph, places, edges)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["gusset", "house with porch", "drawer"])
+def test_a_detour_never_leads_to_more_doubt_and_leaves_the_draft_as_it_is(name: str) -> None:
+    strokes, _, _ = drawn(name, 80_001)
+    draft = searched(strokes).draft
+    assert draft is not None
+    before, cost = dict(draft.lines), draft.cost
+    assert with_detours(draft, lambda: None).doubt <= draft.doubt
+    assert draft.lines == before
+    assert draft.cost == cost
+
+
+@pytest.mark.slow
+def test_a_drawing_most_of_whose_ink_is_light_has_hidden_lines() -> None:
+    strokes, places, edges = drawn("cupboard", 80_000)
+    graph = searched(strokes).graph
+    assert is_right(graph, places, edges)
+    assert 0.5 < (graph.light > 0.5).mean() < 0.9
+
+
+def of_pressure(pressure: np.ndarray, lengths: np.ndarray) -> Segments:
+    ends = np.zeros((len(lengths), 2, 2))
+    ends[:, 1, 0] = lengths
+    return Segments(ends, pressure, np.arange(len(lengths)), np.zeros(len(lengths)))
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_of_two_pressures_the_lower_one_is_light_however_much_of_it_there_is(share: float) -> None:
+    rng = np.random.default_rng(5)
+    light = np.arange(60) < 60 * share
+    pressure = np.where(light, 0.35, 0.8) * rng.normal(1.0, 0.06, 60)
+    assert (of_pressure(pressure, rng.uniform(0.1, 0.4, 60)).light == light).all()
+
+
+def test_one_pressure_that_varies_has_no_light_ones() -> None:
+    rng = np.random.default_rng(6)
+    for seed in range(20):
+        pressure = 0.7 + 0.1 * rng.uniform(-1.0, 1.0, 40)
+        assert not of_pressure(pressure, rng.uniform(0.1, 0.4, 40)).light.any(), seed
+    assert not of_pressure(np.full(7, 0.5), np.ones(7)).light.any()
+    assert not of_pressure(np.array([0.5]), np.ones(1)).light.any()
+    assert not len(of_pressure(np.zeros(0), np.zeros(0)).light)
+
+
+def test_lines_of_solids_are_planar_and_hang_together_at_three_corners() -> None:
+    for solid in OBJECTS.values():
+        lines = [(int(a), int(b)) for a, b in solid.edges]
+        whole = neighbors_of(lines)
+        assert is_whole(whole) == all(
+            not _parts_without(whole, pair) for pair in combinations(sorted(whole), 2)
+        )
+        assert not is_whole(neighbors_of(lines[1:]))
+    bipartite = [(a, 3 + b) for a in range(3) for b in range(3)]
+    assert not is_whole(neighbors_of(bipartite))
+
+
+def _parts_without(neighbors: dict[int, set[int]], pair: tuple[int, ...]) -> bool:
+    """Whether a part of a graph falls apart without two corners of it: tried one by one."""
+    left = set(neighbors) - set(pair)
+    seen: set[int] = set()
+    groups = []
+    for start in sorted(left):
+        if start in seen:
+            continue
+        group, waiting = {start}, [start]
+        while waiting:
+            for other in neighbors[waiting.pop()] & left - group:
+                group.add(other)
+                waiting.append(other)
+        seen |= group
+        groups.append(group)
+    beside = [sum(bool(neighbors[corner] & group) for group in groups) for corner in pair]
+    return min(beside) > 1
