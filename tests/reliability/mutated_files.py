@@ -57,7 +57,9 @@ NUMBERS = (
 
 WORDS = re.compile(rb"[+-]?\d+\.?\d*(?:e[+-]?\d+)?|[A-Za-z_]+|[<>{}\[\]()\",;:]")
 
-OFF = b"COFF\n3 2 0\n0 0 0 1 .5 0 1\n1 0 0 1 0 0 1\n0 1 0 .1 .2 .3 1\n3 0 1 2\n3 2 1 0 9 9 0 # red\n"
+OFF = (
+    b"COFF\n3 2 0\n0 0 0 1 .5 0 1\n1 0 0 1 0 0 1\n0 1 0 .1 .2 .3 1\n3 0 1 2\n3 2 1 0 9 9 0 # red\n"
+)
 
 ASCII_PLY = b"""ply
 format ascii 1.0
