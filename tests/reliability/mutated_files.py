@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import gzip
 import io
 import json
 import random
@@ -22,7 +23,8 @@ import numpy as np
 from bozzetto.damaged_files import as_format_errors
 from bozzetto.document.recovery.journal import JournalWriter, read_records
 from bozzetto.document.storage.bozz_file import decode_document
-from bozzetto.exchange.formats import find, function, readers
+from bozzetto.exchange.cad.dxf_document import mostly_faces
+from bozzetto.exchange.formats import Kind, find, function, readers
 from bozzetto.exchange.ink import ink_json, inkml
 from bozzetto.exchange.mesh import glb, obj, ply, stl
 from bozzetto.exchange.svg import reader as svg
@@ -32,7 +34,15 @@ from bozzetto.plugin.host.manifest import read_manifest
 from bozzetto.view import Camera
 from bozzetto_car.template.loader import read_template
 from tests.document_kit import FakeRegistry
-from tests.hostile_files.dxf import dxf, dxf_block, dxf_insert, dxf_line, tags
+from tests.hostile_files.dxf import (
+    dxf,
+    dxf_block,
+    dxf_face,
+    dxf_insert,
+    dxf_line,
+    dxf_vertex,
+    tags,
+)
 from tests.reliability.mutated_documents import cases as document_cases
 from tests.reliability.mutated_documents import mutated as bytes_changed
 from tests.reliability.mutated_documents import other_value
@@ -46,6 +56,10 @@ NUMBERS = (
 )  # fmt: skip
 
 WORDS = re.compile(rb"[+-]?\d+\.?\d*(?:e[+-]?\d+)?|[A-Za-z_]+|[<>{}\[\]()\",;:]")
+
+OFF = (
+    b"COFF\n3 2 0\n0 0 0 1 .5 0 1\n1 0 0 1 0 0 1\n0 1 0 .1 .2 .3 1\n3 0 1 2\n3 2 1 0 9 9 0 # red\n"
+)
 
 ASCII_PLY = b"""ply
 format ascii 1.0
@@ -105,6 +119,14 @@ GLTF = b"""{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes"
 [1,0.5,0,1]}}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
 "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":
 "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"""
+
+DXF_MESH = dxf(
+    dxf_face(0, 0, 0, 9, 0, 0, 0, 9, 1),
+    tags((0, "POLYLINE"), (8, "a"), (66, 1), (70, 64)),
+    *(dxf_vertex((10, x), (20, y), (30, x * y), (70, 192)) for x in (0, 5) for y in (0, 7)),
+    dxf_vertex((10, 0), (20, 0), (30, 0), (70, 128), (71, 1), (72, 2), (73, 4), (74, 3)),
+    tags((0, "SEQEND"), (8, "a")),
+)
 
 DXF = dxf(
     dxf_line(0, 0, 9, 0), dxf_line(9, 0, 9, 5), dxf_line(9, 5, 0, 0),
@@ -168,8 +190,9 @@ def seeds() -> list[Case]:
         (".template", (PLUGINS / "bozzetto_car" / "templates" / "sedan.json").read_bytes()),
         (".journal", _journal()),
     ]  # fmt: skip
+    found += [(".off", OFF), (".svgz", gzip.compress(SVG))]
     if find_spec("ezdxf"):
-        found.append((".dxf", DXF))
+        found += [(".dxf", DXF), (".dxf", DXF_MESH)]
     return [*found, (".gltf", GLTF), *_pictures()]
 
 
@@ -303,7 +326,9 @@ def read(ending: str, content: bytes) -> object:
         return list(read_records(folder() / "journal"))
     if ending == ".template":
         return read_template(content)
-    chosen = find(f"a{ending}", readers())
+    meshes = ending == ".dxf" and mostly_faces(content)
+    kinds: tuple[Kind, ...] = ("ink",) if ending == ".dxf" and not meshes else ()
+    chosen = find(f"a{ending}", readers(*kinds))
     with as_format_errors():
         if "mesh" in chosen.holds:
             return function(chosen, "read_shapes")(content)

@@ -30,7 +30,6 @@ from typing import Any
 
 from bozzetto.errors import UserError
 from bozzetto.exchange import import_file as importing
-from bozzetto.exchange.formats import find, readers
 from bozzetto.exchange.read_process import parent as reading_process
 from bozzetto.plugin.guard.guard import PluginFault
 from tests.hostile_files import FAMILIES, Family, families
@@ -217,12 +216,13 @@ def _models_row(count: int, workers: int) -> Row:
 
 def read_hostile(path: Path) -> dict[str, Any]:
     """Read a hostile file as the window does; seconds, megabytes and the longest pause."""
-    kind = find(path, readers()).holds[-1]
-    reader = {"mesh": importing.read_mesh, "ink": importing.read_drawing}.get(kind)
     before, spent = _resident(), time.process_time()
     watch = _Watch()
     try:
-        (reader or importing.read_image)(path)
+        if importing.is_picture(path):
+            importing.read_image(path)
+        else:
+            (importing.read_mesh if importing.is_mesh(path) else importing.read_drawing)(path)
         said = "read"
     except UserError as refusal:
         said = refusal.message

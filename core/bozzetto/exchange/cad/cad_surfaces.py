@@ -15,6 +15,7 @@ from bozzetto.exchange.cad.cad_curves import (
     RESOLUTION,
     readable,
 )
+from bozzetto.exchange.cad.knot_removal import without_idle_knots
 from bozzetto.exchange.limits import MAX_CONTROL_POINTS, MAX_COORDINATE
 from bozzetto.geometry.brep.brep import Brep
 from bozzetto.geometry.brep.patchwork_brep import brep_of_patchwork
@@ -28,7 +29,7 @@ def checked_breps(shapes: Shapes) -> tuple[Brep, ...]:
     Returns
     -------
     tuple of Brep
-        Without control characters in names; the geometry is untouched.
+        Without control characters in names and idle knots; the shape is untouched.
 
     Raises
     ------
@@ -54,7 +55,8 @@ def checked_breps(shapes: Shapes) -> tuple[Brep, ...]:
             name=readable(brep.name),
             faces=tuple(replace(face, name=readable(face.name)) for face in brep.faces),
         )
-        for brep in (*map(brep_of_patchwork, shapes.patchworks), *shapes.breps)
+        for one in (*map(brep_of_patchwork, shapes.patchworks), *shapes.breps)
+        for brep in (without_idle_knots(one),)
     )
 
 
