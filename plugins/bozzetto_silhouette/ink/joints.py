@@ -34,8 +34,8 @@ NARROW, WIDE = 0.018, 0.15
 """Least and greatest length of ink at each end that a smooth joint is fitted to."""
 
 SHARE, SHARE_OF_SHORT = 0.2, 0.4
-"""The same as a share of the shorter line, and of a stroke between others that is so short that this
-would be too little."""
+"""The same as a share of the shorter line, and of a stroke between others that is so short that
+this would be too little."""
 
 REACH: Final = 2.5
 """That length in widths of the gap."""
@@ -140,7 +140,8 @@ def joint(before: Array, after: Array, *, halves: bool = False) -> Joint:
 
     Parameters
     ----------
-    before, after : (n, 2), (m, 2) float
+    before, after : (n, 2), (m, 2) float array
+        The lines.
     halves : bool
         Whether they are those of one line that closes.
     """
