@@ -127,12 +127,12 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     def solve(self, state: SilhouetteState, job: Job) -> SilhouetteResult:
         """Make one watertight solid; what did not change is remembered.
 
-        A preview of several parts is a draft of them, not united, unless it is posed or moves.
+        A preview of several parts is a draft of them, not united, unless it is posed.
         """
         resolution, final = state.resolution, job.quality == "final"
         if not final:
             resolution = min(resolution, PREVIEW_RESOLUTION)
-            if not (state.posing or state.turns or state.keys):
+            if not state.posing and not state.turns:
                 return _drafted(state, resolution, job)
         body, solids = evaluated(state, resolution, job.checkpoint)
         if body is None:

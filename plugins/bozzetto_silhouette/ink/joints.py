@@ -34,7 +34,8 @@ NARROW, WIDE = 0.018, 0.15
 """Least and greatest length of ink at each end that a smooth joint is fitted to."""
 
 SHARE, SHARE_OF_SHORT = 0.2, 0.4
-"""The same as a share of the shorter line, and of a line so short that this would be too little."""
+"""The same as a share of the shorter line, and of a stroke between others that is so short that
+this would be too little."""
 
 REACH: Final = 2.5
 """That length in widths of the gap."""
@@ -126,18 +127,26 @@ def self_joint(line: Array) -> tuple[Array, Array]:
 
         if len(line) < FEW or shapely.LinearRing(line).is_simple:
             before, after = line[half:], line[: half + 1]
-            smooth = _smooth(before, after)
+            smooth = _smooth(before, after, halves=True)
             if smooth is None:
                 smooth = Joint(*_without_step(before, after), _NOTHING)
             return np.concatenate([smooth.after[:-1], smooth.before]), smooth.between
-    tail, head, between = joint(line[half:], line[: half + 1])
+    tail, head, between = joint(line[half:], line[: half + 1], halves=True)
     return np.concatenate([head[:-1], tail]), between
 
 
-def joint(before: Array, after: Array) -> Joint:
-    """Join the end of one line and the start of another: overlaps go, gaps are bridged."""
+def joint(before: Array, after: Array, *, halves: bool = False) -> Joint:
+    """Join the end of one line and the start of another: overlaps go, gaps are bridged.
+
+    Parameters
+    ----------
+    before, after : (n, 2), (m, 2) float array
+        The lines.
+    halves : bool
+        Whether they are those of one line that closes.
+    """
     before, after, crossed = _trimmed(before, after)
-    smooth = _smooth(before, after)
+    smooth = _smooth(before, after, halves=halves)
     if smooth is not None:
         return smooth
     if crossed:
@@ -233,12 +242,14 @@ def _alike(tail: Array, head: Array, length: float) -> bool:
     return float(shapely.LineString(head).distance(shapely.points(over)).max()) < BESIDE
 
 
-def _smooth(a: Array, b: Array) -> Joint | None:
+def _smooth(a: Array, b: Array, *, halves: bool) -> Joint | None:
     """Join two lines smoothly, if that is what their ink says; the miss is shared by both."""
     gap = _gap(a, b)
     back, arc_a, arc_b = a[::-1], arc_length(a[::-1]), arc_length(b)
     shorter = float(min(arc_a[-1], arc_b[-1]))
-    longest = max(SHARE * shorter, min(3.0 * NARROW, SHARE_OF_SHORT * shorter))
+    longest = SHARE * shorter
+    if not halves:
+        longest = max(longest, min(3.0 * NARROW, SHARE_OF_SHORT * shorter))
     long_gap = gap > LONG_GAP
     length = min(LONG_GAP if long_gap else max(REACH * gap, 3.0 * NARROW), WIDE, longest)
     while length >= (NARROW if long_gap else max(NARROW, 1.2 * gap)):

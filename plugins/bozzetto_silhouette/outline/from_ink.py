@@ -96,6 +96,8 @@ def _grain(strokes: Sequence[Stroke], lines: Sequence[Array]) -> float:
 
     A mouse tells whole pixels of the screen.
     """
+    if not strokes:
+        return 0.0
     points = np.concatenate([stroke.points for stroke in strokes]).astype(np.float64)
     grain = next((g for g in GRAINS if _lies_on(points, g)), 0.0)
     if not grain:

@@ -77,6 +77,11 @@ class Body:
     resampled: bool = False
 
     @cached_property
+    def mark(self) -> object:
+        """What stands for it where answers are remembered that do not need it any more."""
+        return object()
+
+    @cached_property
     def manifold(self) -> Manifold:
         """The mesh as manifold3d sees it."""
         return as_manifold(self.vertices, self.faces) if self.known is None else self.known

@@ -145,11 +145,12 @@ def _asked_between(
     checkpoint: Checkpoint,
 ) -> Hashable:
     boxes = box, solid.first.bounds, solid.second.bounds
-    return signature(local), bodies, step, *(some.tobytes() for some in boxes)
+    marks = tuple(body.mark for body in bodies)
+    return signature(local), marks, step, *(some.tobytes() for some in boxes)
 
 
-# By the bodies themselves, so that neither their vertices are looked at again. Where one was made
-# anew just as it was, the fillets are found by its vertices.
+# By the bodies, so that their vertices are not looked at again. Where one was made anew just as it
+# was, the fillets are found by these.
 @remembered(limit=512, key=_asked_between)
 def _between(
     solid: Composite,

@@ -162,7 +162,7 @@ def test_another_topology_than_the_drawings_is_warned_of() -> None:
     """A ring's solid in the place of a disc's."""
     disc, ring = part_of(PEN.circle()), part_of(PEN.circle(), PEN.circle(600, 450, 80))
     state = SilhouetteState(nodes=(disc,))
-    made = report_of(state, None, {"n1": solid_of(ring, 48)}, Job())
+    made = report_of(state, None, {"n1": solid_of(ring, 48)}, Job(), list)
     (genus, *rest) = made["warnings"]
     assert "“Part 1” has 1 hole in 1 piece; its drawing has no holes in 1 piece" in genus
     assert all(words.endswith(".") for words in (genus, *rest))
