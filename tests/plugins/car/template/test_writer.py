@@ -20,7 +20,7 @@ from bozzetto_car.modeler import Car
 from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.solver.proportions import kin_directions, outer_dimensions
 from bozzetto_car.state import CarState, MovedNode, Treatment
-from bozzetto_car.template.loader import bundled, faults_in, read_template
+from bozzetto_car.template.loader import TEMPLATES, bundled, faults_in, read_template
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
 from bozzetto_car.template.writer import ROOM
