@@ -154,7 +154,7 @@ def kin_directions(template: Template) -> Array:
             found.append(template.reduced(whole))
     if not found:
         return np.zeros((len(template.variables), 0))
-    return np.stack(found, axis=1) * np.sqrt(WAYS / len(found))
+    return np.asarray(np.stack(found, axis=1) * np.sqrt(WAYS / len(found)), float)
 
 
 def _of_outer_dimensions(template: Template, wanted: Array) -> Array:
