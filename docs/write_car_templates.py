@@ -29,7 +29,7 @@ Point = tuple[float, float, float]
 FOLDER: Final = Path(__file__).parents[1] / "plugins/bozzetto_car/templates"
 
 LEVEL: Final = ("C4", "R2.R")
-"""Highest nodes of the roof, in the middle and above the side windows."""
+"""Nodes of the roof above the doors, in the middle and over the side windows."""
 
 DECIMALS: Final = 4
 """Decimals of tangents, mm: a chain that is smooth stays so to 1e-7."""
@@ -284,7 +284,7 @@ def shaped(base: Template, kind: Kind) -> Network:
 
 
 def levelled(network: Network) -> Network:
-    """Return a network whose roof is level at its highest nodes."""
+    """Return a network whose roof is level above the doors."""
     template = network.template
     level = {template.node[name] for name in LEVEL}
     changed = {}

@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 
 OUTER: Final = ("length", "width", "wheelbase", "height")
@@ -35,6 +35,9 @@ OVERHANG_SHARE: Final = 0.03
 
 SHARED_NODES: Final = 0.8
 """Least share of the nodes of a template that another one must have to be a kin of it."""
+
+WAYS: Final = 2.0
+"""Number of ways toward other templates whose variance all of them have together."""
 
 KNOWN: Final = 16
 """Number of templates whose directions are remembered."""
@@ -128,11 +131,12 @@ def outer_directions(template: Template) -> tuple[Array, Array]:
 def kin_directions(template: Template) -> Array:
     """Return the ways from a template to the other bundled ones, outer dimensions equal, (q, k).
 
-    A node that the other has not goes with the nearest one that both have. Templates that have too
-    few nodes in common (`SHARED_NODES`) are no kin.
+    However many there are, they vary together as much as two ways that are whole (`WAYS`). A node
+    that the other has not goes with the nearest one that both have. Templates that have too few
+    nodes in common (`SHARED_NODES`) are no kin.
     """
     found = []
-    for name in PAPER_TEMPLATES:
+    for name in TEMPLATES:
         other = bundled(name)
         shared = [node for node in template.names if node in other.node]
         if other is template or len(shared) < SHARED_NODES * len(template.names):
@@ -148,7 +152,9 @@ def kin_directions(template: Template) -> Array:
         whole = way[away.argmin(axis=1)]
         if np.abs(whole).max() > 0.0:
             found.append(template.reduced(whole))
-    return np.stack(found, axis=1) if found else np.zeros((len(template.variables), 0))
+    if not found:
+        return np.zeros((len(template.variables), 0))
+    return np.asarray(np.stack(found, axis=1) * np.sqrt(WAYS / len(found)), float)
 
 
 def _of_outer_dimensions(template: Template, wanted: Array) -> Array:

@@ -11,13 +11,14 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto_car.solver.prior import Cost, Prior, extent, robust_weights, size_measure
 from bozzetto_car.solver.proportions import (
+    WAYS,
     believable_size,
     kin_directions,
     outer_dimensions,
     size_covariance,
     size_of_known,
 )
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 
 
@@ -84,12 +85,27 @@ def test_outer_dimensions_add_their_covariance_and_no_more(template: Template) -
 
 def test_the_way_to_another_template_is_cheap(template: Template) -> None:
     ways = kin_directions(template)
-    assert ways.shape[1] == 2
+    assert ways.shape[1] == len(TEMPLATES) - 1
     loose, stiff = (Prior(template, plain(kinship=share)) for share in (0.2, 0.0))
     for way in ways.T:
         along = template.variables + 0.2 * way
         assert loose.value(along) <= 1.0
-        assert stiff.value(along) > 5.0
+        assert stiff.value(along) > 5.0 * loose.value(along)
+
+
+def test_more_templates_make_no_wider_prior(template: Template) -> None:
+    """All ways vary together as two whole ones, which end at other cars of the same size."""
+    count = len(TEMPLATES) - 1
+    whole = kin_directions(template) / np.sqrt(WAYS / count)
+    own = outer_dimensions(template, template.positions)
+    for way in whole.T:
+        places = template.whole(template.variables + way)
+        # A node that the other has not goes with its neighbour, and may come to stand out.
+        assert np.abs(outer_dimensions(template, places) / own - 1.0).max() < 0.1
+        assert np.abs(way).max() > 50.0
+    spread = covariance(template, kinship=1.0) - covariance(template, kinship=0.0)
+    mean = np.mean([way @ way for way in whole.T])
+    assert np.trace(spread) == pytest.approx(WAYS * mean, rel=1e-6)
 
 
 @pytest.mark.parametrize("factor", [0.7, 1.0, 1.4])
