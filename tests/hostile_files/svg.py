@@ -211,19 +211,19 @@ def _(size):
 @family("svgz lines without end")
 def _(size):
     random = random_places(size // 8, 5)
-    return gzip.compress(svg(polygon(random)), 1)
+    return gzip.compress(svg(polygon(random)), 1, mtime=0)
 
 
 @family("svgz a thousand times larger inside")
 def _(size):
-    return gzip.compress(svg(b"<g>" + b" " * (1000 * size) + b"</g><path d='M0 0L1 1'/>"), 1)
+    return gzip.compress(svg(b"<g>" + b" " * (1000 * size) + b"</g><path d='M0 0L1 1'/>"), 1, mtime=0)
 
 
 @family("svgz within svgz")
 def _(size):
-    return gzip.compress(gzip.compress(bytes(size)))
+    return gzip.compress(gzip.compress(bytes(size), mtime=0), mtime=0)
 
 
 @family("svgz cut short")
 def _(size):
-    return gzip.compress(svg(polygon(random_places(size // 8, 6))), 1)[:-9]
+    return gzip.compress(svg(polygon(random_places(size // 8, 6))), 1, mtime=0)[:-9]

@@ -122,7 +122,7 @@ def seeds(tmp_path_factory):
     for ending in ("png", "jpg", "tif", "webp", "bmp"):
         picture.save(folder / f"a.{ending}")
     files = [(p.suffix, p.read_bytes()) for p in sorted(folder.iterdir()) if p.suffix != ".mtl"]
-    files += [(".gltf", GLTF), (".off", OFF), (".svgz", gzip.compress(SVG))]
+    files += [(".gltf", GLTF), (".off", OFF), (".svgz", gzip.compress(SVG, mtime=0))]
     files += [(".ply", ASCII_PLY), (".ply", ASCII_PLY.replace(b"4 0 1 2 3", b"3 0 1 2"))]
     files += [(".stl", TEXT_STL), (".obj", OBJ), (".svg", SVG), (".inkml", INKML)]
     return files
