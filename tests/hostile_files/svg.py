@@ -216,7 +216,8 @@ def _(size):
 
 @family("svgz a thousand times larger inside")
 def _(size):
-    return gzip.compress(svg(b"<g>" + b" " * (1000 * size) + b"</g><path d='M0 0L1 1'/>"), 1, mtime=0)
+    spaces = b" " * (1000 * size)
+    return gzip.compress(svg(b"<g>" + spaces + b"</g><path d='M0 0L1 1'/>"), 1, mtime=0)
 
 
 @family("svgz within svgz")
