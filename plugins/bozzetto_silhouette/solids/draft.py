@@ -21,11 +21,13 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite
+from bozzetto_silhouette.implicit.fillet_solid import layers
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.inflation.manifold_check import original_numbers
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore
 from bozzetto_silhouette.model.state import Group, Operation, Part, SilhouetteState
+from bozzetto_silhouette.numerics.isotropic_remeshing import unit
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
@@ -264,7 +266,7 @@ class _Making:
         box = common_box(first.box, second.box, 2.0 * solid.reach)
         fillets = fillets_between(solid, box, bodies, step, self.checkpoint)
         owner = second.shells[0].owner
-        return tuple(Shell(Lump(f, f.box, f.surface), owner) for f in fillets)
+        return tuple(Shell(Lump(f, f.box, _as_blended(f, solid)), owner) for f in fillets)
 
     @cached_property
     def _cells(self) -> dict[str, int]:
@@ -296,6 +298,19 @@ class _Making:
             if part.id == selected
             or any(group.id == selected for group in groups_around(self.state, part))
         )
+
+
+@remembered(limit=512, key=lambda fillet, solid: fillet)
+def _as_blended(fillet: Fillet, solid: Composite) -> Surface:
+    """Return the surface of a fillet with the normals of the blend, down to a cell below it.
+
+    Its ends go under the parts, and are no better hidden than meshes lie on their functions. What
+    is seen of them is shaded like the parts around, and not as the flanks that they are.
+    """
+    surface = fillet.surface
+    blended = layers(solid, surface.vertices).blended
+    near = (blended.value < fillet.cell)[:, None]
+    return surface._replace(normals=np.where(near, -unit(blended.gradient), surface.normals))
 
 
 def _acted_on(

@@ -93,6 +93,17 @@ def test_it_looks_like_the_body(operation: str, blend: float) -> None:
     assert_alike(nodes, (-60.0, -55.0), (150.0, 55.0))
 
 
+@pytest.mark.parametrize("blend", [0.2, 0.5])
+def test_where_fillets_end_they_are_shaded_like_what_they_end_on(blend: float) -> None:
+    some = draft(part("a"), part("b", 60.0, blend=blend), part("c", 30.0, 55.0, blend=blend))
+    meant = some.implicit.sample(some.vertices)
+    slope = meant.gradient / np.linalg.norm(meant.gradient, axis=1, keepdims=True)
+    near = np.abs(meant.value) < 0.5 * some.step  # as deep as may be seen
+    cosine = -(some.normals * slope).sum(axis=1)[near]
+    assert near.sum() > 1000
+    assert cosine.min() > np.cos(np.radians(45.0)), "flanks of fillets are steeper"
+
+
 @pytest.mark.parametrize("blend", [0.0, 0.4])
 @pytest.mark.parametrize("mirrors", [1.0, -1.0])
 def test_groups_that_were_moved_and_carved_look_like_the_body(blend: float, mirrors) -> None:
