@@ -150,6 +150,11 @@ class Draft:
         return is_whole(neighbors_of(pair for pair, keys in self.pairs.items() if keys))
 
     @property
+    def loose(self) -> int:
+        """Number of corners of one or two lines."""
+        return sum(degree < 3 for degree in self.degrees.values())
+
+    @property
     def doubt(self) -> float:
         """The cost, and more where the lines are not those of solids."""
         return self.cost + (0.0 if self.is_whole else NOT_WHOLE)

@@ -40,6 +40,10 @@ MANY_LINES: Final = 48
 MOST_MENDED: Final = 4
 """Drafts that are mended, one after the other, until one has the lines of solids."""
 
+MOST_LOOSE: Final = 4
+"""Corners of one or two lines, above which a drawing is not finished, or shows no solid: two drafts
+of it are mended, for no few steps make its lines those of solids."""
+
 
 def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None]) -> Draft:
     """Find the likeliest lines and corners.
@@ -69,13 +73,15 @@ def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None])
             starts.append(first_draft(groups[key], fits))
     many = min(len(each.lines) for each in starts) > MANY_LINES
     best: Draft | None = None
-    for start in diverse(starts, 1 if many else MOST_MENDED):
+    for number, start in enumerate(diverse(starts, 1 if many else MOST_MENDED)):
         mended = settled(start, every, checkpoint)
         best = mended if best is None else min(best, mended, key=_doubt)
-        if best.is_whole:
+        if best.is_whole or (number and best.loose > MOST_LOOSE):
             break
     assert best is not None
-    return with_best_spread(with_detours(best, checkpoint), every)
+    if best.loose <= MOST_LOOSE:
+        best = with_detours(best, checkpoint)
+    return with_best_spread(best, every)
 
 
 def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:

@@ -18,6 +18,7 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
 from bozzetto_polyhedron.reconstruction.regularity import (
+    CHEAP,
     MEASURES,
     Relief,
     all_measures,
@@ -58,13 +59,17 @@ FRAME: Final = 0.75
 """Share of the lines along three axes from which on right angles tell the map: pyramids and frusta
 have about a half."""
 
-MOST_SYMMETRIC: Final = 100
-"""Maps of the grid, the most regular by all measures, of which different ones are refined."""
+MOST_CORNERS: Final = 16
+"""Corners of a part up to which maps are sought by all measures: mirror planes take long, and few
+solids without right angles have more."""
 
-BEST_SYMMETRIC: Final = 6
+MOST_SYMMETRIC: Final = 200
+"""Maps of the grid, the most regular by the cheap measures, that are compared by all of them."""
+
+BEST_SYMMETRIC: Final = 5
 """Different ones that are refined by all measures."""
 
-SYMMETRIC_ROUNDS: Final = 14
+SYMMETRIC_ROUNDS: Final = 12
 """Steps of their pattern search."""
 
 HALVINGS: Final = 6
@@ -137,7 +142,9 @@ def metric_maps(relief: Relief, most: int) -> Array:
     every = np.vstack((maps, _distinct(relief, exact)[:most]))
     if every.shape[1] > 3:
         return _settled(relief, every)
-    return every if _has_frame(relief, every) else np.vstack((_symmetric(relief, grid), every))
+    if len(relief.used) > MOST_CORNERS or _has_frame(relief, every):
+        return every
+    return np.vstack((_symmetric(relief, grid), every))
 
 
 def _has_frame(relief: Relief, maps: Array) -> bool:
@@ -152,8 +159,10 @@ def _symmetric(relief: Relief, grid: Array) -> Array:
     Pyramids and frusta have few right angles: equal angles, equal lengths and mirror planes tell
     their maps.
     """
-    maps = grid[np.argsort(-_regularity(relief, grid), kind="stable")]
-    maps = _distinct(relief, maps[:MOST_SYMMETRIC])[:BEST_SYMMETRIC]
+    cheap = cheap_measures(relief, grid) @ REGULARITY[:CHEAP]
+    maps = grid[np.argsort(-cheap, kind="stable")[:MOST_SYMMETRIC]]
+    maps = maps[np.argsort(-_regularity(relief, maps), kind="stable")]
+    maps = _distinct(relief, maps)[:BEST_SYMMETRIC]
     steps = 0.15 * np.maximum(0.3, np.abs(maps))
     return _refined(maps, steps, SYMMETRIC_ROUNDS, lambda each: _regularity(relief, each))
 
