@@ -77,10 +77,11 @@ def assert_alike(nodes: tuple[Part | Group, ...], low, high) -> None:
     assert np.median(gap) < 1e-3  # of 50, after two changes of frame in single precision
     assert np.quantile(gap, 0.97) < 0.5 * body.step
     assert np.allclose(np.linalg.norm(some.normals, axis=1), 1.0, atol=1e-6)
-    # Nothing is inside out, and shading is that of the body.
-    facing = np.cross(*(some.vertices[some.faces[:, k]] - some.vertices[some.faces[:, 0]]
+    # Nothing that is seen is inside out, and shading is that of the body.
+    corners = some.faces[other.faces[both]]
+    facing = np.cross(*(some.vertices[corners[:, k]] - some.vertices[corners[:, 0]]
                         for k in (1, 2)))  # fmt: skip
-    leaning = np.einsum("fk,fk->f", facing, some.normals[some.faces].mean(axis=1))
+    leaning = np.einsum("fk,fk->f", facing, some.normals[corners].mean(axis=1))
     assert (leaning < -1e-9).mean() < 0.01
 
 
