@@ -189,7 +189,7 @@ def outcome(data):
     return ""
 
 
-def test_damaged_files_raise_nothing_but_sentences():
+def test_damaged_files_raise_nothing_but_sentences_and_log_nothing(caplog):
     def some(space):
         square(space)
         space.add_circle((0, 0), 5)
@@ -203,6 +203,7 @@ def test_damaged_files_raise_nothing_but_sentences():
             bad[at : at + rng.choice((1, 2, 30))] = rng.randbytes(rng.choice((0, 1, 2, 30)))
         said.append(outcome(bytes(bad)))
     assert "" in said
+    assert caplog.records == []
     assert outcome(good[:2000])
     assert "text" in outcome(b"AutoCAD Binary DXF\r\n\x1a\0")
     assert "not a DXF" in outcome(b"hello")

@@ -6,6 +6,7 @@ Blocks are taken apart; what lies on layers that are off or frozen is not seen.
 from __future__ import annotations
 
 import io
+import logging
 import re
 from collections import Counter
 from collections.abc import Callable
@@ -77,6 +78,8 @@ def opened(data: bytes) -> Any:
         raise FormatError("This is not a DXF file.")
     _check_count(data)
     recover = library("ezdxf.recover", "dxf")
+    # It logs what it mends with the file's own bytes: no sentence for anybody, and no text for all.
+    logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
     try:
         document, _ = recover.read(io.BytesIO(data))
     except (MemoryError, RecursionError):
