@@ -46,9 +46,10 @@ NEAR_SIDE: View = ((82.0, 98.0), (3.0, 10.0), (4.5, 7.0))
 @pytest.mark.slow
 def test_a_perspective_that_the_template_hides_is_found_with_the_car() -> None:
     """From the side, near: the template's own camera takes some of these for orthographic, and
-    those that still are lose little; told the wrong kind they lose a third and more."""
+    those that still are lose little as a rule, half at worst: as an orthographic drawing of another
+    car of the family they are as likely."""
     found, lost = [], []
-    for number, car in enumerate(held_out(930)):
+    for number, car in [*enumerate(held_out(930)), *enumerate(held_out(932))]:
         state = marked(car.template, car.positions, (NEAR_SIDE,), number).state
         first = place_sketch(car.template, state.sketches[0]).resection
         assert first is not None
@@ -60,9 +61,10 @@ def test_a_perspective_that_the_template_hides_is_found_with_the_car() -> None:
         found.append(kinds.pop())
         told = solve_car(state.with_node(replace(state.sketches[0], kind="perspective")))
         lost.append(car.shape_error(cars[0].positions) / car.shape_error(told.positions))
-    assert len(found) >= 4
+    assert len(found) >= 8
     assert found.count("perspective") >= 0.5 * len(found)
-    assert max(lost) <= 1.25
+    assert np.median(lost) <= 1.05
+    assert max(lost) <= 1.6
 
 
 def test_the_kind_that_is_told_is_kept() -> None:
