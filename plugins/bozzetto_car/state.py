@@ -43,6 +43,20 @@ NO_OWN: Final = (
 FOUND: Final = "as drawn"
 """The text that a panel shows for a dimension that is not given."""
 
+TITLES: Final = (
+    ("sedan", "Sedan"),
+    ("hatchback", "Hatchback"),
+    ("minivan", "Minivan"),
+    ("estate", "Estate"),
+    ("coupe", "Coupé"),
+    ("limousine", "Limousine"),
+    ("city_car", "City car"),
+    ("suv", "SUV"),
+    ("van", "Van"),
+    ("pickup", "Pickup"),
+)
+"""Bundled templates, and what a person reads."""
+
 
 # -- what was done to the body ---------------------------------------------------------------------
 
@@ -270,19 +284,7 @@ class CarState(PartsState):
         Parameter(
             "Template",
             help="The car that takes the shape of the sketch; one of your own comes from its file.",
-            choices=(
-                ("sedan", "Sedan"),
-                ("hatchback", "Hatchback"),
-                ("minivan", "Minivan"),
-                ("estate", "Estate"),
-                ("coupe", "Coupé"),
-                ("limousine", "Limousine"),
-                ("city_car", "City car"),
-                ("suv", "SUV"),
-                ("van", "Van"),
-                ("pickup", "Pickup"),
-                ("own", "My own"),
-            ),
+            choices=(*TITLES, ("own", "My own")),
         ),
     ] = "sedan"  # fmt: skip
     blend: Annotated[
@@ -293,19 +295,7 @@ class CarState(PartsState):
         Parameter(
             "Blend with",
             help="Another template: the car begins between both.",
-            choices=(
-                ("none", "Nothing"),
-                ("sedan", "Sedan"),
-                ("hatchback", "Hatchback"),
-                ("minivan", "Minivan"),
-                ("estate", "Estate"),
-                ("coupe", "Coupé"),
-                ("limousine", "Limousine"),
-                ("city_car", "City car"),
-                ("suv", "SUV"),
-                ("van", "Van"),
-                ("pickup", "Pickup"),
-            ),
+            choices=(("none", "Nothing"), *TITLES),
         ),
     ] = "none"  # fmt: skip
     share: Annotated[
