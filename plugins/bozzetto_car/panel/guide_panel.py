@@ -77,7 +77,7 @@ class GuidePanel(PanelScroll):
         self.setObjectName("car-guide")
         self._host = host
         self._guide: Guide | None = None
-        self._state: CarState | None = None
+        self._asked: CarState | None = None
         self._work, self._keeping = PanelWorker(self), PanelWorker(self)
         self._soon = QTimer(self, singleShot=True, interval=PATIENCE)
         self._soon.timeout.connect(self._look)
@@ -195,14 +195,15 @@ class GuidePanel(PanelScroll):
 
     def _look(self) -> None:
         state = self._host.state
-        if isinstance(state, CarState) and state is not self._state:
+        if isinstance(state, CarState) and state is not self._asked:
+            self._asked = state
             self._work.ask(lambda: guide_of(state), lambda guide: self._show(state, guide))
 
     def _show(self, state: CarState, guide: Guide) -> None:
         begins, began = not guide.count, self._guide is None or not self._guide.count
         if self._guide is None or begins != began:
             self._kinds.heading.setChecked(begins)  # then the room is for the points
-        self._state, self._guide = state, guide
+        self._guide = guide
         self.templates.show_template(state)
         self._may_keep()
         self.car.show_node(guide.template, guide.asked)

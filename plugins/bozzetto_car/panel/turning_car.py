@@ -58,7 +58,7 @@ class TurningCar(QWidget):
         self._start = self._pose = Pose(40.0, 15.0)
         self._shown: SmallCar | None = None
         self._image = QImage()
-        self._key: object = None
+        self._asked: object = None
         self._work = PanelWorker(self)
         self._clock = QElapsedTimer()
         self._pulse = QTimer(self, interval=BEAT)
@@ -104,18 +104,19 @@ class TurningCar(QWidget):
         scale = self.devicePixelRatioF() if share == 1.0 else 1.0
         palette, size = palette_of(self), (self.width(), self.height())
         key = (template, node, pose, palette, size, scale)
-        if key == self._key:
+        if key == self._asked:  # and not what is shown: another picture may be on its way
             return
+        self._asked = key
 
         def done(made: SmallCar) -> None:
-            self._take(key, pose, made, scale)
+            self._take(pose, made, scale)
             if share < 1.0:
                 self._turn()
 
         self._work.ask(lambda: small_car(template, node, pose, palette, size, scale), done)
 
-    def _take(self, key: object, pose: Pose, made: SmallCar, scale: float) -> None:
-        self._key, self._pose, self._shown = key, pose, made
+    def _take(self, pose: Pose, made: SmallCar, scale: float) -> None:
+        self._pose, self._shown = pose, made
         height, width = made.pixels.shape[:2]
         image = QImage(made.pixels.tobytes(), width, height, QImage.Format.Format_RGBA8888)
         self._image = image.copy()  # the bytes go with the call

@@ -7,6 +7,7 @@ import os
 import re
 from dataclasses import replace
 from functools import partial
+from threading import Event
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
@@ -24,6 +25,7 @@ from bozzetto.scene import DARK, LIGHT
 from bozzetto_car.body.build import body_of
 from bozzetto_car.commands import car_as_template
 from bozzetto_car.marking.edit_marks import with_asked, with_skipped
+from bozzetto_car.panel import guide_panel, turning_car
 from bozzetto_car.panel.car_picture import Pose, between, pose_of, small_car
 from bozzetto_car.panel.guide_panel import GuidePanel
 from bozzetto_car.panel.node_chart import row_text
@@ -229,6 +231,53 @@ def test_the_buttons_are_in_sight_also_in_a_low_panel(shown, twelve, qtbot, heig
                 button.mapTo(sight, button.rect().bottomRight())
             )
         )
+
+
+def held_up(monkeypatch, module, name, is_held):
+    """Let a function wait for some questions; return what says that it waits, and what ends it."""
+    real, waits, may_end = getattr(module, name), Event(), Event()
+
+    def slow(question, *more):
+        if is_held(question):
+            waits.set()
+            may_end.wait(30.0)
+        return real(question, *more)
+
+    monkeypatch.setattr(module, name, slow)
+    return waits, may_end
+
+
+def test_what_is_taken_back_while_the_panel_looks_at_it_is_not_shown(
+    shown, twelve, qtbot, monkeypatch
+):
+    panel, host = shown(twelve)
+    said = panel.count.text()
+    other = replace(twelve, template="minivan")
+    waits, may_end = held_up(monkeypatch, guide_panel, "guide_of", lambda state: state is other)
+    host.put(other)
+    qtbot.waitUntil(waits.is_set)
+    host.put(twelve)
+    qtbot.wait(3 * guide_panel.PATIENCE)
+    may_end.set()
+    calm(qtbot, panel)
+    assert panel.count.text() == said
+
+
+def test_what_is_taken_back_while_the_small_car_is_drawn_is_not_shown(
+    shown, twelve, qtbot, monkeypatch
+):
+    car = shown(twelve)[0].car
+    qtbot.wait(5 * turning_car.BEAT)  # the ring about the point has gone
+    node, before = car.node, car.grab().toImage()
+    minivan = bundled("minivan")
+    waits, may_end = held_up(monkeypatch, turning_car, "small_car", lambda one: one is minivan)
+    car.show_node(minivan, node)
+    qtbot.waitUntil(waits.is_set)
+    car.show_node(SEDAN, node)
+    may_end.set()
+    qtbot.waitUntil(lambda: not car.busy)
+    qtbot.wait(5 * turning_car.BEAT)
+    assert car.grab().toImage() == before
 
 
 def test_buttons_pass_points_over(shown, qtbot):
