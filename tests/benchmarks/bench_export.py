@@ -40,10 +40,12 @@ def ball(triangles: int) -> Mesh:
 
 
 def by_trimesh(mesh: Mesh, target: Path) -> Callable[[], object] | None:
-    """The same export by trimesh; None where it, or what it needs for the format, is missing."""
+    """The same export by trimesh; None where it, the format, or what that needs is missing."""
     try:
         import trimesh
 
+        if target.suffix.removeprefix(".") not in trimesh.available_formats():
+            return None
         other = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
         other.export(target)
     except ModuleNotFoundError:
