@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Brep, BSplineSurface, Curve, Face, ParameterCurve, Trim, frozen
 
 WHOLE: Final = (0.0, 1.0)
@@ -113,16 +113,22 @@ def _one_span(surface: BSplineSurface, direction: int) -> bool:
 def _interpolated(surface: BSplineSurface, path: ParameterCurve) -> Curve:
     from scipy.interpolate import make_interp_spline
 
-    spans = 2 * max(1, len(path.control_points) - path.degree)
+    # Where a piece of the path ends its third derivative jumps: there an edge has a knot, too.
+    at = _halved(np.unique(path.knots), slice(None))
     while True:
-        at = np.linspace(0.0, 1.0, spans + 1)
         fit = make_interp_spline(at, surface.value(*path.value(at).T), k=3)
         curve = Curve(3, fit.t, fit.c)
-        between = np.linspace(0.0, 1.0, 4 * spans + 1)
-        away = curve.value(between) - surface.value(*path.value(between).T)
-        if np.linalg.norm(away, axis=1).max() <= CLOSE or 2 * spans > FINEST:
+        between = (at[:-1, None] + np.diff(at)[:, None] * (0.25, 0.5, 0.75)).ravel()
+        away = np.linalg.norm(curve.value(between) - surface.value(*path.value(between).T), axis=1)
+        wide = np.flatnonzero(away.reshape(-1, 3).max(axis=1) > CLOSE)
+        if not len(wide) or len(at) > FINEST:
             return curve
-        spans *= 2
+        at = _halved(at, wide)
+
+
+def _halved(at: Array, which: Index | slice) -> Array:
+    """Return places with the middles of some of the intervals between them."""
+    return np.sort(np.append(at, (0.5 * (at[:-1] + at[1:]))[which]))
 
 
 def _bernstein(at: Array) -> Array:

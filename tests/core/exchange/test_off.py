@@ -65,6 +65,10 @@ def test_vertices_have_colours_and_normals():
     (part,) = read_shapes(b"COFF\n3 1 0\n" + rows).surfaces
     assert part.mesh.colors is not None
     assert part.mesh.colors.tolist()[0] == [9, 8, 7, 255]
+    rows = b"0 0 0 1e308 .5 -1e999\n1 0 0 nan 0 0\n0 1 0 1 1 1\n3 0 1 2 1e308 .5 0\n"
+    (part,) = read_shapes(b"COFF\n3 1 0\n" + rows).surfaces
+    assert part.mesh.colors is not None
+    assert part.mesh.colors[:, :3].tolist() == [[255, 128, 0], [0, 0, 0], [255, 255, 255]]
 
 
 def test_too_many_colours_are_told(tmp_path):

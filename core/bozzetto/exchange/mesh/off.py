@@ -118,7 +118,8 @@ def _bytes(shades: NDArray[np.float64], whole: bool) -> Colors:
     """Return colours as bytes, (n, 4), from numbers up to 255 if they are whole, else up to 1."""
     found = np.full((len(shades), 4), 255, np.uint8)
     scale = 1.0 if whole else 255.0
-    found[:, : shades.shape[1]] = np.rint(np.clip(np.nan_to_num(shades) * scale, 0.0, 255.0))
+    within = np.clip(np.nan_to_num(shades), 0.0, 255.0 / scale)
+    found[:, : shades.shape[1]] = np.rint(within * scale)
     return found
 
 
