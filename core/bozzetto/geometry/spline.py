@@ -238,11 +238,15 @@ class Spline:
         -------
         (n,) float
         """
-        at, tree = self._chain
+        away, _ = self._chain[1].query(np.asarray(points, float))
+        return np.asarray(np.maximum(away - self._half_step, 0.0))
+
+    @cached_property
+    def _half_step(self) -> float:
+        """Half of the longest arc that there can be between neighbours of the chain."""
         hodograph = derived_points(self.knots, self.control_points, DEGREE)
         speed = float(np.linalg.norm(hodograph, axis=1).max())
-        away, _ = tree.query(np.asarray(points, float))
-        return np.asarray(np.maximum(away - 0.5 * speed * float(np.diff(at).max()), 0.0))
+        return 0.5 * speed * float(np.diff(self._chain[0]).max())
 
     @cached_property
     def _chain(self) -> tuple[Array, cKDTree]:
