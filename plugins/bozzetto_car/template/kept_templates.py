@@ -7,7 +7,7 @@ folder is the person's.
 
 from __future__ import annotations
 
-import os
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -93,17 +93,26 @@ def keep_template(folder: Path, content: bytes) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         for number in range(1, MOST_ALIKE):
             path = folder / f"{template.id}{f'_{number}' if number > 1 else ''}{ENDING}"
-            if not path.exists():
-                break
-        begun = path.with_suffix(".part")
-        begun.write_bytes(content)
-        os.replace(begun, path)
+            with suppress(FileExistsError):
+                _write_new(path, content)
+                return path
     except OSError as problem:
         raise UserError(
             f"The template cannot be kept in {folder}: {problem.strerror}. Save it as a file "
             "instead: Object, Car, Save this car as a template."
         ) from None
-    return path
+    raise UserError(f"There are {MOST_ALIKE - 1} templates of this name. Take another name.")
+
+
+def _write_new(path: Path, content: bytes) -> None:
+    """Write a file that is not there yet; nothing of it stays if that fails."""
+    file = path.open("xb")
+    try:
+        with file:
+            file.write(content)
+    except OSError:
+        path.unlink()
+        raise
 
 
 def forget_template(kept: KeptTemplate) -> None:

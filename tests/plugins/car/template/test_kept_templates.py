@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
+from bozzetto_car.template import kept_templates as kept
 from bozzetto_car.template.kept_templates import (
     MOST_KEPT,
     forget_template,
@@ -71,7 +72,7 @@ def test_what_cannot_be_read_is_passed_over(tmp_path: Path) -> None:
     (tmp_path / "folder.json").mkdir()
     (tmp_path / "gone.json").symlink_to(tmp_path / "nowhere")
     (tmp_path / "notes.txt").write_bytes(good)
-    titles = [kept.template.title for kept in kept_templates(tmp_path)]
+    titles = [one.template.title for one in kept_templates(tmp_path)]
     assert titles.count("Wedge") == 1
     assert len(titles) < 20
 
@@ -88,10 +89,35 @@ def test_one_is_forgotten_and_the_others_stay(tmp_path: Path) -> None:
     anvil, wedge = kept_templates(tmp_path)
     forget_template(anvil)
     forget_template(anvil)  # it is gone already
-    assert [kept.path for kept in kept_templates(tmp_path)] == [wedge.path]
+    assert [one.path for one in kept_templates(tmp_path)] == [wedge.path]
 
 
 def test_where_nothing_can_be_written_it_is_said_what_to_do(tmp_path: Path) -> None:
     (tmp_path / "in the way").write_text("a file, and no folder")
     with pytest.raises(UserError, match="Save it as a file"):
         keep_template(tmp_path / "in the way", called("Wedge"))
+
+
+def test_a_full_disk_leaves_nothing_half_written(tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource")
+    keep_template(tmp_path, called("Anvil"))
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(UserError, match="Save it as a file"):
+            keep_template(tmp_path, called("Wedge"))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert [path.name for path in tmp_path.iterdir()] == ["anvil.json"]
+
+
+def test_no_template_is_written_over_however_many_have_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kept, "MOST_ALIKE", 3)
+    names = [keep_template(tmp_path, called("Wedge")).name for _ in range(2)]
+    assert names == ["wedge.json", "wedge_2.json"]
+    contents = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(UserError, match="another name"):
+        keep_template(tmp_path, called("Wedge"))
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == contents
