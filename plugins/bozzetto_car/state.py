@@ -20,7 +20,7 @@ from bozzetto.ink import Strokes
 from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto.scene import Picture
 from bozzetto_car.dimensions import LONGEST, Dimensions
-from bozzetto_car.template.loader import bundled_file
+from bozzetto_car.template.loader import Bundled, bundled_file
 
 Point = tuple[float, float, float]
 Color = tuple[int, int, int]
@@ -277,27 +277,21 @@ class CarState(PartsState):
     without: tuple[str, ...] = ()
     own: str = ""
     template: Annotated[
-        Literal[
-            "sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car", "suv",
-            "van", "pickup", "own",
-        ],
+        Literal[Bundled, "own"],
         Parameter(
             "Template",
             help="The car that takes the shape of the sketch; one of your own comes from its file.",
             choices=(*TITLES, ("own", "My own")),
         ),
-    ] = "sedan"  # fmt: skip
+    ] = "sedan"
     blend: Annotated[
-        Literal[
-            "none", "sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car",
-            "suv", "van", "pickup",
-        ],
+        Literal["none", Bundled],
         Parameter(
             "Blend with",
             help="Another template: the car begins between both.",
             choices=(("none", "Nothing"), *TITLES),
         ),
-    ] = "none"  # fmt: skip
+    ] = "none"
     share: Annotated[
         float,
         Parameter("Share", 0.0, 1.0, step=0.05,

@@ -12,30 +12,15 @@ from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.graph.planar_embedding import is_whole, neighbors_of
 from bozzetto_polyhedron.graph.segments import Segments
 from bozzetto_polyhedron.graph.step_pairs import with_detours
-from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT
 from tests.plugins.polyhedron.graph_truth import is_right
-from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
-from tests.plugins.polyhedron.objects import OBJECTS, view
+from tests.plugins.polyhedron.objects import OBJECTS
+from tests.plugins.polyhedron.untidy_parts import untidy
 from tests.plugins.polyhedron.workshop_parts import workshop_part
-
-HAND = Hand(retraced=0.15, split=0.1, overshot=0.3)
-
-
-def drawn(name: str, seed: int):
-    """Return the strokes of a part of the workshop, its corners in px, and its edges."""
-    solid = workshop_part(name, seed)
-    assert solid is not None
-    seen = view(solid, seed)
-    assert seen is not None
-    edges = [(int(a), int(b)) for a, b in solid.edges]
-    hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
-    strokes = strokes_of(seen.plane * UPRIGHT, edges, HAND, seed, hidden)
-    return strokes, seen.plane * UPRIGHT * SIZE + 200.0, edges
 
 
 @pytest.mark.slow
 def test_two_steps_find_what_one_after_the_other_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    strokes, places, edges = drawn("octagonal shaft with collar", 80_001)
+    strokes, places, edges = untidy(workshop_part("octagonal shaft with collar", 80_001), 80_001)
     assert is_right(searched(strokes).graph, places, edges)
     monkeypatch.setattr(search, "with_detours", lambda draft, checkpoint: draft)
     assert not is_right(searched(strokes).graph, places, edges)
@@ -44,7 +29,7 @@ def test_two_steps_find_what_one_after_the_other_does_not(monkeypatch: pytest.Mo
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["gusset", "house with porch", "drawer"])
 def test_a_detour_never_leads_to_more_doubt_and_leaves_the_draft_as_it_is(name: str) -> None:
-    strokes, _, _ = drawn(name, 80_001)
+    strokes, _, _ = untidy(workshop_part(name, 80_001), 80_001)
     draft = searched(strokes).draft
     assert draft is not None
     before, cost = dict(draft.lines), draft.cost
@@ -55,7 +40,7 @@ def test_a_detour_never_leads_to_more_doubt_and_leaves_the_draft_as_it_is(name: 
 
 @pytest.mark.slow
 def test_a_drawing_most_of_whose_ink_is_light_has_hidden_lines() -> None:
-    strokes, places, edges = drawn("cupboard", 80_000)
+    strokes, places, edges = untidy(workshop_part("cupboard", 80_000), 80_000)
     graph = searched(strokes).graph
     assert is_right(graph, places, edges)
     assert 0.5 < (graph.light > 0.5).mean() < 0.9

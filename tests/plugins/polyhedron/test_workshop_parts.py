@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from bozzetto_polyhedron.graph.health import told
-from bozzetto_polyhedron.graph.live import LiveGraph, searched
+from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.graph.planar_embedding import components, neighbors_of
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
@@ -19,21 +17,17 @@ from bozzetto_polyhedron.reconstruction.loose_loops import hanging_order
 from bozzetto_polyhedron.reconstruction.parallel_classes import LOOSE, parallel_classes
 from bozzetto_polyhedron.solve.line_readings import decided
 from tests.plugins.polyhedron.cad_parts import part
-from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
-from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
 from tests.plugins.polyhedron.objects import (
     CAMERA,
-    Polyhedron,
     View,
     graph_of,
     in_eye_frame,
     is_right,
     view,
 )
+from tests.plugins.polyhedron.untidy_parts import untidy
 from tests.plugins.polyhedron.workshop_parts import workshop_part
-
-HAND = Hand(retraced=0.15, split=0.1, overshot=0.3)
 
 
 def seen_part(name: str, seed: int) -> View:
@@ -66,23 +60,10 @@ def test_the_order_in_which_parts_are_found_does_not_matter(name):
     assert len(bodies) == 1
 
 
-def doubtful(
-    name: str, seed: int, maker: Callable[[str, int], Polyhedron | None]
-) -> tuple[LiveGraph, np.ndarray, list[tuple[int, int]]]:
-    """Return what the sheet tells of a part, where its corners are, and its edges."""
-    solid = maker(name, seed)
-    assert solid is not None
-    seen = view(solid, seed)
-    assert seen is not None
-    edges = [(int(a), int(b)) for a, b in solid.edges]
-    hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
-    strokes = strokes_of(seen.plane * UPRIGHT, edges, HAND, seed, hidden)
-    return searched(strokes), seen.plane * UPRIGHT * SIZE + 200.0, edges
-
-
 @pytest.mark.slow
 def test_the_better_solid_decides_between_lines_that_could_meet_in_two_ways():
-    live, places, edges = doubtful("obelisk", 5100, workshop_part)
+    strokes, places, edges = untidy(workshop_part("obelisk", 5100), 5100)
+    live = searched(strokes)
     assert [each.what for each in live.graph.health] == ["second reading"]
     assert not is_right_graph(live.graph, places, edges)
     found = decided(live, CAMERA, lambda *_: None)
@@ -92,7 +73,8 @@ def test_the_better_solid_decides_between_lines_that_could_meet_in_two_ways():
 
 @pytest.mark.slow
 def test_what_is_right_stays_and_a_graph_that_looks_wrong_is_left_alone():
-    live, places, edges = doubtful("octagon with boss", 300, part)
+    strokes, places, edges = untidy(part("octagon with boss", 300), 300)
+    live = searched(strokes)
     assert is_right_graph(live.graph, places, edges)
     assert is_right_graph(decided(live, CAMERA, lambda *_: None).graph, places, edges)
     for health in ((), (*live.graph.health, told(places[0], "loose end"))):

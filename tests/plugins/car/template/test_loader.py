@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import FormatError
+from bozzetto_car.state import TITLES
 from bozzetto_car.template.loader import (
     TEMPLATES,
     bundled,
@@ -246,3 +247,7 @@ def test_no_damage_to_a_file_does_worse_than_a_message() -> None:
         except FormatError:
             refused += 1
     assert refused > 200
+
+
+def test_templates_are_called_in_the_parameters_as_they_call_themselves() -> None:
+    assert TITLES == tuple((name, bundled(name).title) for name in TEMPLATES)
