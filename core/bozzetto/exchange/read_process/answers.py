@@ -27,7 +27,7 @@ from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
 from bozzetto.ink.steps import Step
 from bozzetto.ink.stroke import Strokes
-from bozzetto.typed_data import decode_msgpack
+from bozzetto.typed_data import decode_json, decode_msgpack
 from bozzetto.view.camera import Camera
 
 Answer = MeshFile | Drawing | Picture | NDArray[np.uint8]
@@ -111,6 +111,12 @@ class _Pixels(msgspec.Struct, tag=True):
 _Record = _Meshes | _Drawing | _Picture | _Pixels
 
 _VERB_OF: Final = {kind: verb for verb, kind in VERBS.items()}
+
+PIECE: Final = 32_768
+"""Bytes of JSON that are decoded in one call, which no other thread can interrupt."""
+
+LEVELS: Final = 16
+"""Levels of nesting that are taken apart for that; every one reads the text once more."""
 
 
 def pack_answer(answer: Answer) -> tuple[bytes, Arrays]:
@@ -299,7 +305,19 @@ def _shapes_of(told: _Meshes, arrays: Sequence[NDArray[Any]]) -> Shapes:
 def _drawing_of(told: _Drawing, arrays: Sequence[NDArray[Any]]) -> Drawing:
     strokes = unpack_strokes(told.strokes, dict(zip(told.columns, arrays, strict=True)))
     steps: list[Step] = [decode_msgpack(text, VERBS[verb]) for verb, text in told.steps]
-    facts: dict[str, Any] = msgspec.json.decode(told.facts)
+    facts: dict[str, Any] = _plain_values(msgspec.Raw(told.facts))
     return Drawing(
         Strokes(strokes), told.camera, told.name, facts, tuple(steps), left_out=told.left_out
     )
+
+
+def _plain_values(text: msgspec.Raw, levels: int = LEVELS) -> Any:
+    """Decode any JSON piece by piece: a large text in one call would hold up the window."""
+    start = bytes(memoryview(text)[:1])
+    if len(memoryview(text)) <= PIECE or not levels or start not in (b"[", b"{"):
+        return msgspec.json.decode(text)
+    if start == b"[":
+        items = decode_json(text, list[msgspec.Raw])
+        return [_plain_values(one, levels - 1) for one in items]
+    members = decode_json(text, dict[str, msgspec.Raw])
+    return {key: _plain_values(one, levels - 1) for key, one in members.items()}
