@@ -25,7 +25,7 @@ from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES, budget_for, 
 from bozzetto.exchange.linked_pictures import drawings_named_in, pictures_named_in
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.exchange.mesh.polygons import weld
-from bozzetto.exchange.read_files import file_size, read_bytes
+from bozzetto.exchange.read_files import file_size, read_bytes, read_start
 from bozzetto.exchange.read_process.parent import Checkpoint, read_in_child
 from bozzetto.exchange.reading import MeshFile, Reading
 from bozzetto.geometry.mesh import Mesh
@@ -44,7 +44,8 @@ def is_picture(path: str | os.PathLike[str]) -> bool:
 def is_mesh(path: str | os.PathLike[str]) -> bool:
     """Whether a file is read as shapes, and not as ink or a picture; raises as `read_mesh`.
 
-    Its ending says so; a DXF, which may hold shapes or lines, is looked into.
+    Its ending says so; a DXF, which may hold shapes or lines, is looked into, of a very large
+    one at its beginning.
     """
     find(path, readers())
     ending = PurePath(path).suffix.lower()
@@ -53,7 +54,7 @@ def is_mesh(path: str | os.PathLike[str]) -> bool:
         return "mesh" in kinds
     from bozzetto.exchange.cad.dxf_document import mostly_faces
 
-    return mostly_faces(read_bytes(path, MAX_INK_BYTES))
+    return mostly_faces(read_start(path, MAX_INK_BYTES))
 
 
 def read_mesh(

@@ -29,12 +29,29 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
     name = os.fspath(path)
     with _opened(name) as file:
         size = _checked_size(os.fstat(file.fileno()).st_size, name, limit)
-        try:
-            data = file.read(size)  # what it was when it was opened: it may grow meanwhile
-        except OSError as error:
-            raise UserError(f"“{name}” cannot be read: {error.strerror}.") from error
+        data = _read(file, size, name)  # what it was when it was opened: it may grow meanwhile
     _checked_size(len(data), name, limit)  # it may have been cut, too
     return data
+
+
+def read_start(path: str | os.PathLike[str], most: int) -> bytes:
+    """Read a file's first bytes, all where there are no more than `most`.
+
+    Raises
+    ------
+    UserError
+        As `read_bytes`; an empty file is no error.
+    """
+    name = os.fspath(path)
+    with _opened(name) as file:
+        return _read(file, most, name)
+
+
+def _read(file: BinaryIO, count: int, name: str) -> bytes:
+    try:
+        return file.read(count)
+    except OSError as error:
+        raise UserError(f"“{name}” cannot be read: {error.strerror}.") from error
 
 
 def _checked_size(size: int, name: str, limit: int) -> int:

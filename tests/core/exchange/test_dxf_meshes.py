@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import FormatError
+from bozzetto.exchange import import_file
 from bozzetto.exchange.cad import dxf_document
 from bozzetto.exchange.cad.dxf_document import mostly_faces
 from bozzetto.exchange.cad.dxf_mesh_reader import read_shapes
@@ -144,3 +145,11 @@ def test_the_command_line_takes_either(tmp_path, capsys):
     assert volume(solid.mesh) == pytest.approx(6000.0)
     assert main(["info", str(tmp_path / "box.dxf")]) == 0
     assert "12" in capsys.readouterr().out
+
+
+def test_a_very_large_file_is_asked_by_its_beginning(tmp_path, monkeypatch):
+    path = tmp_path / "box.dxf"
+    path.write_bytes(drawn(WAYS["3DFACE"]))
+    monkeypatch.setattr(import_file, "MAX_INK_BYTES", path.stat().st_size - 1)
+    assert is_mesh(path)
+    assert len(read_mesh(path, trusted=True).solids) == 1
