@@ -147,7 +147,7 @@ def one_at_a_time() -> Iterator[None]:
 
 def digest(version: str) -> str:
     """Return what an install depends on: the project file, the interpreter and the place."""
-    parts = ((ROOT / "pyproject.toml").read_bytes(), version.encode(), str(ROOT).encode())
+    parts = ((ROOT / "pyproject.toml").read_bytes(), version.encode(), os.fsencode(ROOT))
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 

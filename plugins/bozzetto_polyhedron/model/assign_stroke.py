@@ -163,6 +163,5 @@ def _overlap(one: Sequence[Stroke], other: Sequence[Stroke]) -> bool:
 
 
 def _box(paths: Sequence[Array]) -> tuple[Array, Array]:
-    low = np.min([path.min(axis=0) for path in paths], axis=0)
-    high = np.max([path.max(axis=0) for path in paths], axis=0)
-    return low, high
+    points = np.vstack(paths)
+    return points.min(axis=0), points.max(axis=0)

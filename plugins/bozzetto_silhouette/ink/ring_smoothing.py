@@ -100,7 +100,9 @@ def rubbed(ring: Array, line: Array, size: float) -> Array:
     touched[closest] = True
     # Gaps that the hand left are closed, and a brush's width is added at both ends.
     covered = ~_grown(~_grown(touched, 2.0 * brush / step), brush / step)
-    passes = float(np.clip(arc_length(path)[-1] / (step * max(covered.sum(), 1)), 1, MOST_PASSES))
+    passes = float(
+        np.clip(arc_length(path)[-1] / (step * max(int(covered.sum()), 1)), 1, MOST_PASSES)
+    )
     sigma = float(np.clip(STRENGTH * brush * np.sqrt(passes), 0.0, COARSEST * size))
     return softened(ring, covered, sigma)
 

@@ -101,7 +101,8 @@ def _apart(xy: Array, spacing: Array, fixed: Array, fixed_spacing: Array) -> Fla
     if not len(xy) or not len(fixed):
         return np.ones(len(xy), dtype=bool)
     gap, near = cKDTree(fixed).query(xy)
-    return gap > np.minimum(spacing, fixed_spacing[near])
+    kept: Flags = gap > np.minimum(spacing, fixed_spacing[near])
+    return kept
 
 
 def _lattice(rim: Rim, distance: RimDistance, last: Array, step: float) -> Array:

@@ -229,10 +229,10 @@ def _matched(armature: Armature, turns: tuple[Turn, ...]) -> dict[int, int]:
     found: dict[int, int] = {}
     taken: set[int] = set()
     for flat in np.argsort(gaps, axis=None, kind="stable").tolist():
-        turn, joint = divmod(flat, len(joints))
-        if gaps[turn, joint] <= reach[joint] and joint not in found and turn not in taken:
-            found[joint] = turn
-            taken.add(turn)
+        number, joint = divmod(flat, len(joints))
+        if gaps[number, joint] <= reach[joint] and joint not in found and number not in taken:
+            found[joint] = number
+            taken.add(number)
     return found
 
 

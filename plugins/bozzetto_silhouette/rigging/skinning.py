@@ -120,8 +120,8 @@ def _strongest(shares: Array) -> tuple[NDArray[np.int32], Singles]:
     """Return the joints with the largest shares, (n, 4), and their weights."""
     shares = np.pad(shares, ((0, 0), (0, max(0, MOST - shares.shape[1]))))
     columns = np.argsort(-shares, axis=1, kind="stable")[:, :MOST]
-    weights = np.take_along_axis(shares, columns, axis=1)
-    weights = (weights / weights.sum(axis=1, keepdims=True)).astype(np.float32)
+    largest = np.take_along_axis(shares, columns, axis=1)
+    weights = (largest / largest.sum(axis=1, keepdims=True)).astype(np.float32)
     return np.where(weights > 0.0, columns, 0).astype(np.int32), weights
 
 

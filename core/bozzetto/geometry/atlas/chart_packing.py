@@ -308,7 +308,7 @@ def _mask(rings: Sequence[Array]) -> tuple[Flags, Array]:
     """Draw rings, in cells: those that they touch, and where these begin."""
     from PIL import Image, ImageDraw
 
-    low = np.min([ring.min(axis=0) for ring in rings], axis=0)
+    low = np.vstack(rings).min(axis=0)
     rings = [np.round(ring - low, DIGITS) for ring in rings]
     size = np.floor(np.max([ring.max(axis=0) for ring in rings], axis=0)) + 1.0
     image = Image.new("L", (int(size[0]) * FINER, int(size[1]) * FINER))

@@ -81,4 +81,5 @@ def _beside(places: Array, others: Array, reach: float) -> Flags:
     if not len(others):
         return np.zeros(len(places), bool)
     apart, _ = cKDTree(others).query(places, distance_upper_bound=reach)
-    return np.isfinite(apart)
+    near: Flags = np.isfinite(apart)
+    return near
