@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from bozzetto.errors import UserError
+from bozzetto.typed_data import unaliased
 
 State = TypeVar("State")
 Kind = Literal["number", "integer", "switch", "choice", "text", "color"]
@@ -141,11 +142,11 @@ def _parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
     hints = get_type_hints(state_type, include_extras=True)
     found = []
     for entry in dataclasses.fields(state_type):
-        hint = hints[entry.name]
+        hint = unaliased(hints[entry.name])
         notes = [n for n in getattr(hint, "__metadata__", ()) if isinstance(n, Parameter)]
         if not notes:
             continue
-        plain = get_args(hint)[0]
+        plain = unaliased(get_args(hint)[0])
         values: tuple[str, ...] = ()
         kind: Kind
         if get_origin(plain) is Literal:

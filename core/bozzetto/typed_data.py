@@ -8,11 +8,11 @@ one at a time, once.
 from __future__ import annotations
 
 from threading import Lock
-from typing import Any
+from typing import Any, get_args, get_origin
 
 import msgspec
 
-__all__ = ["convert", "decode_json", "decode_msgpack"]
+__all__ = ["convert", "decode_json", "decode_msgpack", "unaliased"]
 
 _json: dict[Any, msgspec.json.Decoder[Any]] = {}
 _msgpack: dict[Any, msgspec.msgpack.Decoder[Any]] = {}
@@ -55,6 +55,17 @@ def convert(value: Any, kind: Any) -> Any:
     """Make plain values (dict, list, str, numbers) a value of a type; see `decode_json`."""
     _json_decoder(kind)  # prepares the type for every way to decode it
     return msgspec.convert(value, kind)
+
+
+def unaliased(hint: Any) -> Any:
+    """Return what a named alias of a type stands for (PEP 695); any other hint as it is.
+
+    From NumPy 2.5 on, with Python 3.12 or later, ``NDArray[np.float64]`` is one.
+    """
+    origin = get_origin(hint)
+    if hasattr(origin, "__value__"):
+        return unaliased(origin.__value__[get_args(hint)])
+    return unaliased(hint.__value__) if hasattr(hint, "__value__") else hint
 
 
 def _json_decoder(kind: Any) -> msgspec.json.Decoder[Any]:

@@ -28,6 +28,7 @@ from bozzetto.document.storage.side_tables import Aside, Refusal, runs
 from bozzetto.document.storage.zip_container import DTYPES, MAX_AXES, all_finite, dtype_name
 from bozzetto.errors import words_of
 from bozzetto.ink.stroke import Stroke, Strokes
+from bozzetto.typed_data import unaliased
 
 MAX_DEPTH: Final = 64
 """Deepest nesting of dataclasses in a state: a tree of parts, not an attack on the stack."""
@@ -379,6 +380,9 @@ def form_of(hint: Any) -> Form:
 def _made(hint: Hashable) -> Form:
     if hint in _PLAIN:
         return _PLAIN[hint]
+    plain = unaliased(hint)
+    if plain is not hint:
+        return form_of(plain)
     origin, arguments = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return form_of(arguments[0])

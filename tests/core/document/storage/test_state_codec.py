@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from typing_extensions import TypeAliasType
 
 from bozzetto.arrays import frozen
+from bozzetto.document.storage.side_tables import Refusal
 from bozzetto.document.storage.state_codec import (
     EncodedState,
     OpaqueState,
@@ -24,7 +26,7 @@ from bozzetto.document.storage.state_codec import (
 from bozzetto.document.storage.type_forms import MAX_DEPTH
 from bozzetto.errors import DocumentError
 from bozzetto.ink.stroke import Stroke, Strokes
-from bozzetto.parameters import Parameter
+from bozzetto.parameters import Parameter, parameter_fields
 from tests.document_kit import (
     Disc,
     Everything,
@@ -293,3 +295,28 @@ def test_strokes_are_equal_after_the_shortcut_constructor():
     assert made == Stroke.from_columns(
         columns, made.camera, made.tool, made.color, made.group, True, True
     )
+
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+ArrayOf = TypeAliasType("ArrayOf", np.ndarray[Any, np.dtype[Scalar]], type_params=(Scalar,))
+Name = TypeAliasType("Name", str)
+Scale = TypeAliasType("Scale", Annotated[float, Parameter("Scale")])
+
+
+@dataclass(frozen=True)
+class OfAliases:
+    """A state whose types have names (PEP 695), as `NDArray` has from NumPy 2.5 on."""
+
+    places: ArrayOf[np.float32]
+    name: Name = ""
+    names: tuple[Name, ...] | None = None
+    scale: Scale = 1.0
+
+
+def test_a_named_alias_of_a_type_is_that_type():
+    state = OfAliases(frozen([1.0, 2.5], np.float32), "a", ("b", "ü"), 0.5)
+    assert same_state(decode_state(OfAliases, encode_state(state)), state)
+    with pytest.raises(Refusal, match="float32"):
+        encode_state(replace(state, places=frozen([1.0], np.float64)))
+    (scale,) = parameter_fields(OfAliases)
+    assert (scale.name, scale.kind, scale.default) == ("scale", "number", 1.0)
