@@ -1,17 +1,17 @@
 """`cached_property` that makes no thread wait for another.
 
 Until Python 3.12 `functools.cached_property` has one lock for all objects of a class: while a
-worker computes a slow property of one object, the window waits to read that of another.
+worker computes a slow property of one object, the window waits to read that of another. From 3.12
+on it has none, and two threads that ask at once may get, and keep, two different values.
 """
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Any
 
 __all__ = ["cached_property"]
 
-if TYPE_CHECKING or sys.version_info >= (3, 12):
+if TYPE_CHECKING:
     from functools import cached_property as cached_property
 else:
 
