@@ -11,6 +11,7 @@ import re
 import shutil
 import struct
 import tempfile
+import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -26,7 +27,7 @@ from bozzetto.document.storage.bozz_file import decode_document
 from bozzetto.exchange.cad.dxf_document import mostly_faces
 from bozzetto.exchange.formats import Kind, find, function, readers
 from bozzetto.exchange.ink import ink_json, inkml
-from bozzetto.exchange.mesh import glb, obj, ply, stl
+from bozzetto.exchange.mesh import glb, obj, ply, stl, threemf
 from bozzetto.exchange.svg import reader as svg
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Drawing, Stroke, Strokes
@@ -170,6 +171,17 @@ def _pictures() -> Iterator[Case]:
     yield ".tif", file.getvalue()
 
 
+def _packages(shapes: Shapes) -> Iterator[Case]:
+    """A 3MF, and one that is not compressed: where damage reaches the text."""
+    packed = threemf.write_shapes(shapes)
+    yield ".3mf", packed
+    file = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(packed)) as inside, zipfile.ZipFile(file, "w") as plain:
+        for name in inside.namelist():
+            plain.writestr(name, inside.read(name))
+    yield ".3mf", file.getvalue()
+
+
 @cache
 def seeds() -> list[Case]:
     """Sound files of every format."""
@@ -190,7 +202,8 @@ def seeds() -> list[Case]:
         (".template", (PLUGINS / "bozzetto_car" / "templates" / "sedan.json").read_bytes()),
         (".journal", _journal()),
     ]  # fmt: skip
-    found += [(".off", OFF), (".svgz", gzip.compress(SVG))]
+    found += [(".off", OFF), (".svgz", gzip.compress(SVG, mtime=0)), *_packages(shapes)]
+    found.append((".ply", ASCII_PLY.replace(b"4 0 1 2 3", b"3 0 1 2")))
     if find_spec("ezdxf"):
         found += [(".dxf", DXF), (".dxf", DXF_MESH)]
     return [*found, (".gltf", GLTF), *_pictures()]
@@ -300,9 +313,14 @@ def cases(count: int, seed: int) -> Iterator[Case]:
             yield ".bozz", next(documents)
             continue
         ending, content = rng.choice(seeds())
-        for _ in range(rng.choice((1, 1, 2, 3))):
-            content = rng.choice(INJURIES)(content, rng) if content else content
-        yield ending, content
+        yield ending, mutated(content, rng)
+
+
+def mutated(content: bytes, rng: random.Random) -> bytes:
+    """One to three injuries."""
+    for _ in range(rng.choice((1, 1, 2, 3))):
+        content = rng.choice(INJURIES)(content, rng) if content else content
+    return content
 
 
 @cache
