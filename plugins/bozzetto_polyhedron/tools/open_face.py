@@ -57,7 +57,9 @@ class OpenFace(ErasingTool):
             return NextStep("Turn a drawing into a solid first.", tool="turn")
         body = bodies[0]
         if body.wall == 0.0 and (body.lid == "open" or state.openings_of(body)):
-            return NextStep("To print what is open, choose “Sheet or solid”: faces get a thickness.")
+            return NextStep(
+                "To print what is open, choose “Sheet or solid”: faces get a thickness."
+            )
         return NextStep(self.hint)
 
 
