@@ -28,7 +28,15 @@ from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Fillet, Jo
 from bozzetto_polyhedron.model.earlier_states import with_spots
 from bozzetto_polyhedron.model.fittings import Coil, Crank, Hinge, Link, Pin, Slider, Trace
 from bozzetto_polyhedron.model.followed import Followed
-from bozzetto_polyhedron.model.state import Body, BodyGroup, Choice, Measure, PolyhedronState, Slant
+from bozzetto_polyhedron.model.state import (
+    Body,
+    BodyGroup,
+    Choice,
+    Measure,
+    Opening,
+    PolyhedronState,
+    Slant,
+)
 from bozzetto_polyhedron.report import FIGURES, cautions_of, report_of
 from bozzetto_polyhedron.solve.followed import Sources, bodies_of
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
@@ -51,7 +59,7 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
     state_type = PolyhedronState
     state_version = 2
     part_types = (
-        *(Body, Measure, Slant, Push, Added, Chamfer, Fillet, Mirror, Copies, Join),
+        *(Body, Measure, Slant, Opening, Push, Added, Chamfer, Fillet, Mirror, Copies, Join),
         *(Link, Coil, Slider, Pin, Hinge, Crank, Trace, Followed, BodyGroup),
     )
     first_parameters = ("answer", "length", "depth")

@@ -89,7 +89,7 @@ def cautions_of(
     for body in state.shown(Body):
         found = results.get(body.id)
         if found is not None and body.moves != "flat":
-            cautions += [Caution(f"“{body.name}”: {text}") for text in _doubts(found)]
+            cautions += [Caution(f"“{body.name}”: {text}") for text in _doubts(body, found)]
     there = followed_meshes(state, sources)
     gone = [part.name for part in state.shown(Followed) if part.id not in there]
     cautions += [
@@ -170,7 +170,7 @@ def _told(found: Solved) -> tuple[str, ...]:
     return (*warnings, *told, *((found.problem,) if found.problem else ()))
 
 
-def _doubts(found: Solved) -> list[str]:
+def _doubts(body: Body, found: Solved) -> list[str]:
     """Return what a person must know of one body, in sentences."""
     if found.body is None or found.answer is None:
         return [found.problem or "The drawing makes no solid. Draw the edges that are missing."]
@@ -181,11 +181,10 @@ def _doubts(found: Solved) -> list[str]:
     if found.graph.health:
         more = len(found.graph.health) - 1
         doubts.append(found.graph.health[0].sentence + (f" And {more} more." if more else ""))
-    if not found.body.closed:
-        doubts.append(
-            "The faces are open: it is a sheet. Draw the edges that are missing, or give it a "
-            "thickness."
-        )
+    if not found.body.closed and body.wall == 0.0:
+        meant = found.base is not None and found.base.closed
+        first = "Close its faces" if meant else "Draw the edges that are missing"
+        doubts.append(f"The faces are open: it is a sheet. {first}, or give it a thickness.")
     if found.answer.confidence < SURE and len(found.answers) > 1:
         doubts.append(
             f"The drawing could mean something else: {len(found.answers)} answers, this one with "

@@ -201,6 +201,14 @@ class Body(Part):
             ),
         ),
     ] = "whole"
+    lid: Annotated[
+        Literal["closed", "open"],
+        Parameter(
+            "Top",
+            help="Open leaves out the face that looks up most, as in a box without a lid.",
+            choices=(("closed", "Closed"), ("open", "Open")),
+        ),
+    ] = "closed"
     color: Annotated[Color | None, Parameter("Colour", help="Colour of this solid.")] = None
 
     def __post_init__(self) -> None:
@@ -251,6 +259,25 @@ class Slant(Part):
 
 
 @dataclass(frozen=True)
+class Opening(Part):
+    """A face that is left out, after all that was drawn on its body.
+
+    Parameters
+    ----------
+    body : str
+        Id of the body.
+    place : (x, y, z)
+        Of a point within the face, as shares of the box around the body.
+    normal : (x, y, z)
+        Of the face, outward, in the frame of the body's drawing.
+    """
+
+    body: str = ""
+    place: Point = (0.0, 0.0, 0.0)
+    normal: Point = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
 class BodyGroup(Group):
     """Parts that belong together."""
 
@@ -289,6 +316,7 @@ class PolyhedronState(PartsState):
         Body
         | Measure
         | Slant
+        | Opening
         | Push
         | Added
         | Chamfer
@@ -382,6 +410,10 @@ class PolyhedronState(PartsState):
         """Return the visible faces of a body that keep their slant."""
         return tuple(each for each in self.shown(Slant) if each.body == body.id)
 
+    def openings_of(self, body: Body) -> tuple[Opening, ...]:
+        """Return the visible openings of a body."""
+        return tuple(each for each in self.shown(Opening) if each.body == body.id)
+
     def changes_of(self, body: Body) -> tuple[Change, ...]:
         """Return what was done to a body and is visible, in order."""
         return tuple(each for each in self.shown(Change) if each.body == body.id)
@@ -391,7 +423,7 @@ class PolyhedronState(PartsState):
         if not any(node.id == self.selected for node in self.nodes):
             return self.selected
         node = self.node(self.selected)
-        return node.body if isinstance(node, Measure | Slant | Change) else self.selected
+        return node.body if isinstance(node, Measure | Slant | Opening | Change) else self.selected
 
     def chosen_first(self) -> list[Body]:
         """Return the bodies that are shown and have ink, the chosen one first."""

@@ -36,6 +36,13 @@ PARALLEL_FACES: Final = 0.12
 SAME_ANGLE: Final = 0.12
 """Difference, radians, at which two angles count half as equal."""
 
+UPRIGHT: Final = 0.08
+"""Tangent of the angle on the sheet at which a direction counts half as upright."""
+
+UNDER: Final = (0.04, 2.0)
+"""Distance by which a corner may lie under the face that a solid stands on: diagonals, and more for
+each diagonal of noise."""
+
 LEAST_AXIS: Final = 3
 """Lines that the axis of a prism has at least."""
 
@@ -53,6 +60,7 @@ MEASURES: Final = (
     "mirror plane",
     "further mirror planes",
     "frame coverage, sixth power",
+    "stands upright",
 )
 """Names of the measures in the order of their columns; the first eight are cheap."""
 
@@ -283,7 +291,7 @@ def cheap_measures(relief: Relief, maps: Array, right: float | None = None) -> A
 
 
 def costly_measures(relief: Relief, maps: Array) -> Array:
-    """Return the measures of many maps that are not cheap, (k, 5), in the order of `MEASURES`.
+    """Return the measures of many maps that are not cheap, (k, 6), in the order of `MEASURES`.
 
     Parameters
     ----------
@@ -300,7 +308,9 @@ def costly_measures(relief: Relief, maps: Array) -> Array:
     coverage = _frame_coverage(directions, relief.counts, relief.right)
     corners, scale = space[:, relief.used], 0.06 + 2.0 * relief.noise
     mirrors = mirror_planes(corners, mirror_normals(directions, normals), scale)
-    return np.column_stack((coverage, _equal_angles(relief, space), mirrors, coverage**6))
+    angles = _equal_angles(relief, space)
+    upright = _stands_upright(relief, normals, corners)
+    return np.column_stack((coverage, angles, mirrors, coverage**6, upright))
 
 
 def all_measures(relief: Relief, maps: Array) -> Array:
@@ -409,6 +419,23 @@ def _opposite_faces(relief: Relief, maps: Array, normals: Array) -> Array:
     spans /= np.maximum(np.linalg.norm(spans, axis=2, keepdims=True), 1e-12)
     cosines = (spans * normals[:, relief.opposite[:, 0]]).sum(2)
     return np.asarray(_near(np.sqrt(np.maximum(0.0, 1.0 - cosines**2)), OPPOSITE).max(1))
+
+
+def _stands_upright(relief: Relief, normals: Array, corners: Array) -> Array:
+    """Return how upright on the sheet the solid stands on one of its faces, (k,), at best.
+
+    The faces are those with all of it on one side: people draw what stands with its upright lines
+    running up the sheet.
+    """
+    if not len(relief.faces):
+        return np.zeros(len(normals))
+    heights = np.einsum("kfc,knc->kfn", normals, corners)
+    firsts = np.searchsorted(relief.used, [face[0][0] for face in relief.faces])
+    own = np.take_along_axis(heights, np.asarray(firsts)[None, :, None], axis=2)[..., 0]
+    slack = UNDER[0] + UNDER[1] * relief.noise
+    stands = (heights.max(2) < own + slack) | (heights.min(2) > own - slack)
+    upward = np.maximum(np.abs(normals[..., 1]), 1e-9)
+    return np.asarray(np.where(stands, _near(normals[..., 0] / upward, UPRIGHT), 0.0).max(1))
 
 
 def _frame_coverage(directions: Array, counts: Array, right: float) -> Array:

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
+from typing import Final
+
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Color, Mesh, Solid
-from bozzetto_polyhedron.solid.face_rings import flat_rings, tangents
+from bozzetto_polyhedron.graph.planar_embedding import Ring
+from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.solid.face_rings import flat_rings, sides_of, tangents
 from bozzetto_polyhedron.solid.planar_body import PlanarBody
+
+BEYOND: Final = 0.501
+"""Width, in thicknesses, of what is cut off a plate beyond a side on the rim: a little more than
+it was widened by."""
+
+EVEN: Final = 1e-6
+"""Length, in sizes, below which corners where plates meet are one: files keep no more digits."""
 
 
 def sheet_solid(
@@ -17,7 +30,7 @@ def sheet_solid(
     """Return a watertight solid of plates, one a face, half the thickness to either side.
 
     Each face is widened by half the thickness, with pointed corners, so that plates that meet at
-    an edge overlap there.
+    an edge overlap there. A side that no other face shares is the rim: there the plate ends.
 
     Parameters
     ----------
@@ -40,17 +53,25 @@ def sheet_solid(
     size = float(np.linalg.norm(np.ptp(body.vertices, axis=0)))
     if not (np.isfinite(thickness) and 0 < thickness < size):
         raise UserError("A sheet needs a thickness above zero, and less than its size.")
+    rim = _rim(body.faces)
     plates = []
     for face, normal in zip(body.faces, body.normals, strict=True):
-        outline = manifold3d.CrossSection(
-            [np.array(ring) for ring in flat_rings(body.vertices, face, normal)],
-            manifold3d.FillRule.EvenOdd,
-        )
+        rings = flat_rings(body.vertices, face, normal)
+        outline = manifold3d.CrossSection(rings, manifold3d.FillRule.EvenOdd)
         widened = outline.offset(thickness / 2, manifold3d.JoinType.Miter, 2.0)
+        strips = [
+            strip
+            for ring, corners in zip(face, rings, strict=True)
+            for strip in _beyond_rim(ring, corners, rim, thickness)
+        ]
+        if strips:
+            widened -= manifold3d.CrossSection(strips, manifold3d.FillRule.NonZero)
+            widened += outline
         plates.append(
             widened.extrude(thickness).transform(_stood(body, face[0][0], normal, thickness))
         )
     whole = manifold3d.Manifold.batch_boolean(plates, manifold3d.OpType.Add)
+    whole = whole.simplify(EVEN * size)
     if whole.status() != manifold3d.Error.NoError or whole.is_empty():
         raise UserError("No solid comes of these faces. Choose another answer.")
     mesh = whole.to_mesh()
@@ -62,6 +83,37 @@ def sheet_solid(
         name,
         color,
     )
+
+
+def _rim(faces: Sequence[Rings]) -> frozenset[frozenset[int]]:
+    """Return the edges that one face alone has."""
+    uses = Counter(frozenset(side) for face in faces for ring in face for side in sides_of(ring))
+    return frozenset(edge for edge, count in uses.items() if count == 1)
+
+
+def _beyond_rim(
+    ring: Ring, corners: Array, rim: frozenset[frozenset[int]], thickness: float
+) -> list[Array]:
+    """Return where a plate would stand out over its sides on the rim, each (4, 2).
+
+    At corners that stand out the strips go on as far as pointed corners may reach.
+    """
+    sides = np.roll(corners, -1, axis=0) - corners
+    along = sides / np.linalg.norm(sides, axis=1, keepdims=True)
+    before = np.roll(along, 1, axis=0)
+    stands_out = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0] > 0.0
+    reach = np.where(stands_out, thickness, 0.0)
+    strips = []
+    for number, side in enumerate(sides_of(ring)):
+        if frozenset(side) not in rim:
+            continue
+        x, y = along[number]
+        out = np.array((y, -x)) * thickness * BEYOND
+        after = (number + 1) % len(ring)
+        first = corners[number] - reach[number] * along[number]
+        last = corners[after] + reach[after] * along[number]
+        strips.append(np.stack((first, first + out, last + out, last)))
+    return strips
 
 
 def _stood(body: PlanarBody, corner: int, normal: Array, thickness: float) -> Array:

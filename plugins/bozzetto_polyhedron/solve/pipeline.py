@@ -29,6 +29,7 @@ from bozzetto_polyhedron.solve.choice import chosen_number
 from bozzetto_polyhedron.solve.corner_order import in_order
 from bozzetto_polyhedron.solve.line_readings import decided
 from bozzetto_polyhedron.solve.measured_edges import dimensions_of
+from bozzetto_polyhedron.solve.open_faces import opened
 from bozzetto_polyhedron.solve.slanted_faces import slanted_faces
 
 Checkpoint = Callable[[float, str], None]
@@ -62,7 +63,7 @@ class Solved:
     base : PlanarBody or None
         The answer with exact planes, in the frame of the model: vertices are those of the graph.
     changed : Changed or None
-        The same with all that was drawn on it.
+        The same with all that was drawn on it, without the faces that are open.
     mesh : Mesh or None
         Its triangles; with the thickness of a sheet.
     problem : str
@@ -114,6 +115,8 @@ def solved(
     try:
         base = _base(body, state, graph, answers, number, checkpoint)
         made = changed_body(base, state.changes_of(body), _others(body, state), body.placement)
+        left, told = opened(made.body, body, state)
+        made = replace(made, body=left, told=(*made.told, *told))
         placed = placed_changes(made, body.placement)
         mesh = (
             mesh_of(placed.body) if body.wall == 0.0 else sheet_solid(placed.body, body.wall).mesh

@@ -97,8 +97,8 @@ def _without_taken(
         rubbed = _rubbed(body, before, path, takes)
         kept = [stroke for k, stroke in enumerate(body.strokes) if k not in rubbed]
         if not kept:
-            own = (*state.measures_of(body), *state.slants_of(body), *state.changes_of(body))
-            gone = [each.id for each in own]
+            own = (*state.measures_of(body), *state.slants_of(body), *state.openings_of(body))
+            gone = [each.id for each in (*own, *state.changes_of(body))]
             gone += [each.id for each in state.of_kind(Join) if each.other == body.id]
             gone += [each.id for each in hung_on(body.id, state)]
             state = state.without_nodes(body.id, *gone)

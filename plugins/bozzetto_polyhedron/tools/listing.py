@@ -21,6 +21,7 @@ from bozzetto_polyhedron.tools.fittings import (
 )
 from bozzetto_polyhedron.tools.mirror import MirrorTool
 from bozzetto_polyhedron.tools.move import Move
+from bozzetto_polyhedron.tools.open_face import OpenFace
 from bozzetto_polyhedron.tools.pieces import FreePiece
 from bozzetto_polyhedron.tools.push import DrawOnFace, PushLoop
 from bozzetto_polyhedron.tools.slant import SlantTool
@@ -34,6 +35,7 @@ def all_tools() -> tuple[Tool[Any], ...]:
         TurnSolid(),
         DrawOnFace(),
         PushLoop(),
+        OpenFace(),
         ChamferTool(),
         RoundEdge(),
         MirrorTool(),

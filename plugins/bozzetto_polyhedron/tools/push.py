@@ -16,6 +16,7 @@ from bozzetto_polyhedron.drawing_on.push import dragged_depth
 from bozzetto_polyhedron.model.changes import EdgeChange, Push
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.changes import loop_of, outline_of
+from bozzetto_polyhedron.solve.open_faces import is_open
 from bozzetto_polyhedron.solve.picking import solids_in
 from bozzetto_polyhedron.solve.pipeline import changed_until, with_change
 from bozzetto_polyhedron.tools.chamfer import rounded
@@ -117,7 +118,10 @@ def _with_loop(state: PolyhedronState, body: Body, strokes: tuple[Stroke, ...]) 
     )
     if push.outline == "circle":
         push = replace(push, name=state.unused_name("Circle"))
-    extent = _extent(loop_of(made, push).corners)
+    loop = loop_of(made, push)
+    if is_open(made, loop.face, body, state):
+        raise UserError("This face is open. Close it with “Open face” before you draw on it.")
+    extent = _extent(loop.corners)
     return with_change(state, body, replace(push, depth=rounded(FIRST_DEPTH * extent)))
 
 

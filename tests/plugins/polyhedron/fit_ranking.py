@@ -41,6 +41,7 @@ START = {
     "mirror plane": 1.98,
     "further mirror planes": 4.26,
     "frame coverage, sixth power": 3.2,
+    "stands upright": 0.0,
     "planarity beyond the noise": -0.71,
     "depth residual": 0.08,
     "strict classes": -0.76,

@@ -9,7 +9,7 @@ from bozzetto_polyhedron.reconstruction.drawing import drawing_of
 from bozzetto_polyhedron.reconstruction.mirror_planes import mirror_normals, mirror_planes
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.regularity import MEASURES, all_measures, relief_of
-from tests.plugins.polyhedron.objects import graph_of, made, view
+from tests.plugins.polyhedron.objects import OBJECTS, View, graph_of, made, view
 
 SCALE = 0.08
 
@@ -55,6 +55,39 @@ def test_a_box_has_three_planes_and_a_sheared_one_none() -> None:
     found = mirror_planes(np.stack((box, sheared)), normals, SCALE)
     assert found[0] == pytest.approx((1.0, 1.0))
     assert (found[1] < 0.5).all()
+
+
+@pytest.mark.parametrize("name", ["box", "house", "wedge step", "hexagonal prism"])
+def test_what_stands_upright_does_so_until_the_sheet_is_turned(name: str) -> None:
+    solid, upright = OBJECTS[name], MEASURES.index("stands upright")
+    azimuth, elevation = 0.6, 0.5
+    about = np.array(
+        [(np.cos(azimuth), np.sin(azimuth), 0), (-np.sin(azimuth), np.cos(azimuth), 0), (0, 0, 1)]
+    )
+    sine, cosine = np.sin(elevation), np.cos(elevation)
+    seen = (solid.vertices - solid.vertices.mean(0)) @ about.T
+    seen = seen @ np.array([(1, 0, 0), (0, sine, cosine), (0, cosine, -sine)]).T
+    found = []
+    for turned in np.radians((0.0, 2.0, 30.0)):
+        c, s = np.cos(turned), np.sin(turned)
+        space = seen @ np.array([(c, -s, 0), (s, c, 0), (0, 0, 1)]).T
+        plane = space / np.linalg.norm(np.ptp(space[:, :2], axis=0))
+        graph, _ = graph_of(View(solid, plane, plane[:, :2]), 0.0, 1)
+        drawing = drawing_of(graph)
+        classes = parallel_classes(drawing)
+        relief = relief_of(
+            drawing.points,
+            plane[:, 2:],
+            drawing.lines,
+            classes.labels,
+            classes.directions,
+            solid.faces,
+            drawing.noise,
+        )
+        found.append(float(all_measures(relief, np.array([(1.0, 0.0, 0.0)]))[0, upright]))
+    assert found[0] > 0.99
+    assert found[1] > 0.7
+    assert found[2] < 0.3
 
 
 @pytest.mark.parametrize("seed", [1000, 1001, 1003])
