@@ -127,7 +127,8 @@ def _tree() -> Iterator[Row]:
     turned = _posed(state)
     for words, place in places:
         yield Row(
-            "blends", f"a posed tree of {LIMBS + 1} parts, {words}, frame of a slider, processor time",
+            "blends",
+            f"a posed tree of {LIMBS + 1} parts, {words}, frame of a slider, processor time",
             processor_ms(partial(_slid, turned, place), repeats=7), budget="≤ 250 ms",
         )  # fmt: skip
     yield Row(
