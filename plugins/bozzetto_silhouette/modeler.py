@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
 from bozzetto.ink import Drawing, Strokes
-from bozzetto.plugin import Caution, Command, Context, Job, NextStep, PartsModeler, Tool, override
+from bozzetto.plugin import (
+    Caution,
+    Command,
+    Context,
+    Job,
+    NextStep,
+    PartsModeler,
+    Tool,
+    override,
+    remembered,
+)
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.analysis.figures import FIGURES
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
@@ -24,7 +34,14 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.rigging.armature import armature_of
 from bozzetto_silhouette.rigging.hand_over import handed_over
 from bozzetto_silhouette.rigging.key_poses import clip_of
-from bozzetto_silhouette.rigging.posing import Posed, joints_layer, rig_facts, rig_of, skinned
+from bozzetto_silhouette.rigging.posing import (
+    Posed,
+    joints_layer,
+    rig_facts,
+    rig_of,
+    skinned,
+    skinned_draft,
+)
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.draft import draft_of
 from bozzetto_silhouette.solids.evaluate import evaluated
@@ -127,22 +144,20 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     def solve(self, state: SilhouetteState, job: Job) -> SilhouetteResult:
         """Make one watertight solid; what did not change is remembered.
 
-        A preview of several parts is a draft of them, not united, unless it is posed.
+        A preview of several parts is a draft of them, not united, unless gestures land on it. While
+        joints turn and parts stay as they are it is what was made of these.
         """
         resolution, final = state.resolution, job.quality == "final"
         if not final:
             resolution = min(resolution, PREVIEW_RESOLUTION)
-            if not state.posing and not state.turns:
+            if not job.drawn_on:
                 return _drafted(state, resolution, job)
         body, solids = evaluated(state, resolution, job.checkpoint)
         if body is None:
             return SilhouetteResult(None, None, None, None, final, solids)
-        look = painted(state, body, job.checkpoint)
-        if state.posing or state.turns:
-            moved = skinned(state, body, look, job.checkpoint)
-        else:
-            moved = Posed(*look, None)
-        return SilhouetteResult(body, *moved, final, solids)
+        if final:
+            _united.put(_United(body, solids), state)
+        return SilhouetteResult(body, *_as_posed(state, body, job), final, solids)
 
     @override
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
@@ -235,16 +250,46 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         return {"nodes": nodes, "selected": "n1" if nodes else "", **kept}
 
 
+class _United(NamedTuple):
+    """The shape of all nodes of a state, and the solids of its parts."""
+
+    body: Body
+    solids: Mapping[str, SilhouetteSolid]
+
+
+@remembered(limit=4, key=lambda state: (state.nodes, state.resolution))
+def _united(state: SilhouetteState) -> _United | None:
+    """Return what was made of some nodes finally; only what was put here is known."""
+    return None
+
+
 def _drafted(state: SilhouetteState, resolution: int, job: Job) -> SilhouetteResult:
-    """Return what is shown while a value is dragged."""
+    """Return what is shown while a value is dragged, a joint is, or a motion plays."""
+    posed = state.posing or bool(state.turns)
+    known = _united.known(state) if posed else None
+    if known is not None:
+        return SilhouetteResult(
+            known.body, *_as_posed(state, known.body, job), False, known.solids
+        )  # fmt: skip
     draft, solids = draft_of(state, resolution, job.checkpoint)
     if draft is None:
         return SilhouetteResult(None, None, None, None, False, solids)
-    body = draft.body
-    if body.solid is not None:  # one part by itself
-        return SilhouetteResult(body, *painted(state, body, job.checkpoint), None, False, solids)
-    mesh = sketched(state, draft, job.checkpoint)
-    return SilhouetteResult(body, mesh, mesh, None, False, solids)
+    if draft.body.solid is not None:  # one part by itself
+        moved = _as_posed(state, draft.body, job)
+    else:
+        mesh = sketched(state, draft, job.checkpoint)
+        if posed:
+            mesh = skinned_draft(state, draft, mesh, job.checkpoint)
+        moved = Posed(mesh, mesh, None)
+    return SilhouetteResult(draft.body, *moved, False, solids)
+
+
+def _as_posed(state: SilhouetteState, body: Body, job: Job) -> Posed:
+    """Return a body's meshes with their colours, as its joints were turned."""
+    look = painted(state, body, job.checkpoint)
+    if state.posing or state.turns:
+        return skinned(state, body, look, job.checkpoint)
+    return Posed(*look, None)
 
 
 def _deviation(state: SilhouetteState, result: SilhouetteResult) -> Layer | None:

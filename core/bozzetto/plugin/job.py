@@ -38,12 +38,16 @@ class Job:
         What the models hand over that `Modeler.sources` names, by their ids; mm, in the frame of
         the model that is solved. For a preview they may be previews as well. Empty where nothing
         is solved.
+    drawn_on : bool
+        Whether gestures are to land on this preview, as those of an ink file do: it may be coarse,
+        but nothing may be left out of it only because a hand moves.
     """
 
     quality: Literal["preview", "final"] = "final"
     progress: Callable[[float, str], None] = _nobody
     cancelled: Callable[[], bool] = _never
     sources: Mapping[str, Shapes] = field(default_factory=dict)
+    drawn_on: bool = False
 
     def checkpoint(self, fraction: float, step: str) -> None:
         """Report progress; call it between steps, and in loops.

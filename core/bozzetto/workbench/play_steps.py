@@ -188,7 +188,8 @@ def _finder(bench: Workbench, model: Model) -> Callable[[str], str]:
 def _scene(bench: Workbench, model: Model, job: Job) -> Scene:
     """Return the model's scene; without its shape where that has no solution yet."""
     try:
-        result = bench.solve(model, Job(quality="preview", cancelled=job.cancelled))
+        preview = Job(quality="preview", cancelled=job.cancelled, drawn_on=True)
+        result = bench.solve(model, preview)
         bench.curves.try_to_learn(model, result)  # the next step may snap to them
         return bench.model_scene(model, result)
     except UserError:

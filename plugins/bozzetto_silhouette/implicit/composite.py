@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.plugin import cached_property
 from bozzetto_silhouette.implicit.blend import flipped, smooth_maximum, summed
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed, Sample
 from bozzetto_silhouette.model.state import Operation
 
-_NARROWING = 8
-"""Power of the smooth minimum of reaches: three equal ones give 87 % of each."""
+_DOUBLINGS = 3
+"""Of the power of the smooth minimum of reaches: with the eighth, three equal ones give 87 % of
+each."""
 
 _NARROWEST = 1e6
 """Thinner than this share of the body nothing is blended."""
@@ -83,8 +85,7 @@ class Composite:
 
     def sides(self, points: Array) -> Sides:
         """Sample both solids; where one cannot matter, only its bound is given."""
-        first, second = self._samples(points)
-        return Sides(first, second, self._local_reach(first, second))
+        return _Several((self,), np.array([0, len(points)])).sides(points)
 
     def within(self, box: Array, margin: float) -> Composite:
         """Return the same solid with `localized` operands."""
@@ -109,36 +110,122 @@ class Composite:
             return summed(first, second, reach)
         return smooth_maximum(first, second, reach)
 
-    def _samples(self, points: Array) -> tuple[Sample, Sample]:
-        if self.operation == "intersect":
-            return self.first.sample(points), self.second.sample(points)
-        far = -_FALL * box_distance(points, self.second.bounds)
-        if self.operation == "carve":
-            first = self.first.sample(points)
-            return first, _where(self.second, points, far, far > -first.value - self.reach)
-        near = -_FALL * box_distance(points, self.first.bounds)
+
+@dataclass(frozen=True, eq=False)
+class _Several:
+    """Composites of one operation, each with points of its own in a row of points.
+
+    Attributes
+    ----------
+    solids : sequence of Composite
+    ends : (s + 1,) int array
+        Those of solid k are the points from ``ends[k]`` up to ``ends[k + 1]``.
+    """
+
+    solids: Sequence[Composite]
+    ends: Index
+
+    def sample(self, points: Array) -> Sample:
+        """Return the values and gradients at points (n, 3)."""
+        return self.solids[0].blended(self.sides(points))
+
+    def sides(self, points: Array) -> Sides:
+        """Sample both solids; where one cannot matter, only its bound is given."""
+        reach = self._spread([solid.reach for solid in self.solids])
+        first, second = self._samples(points, reach)
+        return Sides(first, second, self._local_reach(first, second, reach))
+
+    def _spread(self, each: Sequence[float] | Sequence[Array]) -> Array:
+        """Return something of every solid for its points."""
+        if len(self.solids) == 1:
+            return np.asarray(each[0])
+        return np.repeat(np.array(each), np.diff(self.ends), axis=0)
+
+    def _fall(self, points: Array, sides: Sequence[Implicit]) -> Array:
+        """Return bounds of values outside, by the boxes."""
+        low, high = (self._spread([side.bounds[k] for side in sides]) for k in (0, 1))
+        return -_FALL * box_distance(points, (low, high))
+
+    def _samples(self, points: Array, reach: Array) -> tuple[Sample, Sample]:
+        firsts = [solid.first for solid in self.solids]
+        seconds = [solid.second for solid in self.solids]
+        operation = self.solids[0].operation
+        if operation == "intersect":
+            return sample_each(firsts, points, self.ends), sample_each(seconds, points, self.ends)
+        far = self._fall(points, seconds)
+        if operation == "carve":
+            first = sample_each(firsts, points, self.ends)
+            wanted = far > -first.value - reach
+            return first, _where(seconds, points, self.ends, far, wanted)
+        near = self._fall(points, firsts)
         # The first is asked once: it may be a long chain, which two questions at every link
         # would make exponential.
         leads = near >= far
-        second = _where(self.second, points, far, ~leads)
-        first = _where(self.first, points, near, leads | (near > second.value - self.reach))
-        late = leads & (far > first.value - self.reach)
-        return first, _where(self.second, points, far, late, second)
+        second = _where(seconds, points, self.ends, far, ~leads)
+        wanted = leads | (near > second.value - reach)
+        first = _where(firsts, points, self.ends, near, wanted)
+        late = leads & (far > first.value - reach)
+        return first, _where(seconds, points, self.ends, far, late, second)
 
-    def _local_reach(self, first: Sample, second: Sample) -> Array:
+    def _local_reach(self, first: Sample, second: Sample, reach: Array) -> Array:
         """Return the reach of the blend (n,): that of the thinner solid there, below the largest.
 
         A smooth minimum, so that fillets narrow without a kink. It is what Gourmel et al. and
         MATISSE (Bernhardt et al., 2008) ask of a blend: not to wash out what is small.
         """
-        if self.blend <= 0.0:
+        if self.solids[0].blend <= 0.0:
             return np.zeros(len(first.value))
-        narrow = self.reach / self.blend
+        blend = self._spread([solid.blend for solid in self.solids])
+        narrow = reach / blend
         one, other = (np.minimum(narrow * s.curvature, _NARROWEST) for s in (first, second))
-        return np.broadcast_to(
-            self.reach * (1.0 + (one**_NARROWING + other**_NARROWING)) ** (-1.0 / _NARROWING),
-            len(first.value),
-        )
+        for _ in range(_DOUBLINGS):
+            one, other = one * one, other * other
+        narrowed = 1.0 + (one + other)
+        for _ in range(_DOUBLINGS):
+            narrowed = np.sqrt(narrowed)
+        return np.broadcast_to(reach / narrowed, len(first.value))
+
+
+def sample_each(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+    """Sample several solids, each at points of its own; what they have in common is asked once.
+
+    Parameters
+    ----------
+    solids : sequence of Implicit
+        Any kinds.
+    points : (n, 3) float array
+        Those of all solids in a row.
+    ends : (s + 1,) int array
+        The points of solid k are those from ``ends[k]`` up to ``ends[k + 1]``.
+    """
+    if len(solids) == 1:
+        return solids[0].sample(points)
+    alike: dict[Hashable, list[int]] = {}
+    for k, solid in enumerate(solids):
+        if ends[k] < ends[k + 1]:
+            kind: Hashable = id(solid)
+            if isinstance(solid, Composite):
+                kind = solid.operation, solid.blend > 0.0
+            alike.setdefault(kind, []).append(k)
+    if len(alike) == 1:
+        (members,) = alike.values()
+        return _alike([solids[k] for k in members], points, np.unique(ends))
+    count = len(points)
+    value, gradient, curvature = np.empty(count), np.empty((count, 3)), np.empty(count)
+    for members in alike.values():
+        at = np.concatenate([np.arange(ends[k], ends[k + 1]) for k in members])
+        own_ends = np.cumsum([0, *(ends[k + 1] - ends[k] for k in members)])
+        found = _alike([solids[k] for k in members], points[at], own_ends)
+        value[at], gradient[at], curvature[at] = found
+    return Sample(value, gradient, curvature)
+
+
+def _alike(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+    """Sample composites of one operation, or the same solid several times."""
+    composites = [solid for solid in solids if isinstance(solid, Composite)]
+    if len(composites) < len(solids):
+        return solids[0].sample(points)
+    return _Several(composites, ends).sample(points)
 
 
 def localized(solid: Implicit, box: Array, margin: float) -> Implicit:
@@ -187,29 +274,34 @@ def _box_gap(box: Array, other: Array) -> float:
     ))  # fmt: skip
 
 
-def box_distance(points: Array, bounds: Array) -> Array:
-    """Return the distance (n,) of points (n, 3) from a box (2, 3), 0 inside."""
-    beyond = np.maximum(np.maximum(bounds[0] - points, points - bounds[1]), 0.0)
+def box_distance(points: Array, bounds: Array | tuple[Array, Array]) -> Array:
+    """Return the distance (n,) of points (n, 3) from a box (2, 3), 0 inside; or each from its own.
+
+    Boxes of their own are two arrays (n, 3), of low and high corners.
+    """
+    low, high = bounds
+    beyond = np.maximum(np.maximum(low - points, points - high), 0.0)
     distance: Array = np.sqrt(np.einsum("ij,ij->i", beyond, beyond))
     return distance
 
 
 def _where(
-    solid: Implicit,
+    solids: Sequence[Implicit],
     points: Array,
+    ends: Index,
     bound: Array,
     wanted: Flags,
     known: Sample | None = None,
 ) -> Sample:
-    """Sample a solid where wanted; give what is known, or a bound of the value, elsewhere."""
+    """Sample solids where wanted; give what is known, or a bound of the value, elsewhere."""
     if wanted.all():
-        return solid.sample(points)
+        return sample_each(solids, points, ends)
     if known is None:
         known = Sample(bound.copy(), np.zeros_like(points))
     curvature = np.broadcast_to(known.curvature, len(points)).copy()
     chosen = np.flatnonzero(wanted)
     if len(chosen):
-        known.value[chosen], known.gradient[chosen], curvature[chosen] = solid.sample(
-            points[chosen]
+        known.value[chosen], known.gradient[chosen], curvature[chosen] = sample_each(
+            solids, points[chosen], np.searchsorted(chosen, ends)
         )
     return known._replace(curvature=curvature)

@@ -15,6 +15,7 @@ from bozzetto.arrays import Array
 from bozzetto_silhouette.implicit.blend import ORDER, flipped, reach_by_angle
 from bozzetto_silhouette.implicit.composite import Composite
 from bozzetto_silhouette.implicit.implicit_solid import Sample
+from bozzetto_silhouette.numerics.isotropic_remeshing import dot
 
 SUNK = 0.012
 """What the blend adds where the fillet goes under the sharp surface, as a share of the reach."""
@@ -28,8 +29,9 @@ SUNK_MOST = 0.06
 DEPTH = 0.6
 """How far the fillet reaches into what it is added to, as a share of the reach."""
 
-FLANK = 0.4
-"""Slope of the ends of the fillet, where both solids stop telling on each other."""
+STEEP = 0.8
+"""Slope of the ends of the fillet, where both solids stop telling on each other: values there are
+about distances, too."""
 
 
 class Layers(NamedTuple):
@@ -98,12 +100,14 @@ class FilletSolid:
         sunk = np.clip(SUNK_LEAST * self.step, SUNK * reach, SUNK_MOST * reach)
         top = blended.value - sunk * np.clip(2.0 - added / np.maximum(sunk, 1e-300), 0.0, 1.0)
         floor = np.maximum(DEPTH * reach, 2.0 * self.cell) - sharp
-        flank = FLANK * self._flank(first, second, reach, sunk)
-        value = np.minimum(np.minimum(top, floor), flank)
         apart = np.where(leads[:, None], second.gradient - first.gradient,
                          first.gradient - second.gradient)  # fmt: skip
+        steep = STEEP / np.maximum(np.sqrt(dot(apart, apart)), 1.0)
+        flank = steep * self._flank(first, second, reach, sunk)
+        value = np.minimum(np.minimum(top, floor), flank)
         gradient = np.where((value == top)[:, None], blended.gradient, -slope)
-        gradient = np.where(((value == flank) & (flank < top))[:, None], FLANK * apart, gradient)
+        ends = (value == flank) & (flank < top)
+        gradient = np.where(ends[:, None], steep[:, None] * apart, gradient)
         return Sample(value, gradient)
 
     def _flank(self, first: Sample, second: Sample, reach: Array, sunk: Array) -> Array:

@@ -17,7 +17,7 @@ from bozzetto_silhouette.inflation.thickness import Thickness, Uniform
 from bozzetto_silhouette.outline.boundary_sampling import Rim, sample_rim
 from bozzetto_silhouette.outline.domain_mesh import Plan, plan_of
 from bozzetto_silhouette.outline.medial_axis import Skeleton
-from bozzetto_silhouette.outline.mirror_symmetry import mirrored_coordinate, mirrored_plan
+from bozzetto_silhouette.outline.mirror_symmetry import mirrored_plan
 from bozzetto_silhouette.outline.normalized import Frame, SkeletonRule, frame_of
 from bozzetto_silhouette.outline.outline import Outline
 
@@ -93,7 +93,7 @@ def _laid_out(frame: Frame, step: float, every_vertex: bool) -> Layout | None:
     if not rim.simple and not every_vertex:
         return None
     plan = plan_of(rim, frame.axis, step)
-    coordinate = mirrored_coordinate(frame.inner.rings)
+    coordinate = frame.mirrored
     return rim, plan if coordinate is None else mirrored_plan(plan, coordinate)
 
 

@@ -68,10 +68,10 @@ LEAST_INK: Final = 4
 """Samples that each end must have in the length that is fitted: fewer are vertices of a polygon."""
 
 STEP: Final = 2.0
-"""Ink that is cut off at both ends where they lie beside each other, in widths of the gap."""
+"""Ink that is moved at both ends where they lie beside each other, in widths of the gap."""
 
 WIDEST_STEP: Final = 0.012
-"""Widest gap that counts as a step: the ink that is cut off must be nearly straight."""
+"""Widest gap that counts as a step: the ink that is moved must be nearly straight."""
 
 RUNS_ON: Final = float(np.cos(np.deg2rad(35.0)))
 """The way over a gap leads on as the ink does, up to this angle; else it is a step."""
@@ -158,27 +158,36 @@ def joint(before: Array, after: Array, *, halves: bool = False) -> Joint:
 
 
 def _without_step(a: Array, b: Array) -> tuple[Array, Array]:
-    """Cut so much off lines that run on but miss each other sideways that the step is none.
+    """Move the ends of lines that run on but miss each other sideways until the step is none.
 
-    Ink is too short there, or too near a corner, for a smooth joint.
+    Ink is too short there, or too near a corner, for a smooth joint. Its samples stay: to cut them
+    off would leave an edge so long that the corner beside it is taken for jitter.
     """
     gap = _gap(a, b)
     arc_a, arc_b = arc_length(a), arc_length(b)
-    cut = STEP * gap
-    if not 0.0 < gap < WIDEST_STEP or min(arc_a[-1], arc_b[-1]) < 2.0 * cut:
+    way = STEP * gap
+    if not 0.0 < gap < WIDEST_STEP or min(arc_a[-1], arc_b[-1]) < 2.0 * way:
         return a, b
-    last, first = points_along(a, arc_a, arc_a[-1] - cut), points_along(b, arc_b, cut)
-    leave, arrive = a[-1] - last, first - b[0]
+    leave = a[-1] - points_along(a, arc_a, arc_a[-1] - way)
+    arrive = points_along(b, arc_b, way) - b[0]
     long = float(np.hypot(*leave) * np.hypot(*arrive))
     if float(leave @ arrive) < np.cos(CORNER) * long:
         return a, b
     ahead = leave + arrive
     if float((b[0] - a[-1]) @ ahead) > RUNS_ON * gap * float(np.hypot(*ahead)):
         return a, b
-    return (
-        np.vstack([a[: np.searchsorted(arc_a, arc_a[-1] - cut)], last]),
-        np.vstack([first, b[np.searchsorted(arc_b, cut, side="right") :]]),
-    )
+    middle = 0.5 * (a[-1] + b[0])
+    return _led_to(middle, a[::-1], way)[:0:-1], _led_to(middle, b, way)
+
+
+def _led_to(place: Array, line: Array, way: float) -> Array:
+    """Return a line that begins at a place; the miss fades over some of its length."""
+    arc = arc_length(line)
+    at = np.searchsorted(arc, way)
+    line = np.insert(line, at, points_along(line, arc, way), axis=0)
+    share = np.maximum(1.0 - np.insert(arc, at, way) / way, 0.0)
+    led: Array = line + share[:, None] * (place - line[0])
+    return led
 
 
 def _gap(before: Array, after: Array) -> float:

@@ -9,9 +9,10 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.plugin import remembered
+from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.outline.boundary_sampling import Rim, corner_mask, sample_rim
 from bozzetto_silhouette.outline.medial_axis import Skeleton, chordal_axis, simplified
+from bozzetto_silhouette.outline.mirror_symmetry import mirrored_coordinate
 from bozzetto_silhouette.outline.outline import Outline
 from bozzetto_silhouette.outline.sketchco_skeleton import paper_skeleton
 
@@ -69,6 +70,11 @@ class Frame:
     rim: Rim
     axis: Array
     skeleton: Skeleton
+
+    @cached_property
+    def mirrored(self) -> int | None:
+        """Which coordinate changes its sign in the mirror image; see `mirrored_coordinate`."""
+        return mirrored_coordinate(self.inner.rings)
 
 
 # The preview's frame is the final solid's, too: it does not depend on the resolution.

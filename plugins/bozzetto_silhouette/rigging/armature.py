@@ -13,7 +13,7 @@ from bozzetto.plugin import remembered
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.outline.medial_axis import Skeleton
-from bozzetto_silhouette.outline.mirror_symmetry import mirrored_coordinate, mirrored_skeleton
+from bozzetto_silhouette.outline.mirror_symmetry import mirrored_skeleton
 from bozzetto_silhouette.outline.normalized import frame_of
 from bozzetto_silhouette.rigging.bone_names import bone_names
 from bozzetto_silhouette.rigging.joint_extraction import Joints, joints_of, most_central
@@ -145,8 +145,8 @@ def armature_of(state: SilhouetteState) -> Armature | None:
         _Piece(part, placement_of(state, part), joints, skeleton)
         for part in adding
         if part.surface != "straight"
-        for skeleton in (_skeleton_of(part),)
-        for joints in joints_of(skeleton)
+        for skeleton, pieces in (_drawn_joints(part),)
+        for joints in pieces
     ]
     waiting.sort(key=lambda piece: -piece.size)  # stable: equals stay in the order of the tree
     hung: list[tuple[_Piece, Limbs]] = []
@@ -186,14 +186,16 @@ def armature_of(state: SilhouetteState) -> Armature | None:
     return Armature(rig, np.concatenate([limbs.radii for limbs in all_limbs]), all_limbs, rigid)
 
 
-def _skeleton_of(part: Part) -> Skeleton:
-    """Return the skeleton of a part's solid, in the object frame."""
+# Whatever else of a part changes, at every move of a slider.
+@remembered(limit=256, key=lambda part: (outline_of(part), part.skeleton))
+def _drawn_joints(part: Part) -> tuple[Skeleton, list[Joints]]:
+    """Return the skeleton of a part's solid and its joints, in the object frame."""
     frame = frame_of(outline_of(part), part.skeleton)
     skeleton = frame.skeleton
-    coordinate = mirrored_coordinate(frame.inner.rings)
-    if coordinate is not None:
-        skeleton = mirrored_skeleton(skeleton, coordinate)
-    return skeleton.transformed(frame.scale, frame.origin)
+    if frame.mirrored is not None:
+        skeleton = mirrored_skeleton(skeleton, frame.mirrored)
+    skeleton = skeleton.transformed(frame.scale, frame.origin)
+    return skeleton, joints_of(skeleton)
 
 
 def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:

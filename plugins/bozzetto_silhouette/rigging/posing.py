@@ -23,8 +23,9 @@ from bozzetto_silhouette.model.sketch_plane import Point
 from bozzetto_silhouette.model.state import SilhouetteState, Turn
 from bozzetto_silhouette.rigging.armature import Armature, armature_of
 from bozzetto_silhouette.rigging.inverse_kinematics import least_turn, limb_of, reached
-from bozzetto_silhouette.rigging.skinning import followed
+from bozzetto_silhouette.rigging.skinning import followed, loosely_followed
 from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.draft import Drafted
 
 JOINT = "joint:"
 """Beginning of the names of joints' handles; their number in the rig follows."""
@@ -69,6 +70,18 @@ def _weights(
     nodes: tuple[Any, ...], armature: Armature, body: Body, checkpoint: Checkpoint
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     return followed(armature, body, checkpoint)
+
+
+@remembered(
+    limit=4,
+    key=lambda nodes, armature, draft, checkpoint: (
+        nodes, tuple(shell.lump.held for shell in draft.shells),
+    ),
+)  # fmt: skip
+def _draft_weights(
+    nodes: tuple[Any, ...], armature: Armature, draft: Drafted, checkpoint: Checkpoint
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    return loosely_followed(armature, draft, checkpoint)
 
 
 @remembered(limit=16)
@@ -116,6 +129,22 @@ def skinned(
     skin = Skin(rig, joints, weights, None if rig.turns is None else look.mesh)
     mesh = skin.posed(look.mesh)
     return Posed(mesh, mesh if look.shown is look.mesh else rest.posed(rig), skin)
+
+
+def skinned_draft(
+    state: SilhouetteState, draft: Drafted, mesh: Mesh, checkpoint: Checkpoint = ignore
+) -> Mesh:
+    """Return the mesh of a draft in the pose of its turned joints.
+
+    Every surface in it follows the joints of its own part, and fillets those of the parts beside
+    them: what bends where parts meet is seen when the hand rests.
+    """
+    armature = armature_of(state)
+    if armature is None:
+        return mesh
+    rest = _Rest(mesh, *_draft_weights(state.nodes, armature, draft, checkpoint))
+    _shown_last.put(rest, state.nodes)
+    return rest.posed(_turned(armature, state.turns))
 
 
 def rig_facts(rig: Rig) -> dict[str, Any]:

@@ -7,6 +7,7 @@ both have half a say.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,8 @@ from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.rigging.armature import Armature
 from bozzetto_silhouette.rigging.bone_weights import Bones, Gaps, eased
 from bozzetto_silhouette.rigging.weight_diffusion import MOST, gentle
-from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.body import Body, meet
+from bozzetto_silhouette.solids.draft import Drafted
 
 Singles = NDArray[np.float32]
 
@@ -80,6 +82,40 @@ def followed(
             shares[some[:, None], table.joints] = table.shares
     _sew(armature, body, followers, shares)
     return _strongest(gentle(body.vertices, body.faces, armature.rig, shares, checkpoint))
+
+
+def loosely_followed(
+    armature: Armature, draft: Drafted, checkpoint: Checkpoint = ignore
+) -> tuple[NDArray[np.int32], Singles]:
+    """Assign joints and weights to the vertices of a draft, whose surfaces are not one mesh.
+
+    Each follows the joints of its part alone, fillets those of all parts that they meet. Parameters
+    and what is returned are those of `followed`.
+    """
+    body = replace(draft.body, origins=draft.under.astype(np.int32))
+    bones = [Bones(limbs) for limbs in armature.limbs]
+    followers: dict[int, Follower] = {}
+    boxes = {shell.owner: shell.lump.box for shell in draft.shells if not shell.fills}
+    shares = np.zeros((len(body.vertices), len(armature.radii)))
+    first = 0
+    for shell in draft.shells:
+        checkpoint(1.0, "skin")
+        mine = slice(first, first + len(shell.lump.shown().vertices))
+        owner = int(draft.under[first])
+        first = mine.stop
+        beside = [
+            one for one in bones
+            if shell.fills and one.limbs.part in boxes
+            and meet(boxes[one.limbs.part], shell.lump.box)
+        ]  # fmt: skip
+        if beside:
+            table = _mixed(beside, body.vertices[mine])
+        else:
+            if owner not in followers:
+                followers[owner] = _follower(armature, body, bones, owner)
+            table = followers[owner](body.vertices[mine])
+        shares[mine, table.joints] = table.shares
+    return _strongest(shares)
 
 
 def _follower(armature: Armature, body: Body, bones: Sequence[Bones], owner: int) -> Follower:

@@ -70,12 +70,15 @@ class Shell(NamedTuple):
         Of what was carved: under which manifold3d keeps apart what its vertices come from.
     walls : mapping of int to str
         Ids of the parts by these numbers.
+    fills : bool
+        Whether it is a fillet, or what was left of one.
     """
 
     lump: Lump
     owner: str
     numbers: Index | None = None
     walls: Mapping[int, str] = MappingProxyType({})
+    fills: bool = False
 
     def known(self) -> dict[int, str]:
         """Return the ids of the parts by the numbers of manifold3d."""
@@ -103,10 +106,13 @@ class Drafted(NamedTuple):
     under : (v,) int array
         For every vertex the index in `body.sources` of the part that it would belong to if
         nothing had been carved.
+    shells : tuple of Shell
+        Its surfaces in turn.
     """
 
     body: Body
     under: Index
+    shells: tuple[Shell, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +166,7 @@ class Draft:
         """Return what is seen as one body."""
         if len(self.shells) == 1 and self.shells[0].lump.held is self.bodies[0]:
             body = self.bodies[0]
-            return Drafted(body, body.origins.astype(np.intp))
+            return Drafted(body, body.origins.astype(np.intp), self.shells)
         surfaces = [shell.lump.shown() for shell in self.shells]
         starts = np.cumsum([0, *(len(surface.vertices) for surface in surfaces)])
         owners = [shell.owners() for shell in self.shells]
@@ -183,7 +189,7 @@ class Draft:
             self.step,
         )  # fmt: skip
         whole = np.array([number[shell.owner] for shell in self.shells], np.intp)
-        return Drafted(body, np.repeat(whole, np.diff(starts)))
+        return Drafted(body, np.repeat(whole, np.diff(starts)), self.shells)
 
 
 def draft_of(
@@ -266,7 +272,9 @@ class _Making:
         box = common_box(first.box, second.box, 2.0 * solid.reach)
         fillets = fillets_between(solid, box, bodies, step, self.checkpoint)
         owner = second.shells[0].owner
-        return tuple(Shell(Lump(f, f.box, _as_blended(f, solid)), owner) for f in fillets)
+        return tuple(
+            Shell(Lump(f, f.box, _as_blended(f, solid)), owner, fills=True) for f in fillets
+        )
 
     @cached_property
     def _cells(self) -> dict[str, int]:
@@ -345,7 +353,7 @@ def _cut(shell: Shell, within: Shell | None, taken: tuple[Shell, ...]) -> Shell 
     walls: dict[int, str] = {}
     for one in (*taken, *(() if within is None else (within,)), shell):
         walls |= one.known()
-    return Shell(lump, shell.owner, numbers, walls)
+    return Shell(lump, shell.owner, numbers, walls, shell.fills)
 
 
 @remembered(

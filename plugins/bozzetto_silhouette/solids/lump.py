@@ -60,26 +60,40 @@ class Lump(NamedTuple):
 def united(lumps: tuple[Lump, ...], base: Manifold | None = None) -> Manifold | None:
     """Unite solids, and a base with them; None where the result is not sound.
 
-    Rows of those that do not touch are put side by side, which costs a copy. Small rows are united
-    first: with the base at once it takes three quarters of the time of one after the other.
+    Rows of those that do not touch are put side by side, which costs a copy. Fillets are small and
+    cut much: united with one solid before the others are, all take two thirds of the time. A base
+    is united with all at once, so that where it is cut does not depend on what else there is.
     """
     from manifold3d import Manifold, OpType
 
+    placed = sorted(lumps, key=lambda lump: lump.place)  # whichever came first
+    if base is not None:
+        parts = first = [*_side_by_side(placed), base]
+    else:
+        fillets = _side_by_side([lump for lump in placed if isinstance(lump.held, Fillet)])
+        others = _side_by_side([lump for lump in placed if not isinstance(lump.held, Fillet)])
+        parts = first = fillets + others
+        if fillets and others:
+            begun = Manifold.batch_boolean(parts[: len(fillets) + 1], OpType.Add)
+            begun.num_tri()  # united now: put off, all would be united in another order
+            first = [begun, *others[1:]]
+    whole = Manifold.batch_boolean(first, OpType.Add) if len(first) > 1 else first[0]
+    return whole if is_union(whole, parts) else None
+
+
+def _side_by_side(lumps: list[Lump]) -> list[Manifold]:
+    """Return solids with as many in one as do not meet one another."""
+    from manifold3d import Manifold
+
     rows: list[list[Lump]] = []
-    for lump in sorted(lumps, key=lambda lump: lump.place):  # whichever came first
+    for lump in lumps:
         free = (row for row in rows if not any(meet(lump.box, other.box) for other in row))
         row = next(free, None)
         if row is None:
             rows.append([lump])
         else:
             row.append(lump)
-    side_by_side = [
+    return [
         row[0].manifold if len(row) == 1 else Manifold.compose([lump.manifold for lump in row])
         for row in rows
     ]
-    if base is not None:
-        side_by_side.append(base)
-    if len(side_by_side) == 1:
-        return side_by_side[0] if is_union(side_by_side[0], side_by_side) else None
-    whole = Manifold.batch_boolean(side_by_side, OpType.Add)
-    return whole if is_union(whole, side_by_side) else None

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.implicit.composite import localized, signature
+from bozzetto_silhouette.implicit.composite import localized, sample_each, signature
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample
 from bozzetto_silhouette.numerics.isotropic_remeshing import (
     Patch,
@@ -67,6 +67,9 @@ DIFFERENCE = 0.1
 
 OVERTURNED = -0.2
 """Cosine between a face and the gradient below which it counts as turned over."""
+
+Asked = TypeVar("Asked")
+Answer = TypeVar("Answer")
 
 _TETRAHEDRON = np.array([[1, -1, -1], [-1, -1, 1], [-1, 1, -1], [1, 1, 1.0]]) / np.sqrt(3.0)
 
@@ -126,7 +129,9 @@ def sewn(
         numbers.append(mine)
         zones.append(_Zone(vertices[mine], inner, own[mine] >= 0, spacing[mine], local))
     rest = Sewn(vertices, faces[of_face < 0], np.arange(len(vertices)), between, normals)
-    return _set_in(rest, list(zip(numbers, _all_even(zones), strict=True)))
+    return _set_in(
+        rest, list(zip(numbers, _each(_even.known, _even.put, _evened, zones), strict=True))
+    )
 
 
 def _by_number(rows: Index, number: Index) -> list[Index]:
@@ -165,8 +170,8 @@ def _grown(
 
 def _off_surface(vertices: Array, seam: Index, spacing: Array, solid: Implicit) -> Flags:
     """Mark the vertices in the boxes of seams, without these, that are not on the surface."""
-    off = np.zeros(len(vertices), dtype=bool)
     known = seam >= 0
+    off = np.zeros(len(vertices), dtype=bool)
     for mine in _by_number(np.arange(len(vertices)), seam):
         place = vertices[mine]
         room = ROOM * float(spacing[mine].max())
@@ -175,18 +180,50 @@ def _off_surface(vertices: Array, seam: Index, spacing: Array, solid: Implicit) 
         if len(near):
             near = near[np.lexsort(vertices[near].T)]
             width = spacing[near]
-            off[near] = _is_off(vertices[near], width, _around(solid, vertices[near], width))
+            local = _around(solid, vertices[near], width)
+            off[near] = _is_off(_Places(vertices[near], width, local))
     return off
 
 
-def _asked_at(places: Array, spacing: Array, solid: Implicit) -> Hashable:
-    return places.tobytes(), spacing.tobytes(), signature(solid)
+class _Places(NamedTuple):
+    """Places (n, 3) near a surface, and how long edges are there (n,)."""
+
+    points: Array
+    spacing: Array
+    solid: Implicit
+
+
+def _asked_at(some: _Places) -> Hashable:
+    return some.points.tobytes(), some.spacing.tobytes(), signature(some.solid)
 
 
 @remembered(limit=512, key=_asked_at)
-def _is_off(places: Array, spacing: Array, solid: Implicit) -> Flags:
-    off: Flags = np.abs(solid.value(places)) > OFF * spacing
+def _is_off(some: _Places) -> Flags:
+    off: Flags = np.abs(some.solid.value(some.points)) > OFF * some.spacing
     return off
+
+
+def _each(
+    known: Callable[[Asked], Answer | None],
+    put: Callable[[Answer, Asked], None],
+    every: Callable[[list[Asked]], list[Answer]],
+    asked: list[Asked],
+) -> list[Answer]:
+    """Ask a question of each seam; those that are not remembered are answered all at once.
+
+    Every step takes arrays, and a seam has some hundred faces: of many seams most of the time
+    would go into the calls. What is done to one seam depends on no other.
+    """
+    found = [known(question) for question in asked]
+    fresh = [question for question, answer in zip(asked, found, strict=True) if answer is None]
+    made = iter(every(fresh) if fresh else [])
+    answers = []
+    for question, answer in zip(asked, found, strict=True):
+        if answer is None:
+            answer = next(made)
+            put(answer, question)
+        answers.append(answer)
+    return answers
 
 
 def _settled(
@@ -195,23 +232,42 @@ def _settled(
     """Bring numbered vertices onto the surface; return all vertices, and normals of these."""
     normals = np.zeros_like(vertices)
     vertices = vertices.copy()
-    for mine in _by_number(np.arange(len(vertices)), number):
-        mine = mine[np.lexsort(vertices[mine].T)]
-        place, width = vertices[mine], spacing[mine]
-        vertices[mine], normals[mine] = _on_surface(place, width, _around(solid, place, width))
+    rows = [
+        mine[np.lexsort(vertices[mine].T)]
+        for mine in _by_number(np.arange(len(vertices)), number)
+    ]  # fmt: skip
+    asked = [
+        _Places(vertices[mine], spacing[mine], _around(solid, vertices[mine], spacing[mine]))
+        for mine in rows
+    ]
+    settled = _each(_on_surface.known, _on_surface.put, _all_on_surface, asked)
+    for mine, found in zip(rows, settled, strict=True):
+        vertices[mine], normals[mine] = found
     return vertices, normals
 
 
-@remembered(limit=512, key=_asked_at)
-def _on_surface(places: Array, spacing: Array, solid: Implicit) -> tuple[Array, Array]:
-    """Bring places (n, 3) onto a surface; return them and the normals there."""
-    count = len(places)
-    patch = Patch(places, np.zeros((0, 3), np.intp), np.ones(count, dtype=bool),
-                  np.arange(count), np.zeros((count, 3)), spacing)  # fmt: skip
-    alone = _Surfaces([solid], np.zeros(count, np.intp))
+def _all_on_surface(asked: list[_Places]) -> list[tuple[Array, Array]]:
+    """Bring places onto surfaces; return them and the normals there."""
+    ends = np.cumsum([0, *(len(some.points) for some in asked)])
+    surfaces = _Surfaces([some.solid for some in asked], np.repeat(
+        np.arange(len(asked)), np.diff(ends)
+    ))  # fmt: skip
+    count = int(ends[-1])
+    patch = Patch(
+        np.concatenate([some.points for some in asked]), np.zeros((0, 3), np.intp),
+        np.ones(count, dtype=bool), np.arange(count), np.zeros((count, 3)),
+        np.concatenate([some.spacing for some in asked]),
+    )  # fmt: skip
     for _ in range(NEWTON):
-        patch = _projected(alone, patch)
-    return patch.vertices, _normals_of(solid, patch.vertices, spacing)
+        patch = _projected(surfaces, patch)
+    normals = surfaces.normals(patch.vertices, patch.spacing, patch.parents)
+    at = ends[1:-1]
+    return list(zip(np.split(patch.vertices, at), np.split(normals, at), strict=True))
+
+
+@remembered(limit=512, key=_asked_at)
+def _on_surface(some: _Places) -> tuple[Array, Array]:
+    return _all_on_surface([some])[0]
 
 
 def _in_order(vertices: Array, faces: Index) -> tuple[Index, Index]:
@@ -254,24 +310,6 @@ class _Zone(NamedTuple):
     solid: Implicit
 
 
-def _all_even(zones: list[_Zone]) -> list[Sewn]:
-    """Even out the meshes around seams: those that are not remembered all at once.
-
-    Every step takes arrays, and a seam has some hundred faces: of many seams most of the time
-    would go into the calls. What is done to one seam depends on no other.
-    """
-    known = [_even.known(zone) for zone in zones]
-    fresh = [zone for zone, even in zip(zones, known, strict=True) if even is None]
-    made = iter(_evened(fresh) if fresh else [])
-    result = []
-    for zone, even in zip(zones, known, strict=True):
-        if even is None:
-            even = next(made)
-            _even.put(even, zone)
-        result.append(even)
-    return result
-
-
 def _depends_on(zone: _Zone) -> Hashable:
     vertices, faces, free, spacing, solid = zone
     return vertices.tobytes(), faces.tobytes(), free.tobytes(), spacing.tobytes(), signature(solid)
@@ -297,13 +335,18 @@ class _Surfaces(NamedTuple):
 
     def sample(self, patch: Patch, at: Index) -> Sample:
         """Return values and gradients at some vertices of a patch, each of its own solid."""
-        ends = np.searchsorted(self.owner[patch.parents[at]], np.arange(len(self.solids) + 1))
-        value, gradient = np.empty(len(at)), np.empty((len(at), 3))
-        for solid, first, last in zip(self.solids, ends[:-1], ends[1:], strict=True):
-            if first < last:
-                mine = slice(first, last)
-                value[mine], gradient[mine], _ = solid.sample(patch.vertices[at[mine]])
-        return Sample(value, gradient)
+        return sample_each(self.solids, patch.vertices[at], self._ends(patch.parents[at]))
+
+    def normals(self, points: Array, spacing: Array, parents: Index) -> Array:
+        """Return unit normals, outwards, by differences of the value at a tetrahedron's corners."""
+        width = DIFFERENCE * spacing[:, None, None]
+        corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)
+        values = sample_each(self.solids, corners, 4 * self._ends(parents)).value
+        return unit(-values.reshape(-1, 4) @ _TETRAHEDRON)
+
+    def _ends(self, parents: Index) -> Index:
+        """Return where in a row of vertices those of each solid begin, and the end of the last."""
+        return np.searchsorted(self.owner[parents], np.arange(len(self.solids) + 1))
 
 
 def _evened(zones: list[_Zone]) -> list[Sewn]:
@@ -333,10 +376,23 @@ def _evened(zones: list[_Zone]) -> list[Sewn]:
         among = surfaces._replace(owner=surfaces.owner[patch.parents])
         patch = patch.with_loosened(_improved(among, patch.loosened(), 1))
     patch = replace(patch, free=free[patch.parents])
-    pairs = zip(_apart(before, surfaces.owner), _apart(patch, surfaces.owner), strict=True)
-    return [
-        _checked(*pair, zone.solid) for pair, zone in zip(pairs, zones, strict=True)
+    kept = [
+        _better(*pair) for pair in zip(
+            _apart(before, surfaces.owner), _apart(patch, surfaces.owner), strict=True
+        )
     ]  # fmt: skip
+    free = np.concatenate([one.free for one in kept])
+    normals = np.zeros((len(free), 3))
+    normals[free] = surfaces.normals(
+        np.concatenate([one.vertices for one in kept])[free],
+        np.concatenate([one.spacing for one in kept])[free],
+        np.concatenate([one.parents + k for one, k in zip(kept, starts, strict=False)])[free],
+    )
+    own = np.split(normals, np.cumsum([len(one.vertices) for one in kept])[:-1])
+    return [
+        Sewn(one.vertices, one.faces, one.parents, one.free, normal)
+        for one, normal in zip(kept, own, strict=True)
+    ]
 
 
 def _apart(patch: Patch, owner: Index) -> list[Patch]:
@@ -359,14 +415,12 @@ def _apart(patch: Patch, owner: Index) -> list[Patch]:
     ]  # fmt: skip
 
 
-def _checked(before: Patch, patch: Patch, solid: Implicit) -> Sewn:
-    """Return a seam that was made even with its normals; as it was, where that was worse."""
+def _better(before: Patch, patch: Patch) -> Patch:
+    """Return a seam that was made even; as it was, where that was worse."""
     worse = (patch.facing() <= OVERTURNED).sum() > (before.facing() <= OVERTURNED).sum()
     if worse or not _fits(before, patch) or not np.isfinite(patch.vertices).all():
-        patch = before
-    normals = np.zeros_like(patch.vertices)
-    normals[patch.free] = _normals_of(solid, patch.vertices[patch.free], patch.spacing[patch.free])
-    return Sewn(patch.vertices, patch.faces, patch.parents, patch.free, normals)
+        return before
+    return patch
 
 
 def _fits(before: Patch, patch: Patch) -> bool:
@@ -410,14 +464,6 @@ def _projected(surfaces: _Surfaces, patch: Patch) -> Patch:
     vertices[at] -= way[:, None] * gradient
     normals[at] = -unit(gradient)
     return replace(patch, vertices=vertices, normals=normals)
-
-
-def _normals_of(solid: Implicit, points: Array, spacing: Array) -> Array:
-    """Return unit normals, outwards, by differences of the value at a tetrahedron's corners."""
-    width = DIFFERENCE * spacing[:, None, None]
-    corners = (points[:, None, :] + width * _TETRAHEDRON).reshape(-1, 3)
-    values = solid.value(corners).reshape(-1, 4)
-    return unit(-values @ _TETRAHEDRON)
 
 
 def _set_in(rest: Sewn, parts: list[tuple[Index, Sewn]]) -> Sewn:

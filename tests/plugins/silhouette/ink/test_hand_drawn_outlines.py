@@ -19,6 +19,7 @@ from tests.plugins.silhouette.ink.hand_drawn import (
     turns,
     unrest,
 )
+from tests.plugins.silhouette.outlines import COMMITTED, svg_rings
 
 PEN = Pen()
 TURN = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
@@ -141,3 +142,16 @@ def test_ends_that_pass_each_other_before_a_corner_leave_no_step() -> None:
         line[-10:] += np.linspace(0.0, 1.0, 10)[:, None] ** 2 * (0.0, beside)
         found = outline([line + random.normal(0.0, 0.1, line.shape)])
         assert corners_missed(ring, found)[1:] == (0, 0)
+
+
+def test_ends_that_meet_beside_the_tip_of_a_limb_leave_it_as_it_is() -> None:
+    """Of a step between them nothing is cut off: what is left would take the tip with it."""
+    (ring,) = svg_rings(COMMITTED / "horse_skimage.svg")
+    ring = (ring - ring.min(axis=0)) * 620.0 / np.ptp(ring, axis=0).max() + (290.0, 140.0)
+    for seed in range(124, 136):
+        meant, lines = drawn_after(np.random.default_rng(seed), ring, Hand(tremor=0.3))
+        ink, found = (
+            np.hypot(*(meant[:, None][::4] - line[None]).transpose(2, 0, 1)).min(axis=1).max()
+            for line in (np.concatenate(lines), outline(lines))
+        )
+        assert found < ink + 1.5, seed
