@@ -33,12 +33,22 @@ SHOWN: Final = 0.8
 MEASURES: Final = 3.5
 """Independent measurements along half a stroke: a tremor stays alike over a 25th of it."""
 
+USUAL: Final = 6.0
+"""How many measurements it is worth to know that a hand errs by about 1 px."""
+
+CONTRADICTED: Final = 9.0
+"""Gain in squared errors of the hand by which a bend is more than tremor: one in a hundred flat
+curves gains as much."""
+
 ENDS: Final = 2.0
 """How much worse a hand ends in the right place than it keeps on the curve: the ends of a line are
 each other's mirror images, and say so along the ink where all else speaks across it."""
 
 CARELESS: Final = 3.0
 """Errors of such a hand beyond which an end was not meant there, and says little more."""
+
+ASIDE: Final = 0.1
+"""Error of the hand, px, by which it is worked out how far it is carried."""
 
 FARTHEST: Final = 1e3
 """Distance, px, that counts where an end cannot be seen at all."""
@@ -128,15 +138,44 @@ def equations(
     if shown.mean() < SHOWN:
         return None
     normals = ink.normals[feet]
-    rest = ((images - ink.pixels[feet]) * normals).sum(axis=1)
-    columns = _columns(stereo, surface, points, rays / slopes[:, None], normals)
+    share = shares(stereo, near, images, normals, surface)
+    rest = share * ((images - ink.pixels[feet]) * normals).sum(axis=1)
+    columns = _columns(stereo, surface, points, rays / slopes[:, None], share[:, None] * normals)
     rest, columns = rest[shown], columns[shown]
     if not ink.ring:
         off, row = _at_end(stereo, ink, surface)
-        share = float(np.sqrt(len(rest) / MEASURES)) / ENDS
-        share /= float(np.hypot(1.0, off / (CARELESS * ENDS * np.sqrt(2.0))))
-        rest, columns = np.append(rest, share * off), np.vstack((columns, share * row))
+        end = float(np.sqrt(len(rest) / MEASURES)) / ENDS
+        end /= float(np.hypot(1.0, off / (CARELESS * ENDS * np.sqrt(2.0))))
+        rest, columns = np.append(rest, end * off), np.vstack((columns, end * row))
     return rest, columns, images
+
+
+def shares(
+    stereo: Stereo, near: Array, images: Array, normals: Array, surface: BowedPlane
+) -> Array:
+    """Return what a distance from the ink counts for, (n,): 1 where both halves are seen alike.
+
+    The hand errs in either half. Its error in the known one moves the mirror image by another
+    amount where a plane seen at a small angle shows one half much longer than the other: so what
+    is counted is a distance over what both errors together make of it (Sampson, 1982).
+
+    Parameters
+    ----------
+    stereo : Stereo
+        The view.
+    near, images : (n, 2) float
+        Places of the known half in order, and where their mirror images are seen, px.
+    normals : (n, 2) float
+        Of the ink there.
+    surface : BowedPlane
+        On which the curve lies.
+    """
+    way = np.gradient(near, axis=0)
+    length = np.linalg.norm(way, axis=1, keepdims=True)
+    across = np.column_stack((-way[:, 1], way[:, 0])) / np.maximum(length, 1e-12)
+    moved = stereo.project(surface.met(stereo, near + ASIDE * across)[0] * MIRROR) - images
+    carried = np.nan_to_num((moved * normals).sum(axis=1)) / ASIDE
+    return np.asarray(np.sqrt(2.0 / (1.0 + carried**2)))
 
 
 def _columns(stereo: Stereo, surface: BowedPlane, points: Array, rays: Array, ways: Array) -> Array:
@@ -154,4 +193,9 @@ def _at_end(stereo: Stereo, ink: InkLine, surface: BowedPlane) -> tuple[float, A
     if not np.isfinite(image).all():
         return FARTHEST, np.zeros((1, FIGURES))
     row = _columns(stereo, surface, points, rays / slopes[:, None], way[None])
-    return float((image[0] - other) @ way), row
+    # What the hand errs by at the known end, along the line and across it, is carried as well.
+    ends = end + ASIDE * np.vstack((np.eye(2), np.zeros((1, 2))))
+    carried = (stereo.project(surface.met(stereo, ends)[0] * MIRROR) - image) @ way / ASIDE
+    total = float(np.nan_to_num(carried) @ np.nan_to_num(carried))
+    kept = float(np.sqrt(2.0 / (1.0 + total)))
+    return kept * float((image[0] - other) @ way), kept * row
