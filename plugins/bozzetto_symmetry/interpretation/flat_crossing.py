@@ -13,24 +13,21 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.ink import resample
 from bozzetto_symmetry.ink.polyline import length_of
+from bozzetto_symmetry.interpretation.flat_places import FEWEST, Flat, on_plane
 from bozzetto_symmetry.interpretation.folding import Folding
 from bozzetto_symmetry.interpretation.mirrored_ink import (
-    CARELESS,
     CONTRADICTED,
-    ENDS,
     MEASURES,
     USUAL,
     InkLine,
+    MirrorImage,
     equations,
-    shares,
 )
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
 from bozzetto_symmetry.interpretation.straight_crossing import end_of
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.bowed_plane import FIGURES, BowedPlane
-from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 ROUNDS: Final = 15
@@ -39,9 +36,6 @@ ROUNDS: Final = 15
 SETTLED: Final = 1e-6
 """Change of the plane, radians and shares of the curve's size, at which it counts as found."""
 
-FEWEST: Final = 8
-"""Least matched places that say in which plane a curve lies."""
-
 OFF: Final = (2.5, 0.01)
 """Distance of the mirror image from the ink (rms, px; as a share of the ink's length) up to which a
 curve may be flat. Curves that are not are off by 20 px and more, or could not be told by hand."""
@@ -49,6 +43,9 @@ curve may be flat. Curves that are not are off by 20 px and more, or could not b
 BENT: Final = (0.15, 5.0)
 """A curve is bent if its mirror image is farther than this from the ink (rms, px), and this many
 times as far as that of a curve bent along and across its plane. Hands of 1 px reach 3."""
+
+UNLIKELY: Final = 2.0
+"""Such a gain up to which it is no part of the doubt that a curve bends: then by 3 % at most."""
 
 HALVES: Final = float(np.sqrt(0.5))
 """Share of this distance that counts: the hand errs in either half."""
@@ -85,16 +82,6 @@ ODDS: Final = 3.0
 
 WORST: Final = 1e8
 """Condition of the equations from which the ink does not say in which plane a curve lies."""
-
-PLACES: Final = 120
-"""Places along a half of a flat curve."""
-
-ALIKE: Final = 1e-3
-"""Share of the length within which a place counts as the crossing itself."""
-
-
-Flat = tuple[Folding, HalfInSpace, SimpleForm]
-"""A folding whose places lie on a surface, the half that they make, and that surface."""
 
 
 def flattened(
@@ -144,7 +131,7 @@ def flattened(
         told = None if best is None else _told(stereo, near, ink, half, best, most)
         found = () if told is None else (told,)
     placed = [
-        _on_plane(
+        on_plane(
             stereo, folding, half, pixels, ring,
             SimpleForm.on(each.surface, each.covariance),
             _off(stereo, ink, each) * HALVES,
@@ -160,6 +147,8 @@ def _told(
     """Return the plane that the ink tells, or a bowed one where a plane does not explain it."""
     flat = _off(stereo, ink, best) <= most
     gain = _gain_of_a_bow(best.rest, best.columns)
+    if flat and gain < UNLIKELY:
+        return _aligned(stereo, near, ink, best)
     middle = float(np.mean(half.points @ best.surface.along))
     bowed = _settled(stereo, near, ink, replace(best.surface, middle=middle), FIGURES)
     if flat and gain <= CONTRADICTED:
@@ -368,13 +357,12 @@ def _off(stereo: Stereo, ink: InkLine, plane: _Plane) -> float:
 
     A line that is folded at a wrong place has ink that the halves have no part in.
     """
-    images = stereo.project(plane.surface.met(stereo, ink.pixels)[0] * MIRROR)
-    if not np.isfinite(images).all():
+    seen = MirrorImage.of(stereo, ink.pixels, plane.surface)
+    if not np.isfinite(seen.pixels).all():
         return np.inf
-    feet = ink.nearest(images)
-    share = shares(stereo, ink.pixels, images, ink.normals[feet], plane.surface)
-    apart = ((images - ink.pixels[feet]) * ink.normals[feet]).sum(axis=1)
-    apart = (share * apart)[ink.shown(feet)]
+    feet = ink.nearest(seen.pixels)
+    apart = ((seen.pixels - ink.pixels[feet]) * ink.normals[feet]).sum(axis=1)
+    apart = (seen.shares(ink.normals[feet]) * apart)[ink.shown(feet)]
     return max(plane.off, float(np.sqrt(np.mean(apart**2)))) if len(apart) else np.inf
 
 
@@ -393,113 +381,3 @@ def _gain_of_a_bow(rest: Array, columns: Array) -> float:
     # Two halves err, seven measurements tell, and a bend takes two of them.
     hand = (USUAL + MEASURES * bent) / (USUAL + 3.0)
     return MEASURES * (off - bent) / hand
-
-
-def _on_plane(
-    stereo: Stereo,
-    folding: Folding,
-    half: HalfInSpace,
-    pixels: Array,
-    ring: bool,
-    form: SimpleForm,
-    off: float,
-) -> Flat | None:
-    """Return the folding whose places lie in a plane, and the half that they make."""
-    surface = form.surface
-    assert surface is not None
-    crossings = _crossings(stereo, folding, pixels, ring, surface)
-    if crossings is None:
-        return None
-    pairing = folding.pairing
-    if not ring:
-        pairing = _of_all(stereo, pairing, folding.first, pixels, crossings[:1], surface)
-    points = surface.met(stereo, pairing.near)[0]
-    if len(points) < 2 or not np.isfinite(points).all():
-        return None
-    # The crossing has moved: what is on its other side now belongs to the other half.
-    side = np.sign(float(np.median(points[:, 1])))
-    keep = side * points[:, 1] > ALIKE * float(np.linalg.norm(np.ptp(points, axis=0)))
-    if keep.sum() < 2:
-        return None
-    pairing = replace(
-        pairing, near=pairing.near[keep], far=stereo.project(points[keep] * MIRROR), cost=off,
-        stations=pairing.stations[keep], far_stations=pairing.far_stations[keep],
-        weak=np.zeros(int(keep.sum()), bool),
-    )  # fmt: skip
-    tangents = np.gradient(points, axis=0)
-    sigma = form.sigmas(stereo, points, tangents)[keep]
-    covariances = (sigma**2)[:, None, None] * np.eye(3)
-    trust = np.full(len(sigma), 1.0 / len(sigma))
-    flat = replace(half, points=points[keep], covariances=covariances, trust=trust, kept=1.0,
-                   astride=0.0, reasons=())  # fmt: skip
-    return Folding(pairing, crossings, folding.first), flat, form
-
-
-def _of_all(
-    stereo: Stereo,
-    pairing: Pairing,
-    first: bool,
-    pixels: Array,
-    foot: Array,
-    surface: BowedPlane,
-) -> Pairing:
-    """Return the pairing with all of the line: on a surface every place has a partner.
-
-    The matching leaves out what the epipolar lines do not tell, as the ends of a shallow bow. Only
-    ink beyond the other half's end has none.
-
-    Parameters
-    ----------
-    stereo : Stereo
-        The camera of the view and its mirror image.
-    pairing : Pairing
-        Of the halves.
-    first : bool
-        Its `near` is the half that was drawn first.
-    pixels : (n, 2) float
-        The line, px.
-    foot : (1, 2) float
-        Where it crosses the centre plane, px.
-    surface : BowedPlane
-        On which it lies.
-    """
-    cut = int(np.argmin(np.linalg.norm(pixels - foot, axis=1)))
-    halves = np.vstack((foot, pixels[:cut][::-1])), np.vstack((foot, pixels[cut + 1 :]))
-    own, other = halves if first else halves[::-1]
-    if min(len(own), len(other)) < FEWEST:
-        return pairing
-    share = np.linspace(0.0, 1.0, PLACES)
-    near = resample(own, count=PLACES)
-    images = stereo.project(surface.met(stereo, near)[0] * MIRROR)
-    if not np.isfinite(images).all():
-        return pairing
-    line = InkLine.of(other, False)
-    feet = line.nearest(images)
-    gone = np.linalg.norm(images - line.pixels[feet], axis=1) > CARELESS * ENDS
-    kept = ~(gone & (feet == len(line.pixels) - 1))
-    kept[0] = False
-    near, stations = near[kept], share[kept]
-    far_stations = feet[kept] / (len(line.pixels) - 1.0)
-    if len(near) < FEWEST:
-        return pairing
-    return replace(
-        pairing, near=near, stations=stations, far_stations=far_stations,
-        coverage=(float(stations.max()), float(far_stations.max())),
-    )  # fmt: skip
-
-
-def _crossings(
-    stereo: Stereo, folding: Folding, pixels: Array, ring: bool, surface: BowedPlane
-) -> Array | None:
-    """Return where the flat curve crosses the centre plane, nearest to where it was folded, px."""
-    line = np.vstack((pixels, pixels[:1])) if ring else pixels
-    heights = surface.met(stereo, line)[0][:, 1]
-    if not np.isfinite(heights).all():
-        return None
-    steps = np.flatnonzero(heights[:-1] * heights[1:] <= 0.0)
-    if len(steps) < len(folding.crossings):
-        return None
-    share = heights[steps] / (heights[steps] - heights[steps + 1] + 1e-300)
-    places = line[steps] + share[:, None] * (line[steps + 1] - line[steps])
-    chosen = [int(np.linalg.norm(places - old, axis=1).argmin()) for old in folding.crossings]
-    return None if len(set(chosen)) < len(chosen) else places[chosen]

@@ -112,6 +112,53 @@ class InkLine:
         return np.asarray((feet > 0) & (feet < len(self.pixels) - 1))
 
 
+@dataclass(frozen=True, eq=False)
+class MirrorImage:
+    """Where the mirror image of a line on a surface is seen, and what moves it.
+
+    Attributes
+    ----------
+    points, depths : (n, 3) float
+        Places of the line, mm, and how they move along their rays as the surface rises by 1 mm.
+    pixels, moved : (n, 2) float
+        Their mirror images, and how these move where the line is 1 px aside.
+    """
+
+    points: Array
+    depths: Array
+    pixels: Array
+    moved: Array
+
+    @classmethod
+    def of(cls, stereo: Stereo, line: Array, surface: BowedPlane) -> MirrorImage:
+        """Return the mirror image of a line (n, 2) px, its places in order."""
+        way = np.gradient(line, axis=0)
+        length = np.sqrt((way**2).sum(axis=1, keepdims=True))
+        across = np.column_stack((-way[:, 1], way[:, 0])) / np.maximum(length, 1e-12)
+        points, rays, slopes = surface.met(stereo, np.vstack((line, line + ASIDE * across)))
+        images = stereo.project(points * MIRROR)
+        count = len(line)
+        return cls(
+            points[:count], (rays / slopes[:, None])[:count], images[:count],
+            (images[count:] - images[:count]) / ASIDE,
+        )  # fmt: skip
+
+    def shares(self, normals: Array) -> Array:
+        """Return what a distance from the ink counts for, (n,): 1 where both halves look alike.
+
+        The hand errs in either half. Its error in the known one moves the mirror image by another
+        amount where a plane seen at a small angle shows one half much longer than the other: so
+        what is counted is a distance over what both errors make of it (Sampson, 1982).
+
+        Parameters
+        ----------
+        normals : (n, 2) float
+            Of the ink at the images.
+        """
+        carried = np.nan_to_num((self.moved * normals).sum(axis=1))
+        return np.asarray(np.sqrt(2.0 / (1.0 + carried**2)))
+
+
 def equations(
     stereo: Stereo, near: Array, ink: InkLine, feet: Index | None, surface: BowedPlane
 ) -> tuple[Array, Array, Array] | None:
@@ -129,8 +176,8 @@ def equations(
     images : (n, 2) float
         Of all places mirrored, px.
     """
-    points, rays, slopes = surface.met(stereo, near)
-    images = stereo.project(points * MIRROR)
+    seen = MirrorImage.of(stereo, near, surface)
+    images = seen.pixels
     if not np.isfinite(images).all():
         return None
     feet = ink.nearest(images) if feet is None else feet
@@ -138,9 +185,9 @@ def equations(
     if shown.mean() < SHOWN:
         return None
     normals = ink.normals[feet]
-    share = shares(stereo, near, images, normals, surface)
+    share = seen.shares(normals)
     rest = share * ((images - ink.pixels[feet]) * normals).sum(axis=1)
-    columns = _columns(stereo, surface, points, rays / slopes[:, None], share[:, None] * normals)
+    columns = _columns(stereo, surface, seen.points, seen.depths, share[:, None] * normals)
     rest, columns = rest[shown], columns[shown]
     if not ink.ring:
         off, row = _at_end(stereo, ink, surface)
@@ -148,34 +195,6 @@ def equations(
         end /= float(np.hypot(1.0, off / (CARELESS * ENDS * np.sqrt(2.0))))
         rest, columns = np.append(rest, end * off), np.vstack((columns, end * row))
     return rest, columns, images
-
-
-def shares(
-    stereo: Stereo, near: Array, images: Array, normals: Array, surface: BowedPlane
-) -> Array:
-    """Return what a distance from the ink counts for, (n,): 1 where both halves are seen alike.
-
-    The hand errs in either half. Its error in the known one moves the mirror image by another
-    amount where a plane seen at a small angle shows one half much longer than the other: so what
-    is counted is a distance over what both errors together make of it (Sampson, 1982).
-
-    Parameters
-    ----------
-    stereo : Stereo
-        The view.
-    near, images : (n, 2) float
-        Places of the known half in order, and where their mirror images are seen, px.
-    normals : (n, 2) float
-        Of the ink there.
-    surface : BowedPlane
-        On which the curve lies.
-    """
-    way = np.gradient(near, axis=0)
-    length = np.linalg.norm(way, axis=1, keepdims=True)
-    across = np.column_stack((-way[:, 1], way[:, 0])) / np.maximum(length, 1e-12)
-    moved = stereo.project(surface.met(stereo, near + ASIDE * across)[0] * MIRROR) - images
-    carried = np.nan_to_num((moved * normals).sum(axis=1)) / ASIDE
-    return np.asarray(np.sqrt(2.0 / (1.0 + carried**2)))
 
 
 def _columns(stereo: Stereo, surface: BowedPlane, points: Array, rays: Array, ways: Array) -> Array:
@@ -188,14 +207,13 @@ def _columns(stereo: Stereo, surface: BowedPlane, points: Array, rays: Array, wa
 def _at_end(stereo: Stereo, ink: InkLine, surface: BowedPlane) -> tuple[float, Array]:
     """Return how far beyond its end the mirror image of the other end is, px, and its row."""
     end, other, way = ink.ends
-    points, rays, slopes = surface.met(stereo, end)
-    image = stereo.project(points * MIRROR)
-    if not np.isfinite(image).all():
-        return FARTHEST, np.zeros((1, FIGURES))
-    row = _columns(stereo, surface, points, rays / slopes[:, None], way[None])
     # What the hand errs by at the known end, along the line and across it, is carried as well.
-    ends = end + ASIDE * np.vstack((np.eye(2), np.zeros((1, 2))))
-    carried = (stereo.project(surface.met(stereo, ends)[0] * MIRROR) - image) @ way / ASIDE
-    total = float(np.nan_to_num(carried) @ np.nan_to_num(carried))
-    kept = float(np.sqrt(2.0 / (1.0 + total)))
-    return kept * float((image[0] - other) @ way), kept * row
+    aside = ASIDE * np.vstack((np.zeros((1, 2)), np.eye(2)))
+    points, rays, slopes = surface.met(stereo, end + aside)
+    images = stereo.project(points * MIRROR)
+    if not np.isfinite(images).all():
+        return FARTHEST, np.zeros((1, FIGURES))
+    row = _columns(stereo, surface, points[:1], rays[:1] / slopes[:1, None], way[None])
+    carried = (images[1:] - images[0]) @ way / ASIDE
+    kept = float(np.sqrt(2.0 / (1.0 + carried @ carried)))
+    return kept * float((images[0] - other) @ way), kept * row
