@@ -20,7 +20,7 @@ MISSES: Final = (
 UNDECIDED: Final = 1.2
 """Ratio of prices below which the ink does not say how two sides belong together."""
 
-UNDECIDED_LOOPS: Final = 0.7
+UNDECIDED_LOOPS: Final = 0.6
 """Difference, px, that says the same of loops. Their prices are logarithms of odds, for nearly all
 of them are what people seldom mean: beyond it one drawing of two hundred is read in the wrong
 sense. Told by the ratio of prices, it is one of eighty for as many that are told in vain."""
