@@ -68,7 +68,7 @@ class HalfInSpace:
         Distance of the places from the plane that fits them best (rms), in errors of a hand of
         1 px, and of `LEVEL`.
     slender : float
-        Logarithm of how much longer than wide it is.
+        Logarithm of how much longer than wide the cloud of its places is.
     """
 
     points: Array
@@ -164,7 +164,7 @@ def _astride(y: Array, trust: Array) -> float:
 
 
 def _slender(points: Array) -> float:
-    """Return the logarithm of the length of places over their width."""
+    """Return the logarithm of the length of a cloud of places over its width."""
     if len(points) < 3:
         return 0.0
     length, width, _ = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1]
