@@ -33,7 +33,7 @@ UNDECIDED_PLANES: Final = 0.7
 """Difference of prices, px, below which the ink does not say in which plane a curve lies."""
 
 PLANES: Final = (
-    "The ink fits the curve in two planes. Press X to take the other one if it is meant."
+    "The ink fits the curve in two planes. Press C to take the other one if it is meant."
 )
 
 

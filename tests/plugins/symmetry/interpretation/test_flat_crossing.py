@@ -74,6 +74,7 @@ def test_a_shallow_bow_is_upright_or_level_and_the_person_is_told(lift, seed):
     trace = trace_of(state.curves[0], state)
     other = trace_of(replace(state.curves[0], other=True), state)
     assert trace.warnings == (PLANES,)
+    assert trace.ghost is not None
     extents = [np.ptp(each.points, axis=0)[[0, 2]] for each in (trace, other)]
     assert sorted(int(np.argmax(each)) for each in extents) == [0, 1]
     assert np.max([each.min() for each in extents]) < 0.1
