@@ -14,9 +14,18 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto_symmetry.ink.polyline import length_of
+from bozzetto_symmetry.interpretation.flat_places import FEWEST, Flat, on_plane
 from bozzetto_symmetry.interpretation.folding import Folding
-from bozzetto_symmetry.interpretation.mirrored_ink import MEASURES, InkLine, equations
+from bozzetto_symmetry.interpretation.mirrored_ink import (
+    CONTRADICTED,
+    MEASURES,
+    USUAL,
+    InkLine,
+    MirrorImage,
+    equations,
+)
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
+from bozzetto_symmetry.interpretation.straight_crossing import end_of
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.bowed_plane import FIGURES, BowedPlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
@@ -27,9 +36,6 @@ ROUNDS: Final = 15
 SETTLED: Final = 1e-6
 """Change of the plane, radians and shares of the curve's size, at which it counts as found."""
 
-FEWEST: Final = 8
-"""Least matched places that say in which plane a curve lies."""
-
 OFF: Final = (2.5, 0.01)
 """Distance of the mirror image from the ink (rms, px; as a share of the ink's length) up to which a
 curve may be flat. Curves that are not are off by 20 px and more, or could not be told by hand."""
@@ -38,12 +44,8 @@ BENT: Final = (0.15, 5.0)
 """A curve is bent if its mirror image is farther than this from the ink (rms, px), and this many
 times as far as that of a curve bent along and across its plane. Hands of 1 px reach 3."""
 
-USUAL: Final = 6.0
-"""How many measurements it is worth to know that a hand errs by about 1 px."""
-
-CONTRADICTED: Final = 9.0
-"""Gain in squared errors of the hand by which a bend is more than tremor: one in a hundred flat
-curves gains as much."""
+UNLIKELY: Final = 2.0
+"""Such a gain up to which it is no part of the doubt that a curve bends: then by 3 % at most."""
 
 HALVES: Final = float(np.sqrt(0.5))
 """Share of this distance that counts: the hand errs in either half."""
@@ -71,22 +73,25 @@ ASLANT: Final = 0.01
 """Standard deviation, radians, from the box's ways of a plane that is meant to be level or
 upright."""
 
+ANY_TURN: Final = 0.5
+"""Standard deviation of a plane's angle, radians, from which on the ink does not tell it: of an
+angle that may be any it is 0.9."""
+
 ODDS: Final = 3.0
 """Odds above which a plane is taken to be level or upright."""
-
-LOST: Final = 0.3
-"""Distance from the ink, px, that a plane may lose by being so."""
 
 WORST: Final = 1e8
 """Condition of the equations from which the ink does not say in which plane a curve lies."""
 
-ALIKE: Final = 1e-3
-"""Share of the length within which a place counts as the crossing itself."""
-
 
 def flattened(
-    stereo: Stereo, folding: Folding, half: HalfInSpace, pixels: Array, ring: bool
-) -> tuple[Folding, HalfInSpace, SimpleForm] | None:
+    stereo: Stereo,
+    folding: Folding,
+    half: HalfInSpace,
+    pixels: Array,
+    ring: bool,
+    straight: bool = False,
+) -> tuple[Flat, ...]:
     """Return a folded line as a flat curve: its places, its half in space, and its plane.
 
     Parameters
@@ -101,15 +106,18 @@ def flattened(
         The line as drawn, px; a ring does not repeat its first point.
     ring : bool
         The line is closed.
+    straight : bool
+        The line may be straight: then it lies in many planes.
 
     Returns
     -------
-    tuple or None
-        None where the ink says that the curve is not flat, or does not say in which plane.
+    tuple
+        Empty where the ink says that the curve is not flat. Where it does not say in which plane a
+        bent one lies, as of a shallow bow, that is level and upright.
     """
     near, ink = folding.pairing.near, InkLine.of(pixels, ring, folding.first)
     if len(near) < FEWEST:
-        return None
+        return ()
     size = float(np.linalg.norm(np.ptp(half.points, axis=0)))
     most = max(OFF[0], OFF[1] * length_of(pixels))
     tried = [
@@ -117,22 +125,80 @@ def flattened(
         for angle, away in _starts(stereo, folding, half, ink)
     ]
     best = min(filter(None, tried), key=lambda fitted: fitted.off, default=None)
-    if best is None:
-        return None
-    off = _off(stereo, ink, best)
-    if off <= most and not _is_bent(best.rest, best.columns):
-        best = _aligned(stereo, near, ink, best)
+    if not straight and (best is None or not best.is_turned):
+        found = _facing(stereo, folding, near, ink, size, most)
     else:
-        middle = float(np.mean(half.points @ best.surface.along))
-        bowed = replace(best.surface, middle=middle)
-        best = _settled(stereo, near, ink, bowed, FIGURES)
-        off = np.inf if best is None else _off(stereo, ink, best)
-        if best is None or not off <= BOWED:
-            return None
-    if not best.is_told:
-        return None
-    form = SimpleForm.on(best.surface, np.asarray(np.linalg.inv(best.information)))
-    return _on_plane(stereo, folding, half, pixels, ring, form, off * HALVES)
+        told = None if best is None else _told(stereo, near, ink, half, best, most)
+        found = () if told is None else (told,)
+    placed = [
+        on_plane(
+            stereo, folding, half, pixels, ring,
+            SimpleForm.on(each.surface, each.covariance),
+            _off(stereo, ink, each) * HALVES,
+        )
+        for each in found if each.is_told
+    ]  # fmt: skip
+    return tuple(filter(None, placed))
+
+
+def _told(
+    stereo: Stereo, near: Array, ink: InkLine, half: HalfInSpace, best: _Plane, most: float
+) -> _Plane | None:
+    """Return the plane that the ink tells, or a bowed one where a plane does not explain it."""
+    flat = _off(stereo, ink, best) <= most
+    gain = _gain_of_a_bow(best.rest, best.columns)
+    if flat and gain < UNLIKELY:
+        return _aligned(stereo, near, ink, best)
+    middle = float(np.mean(half.points @ best.surface.along))
+    bowed = _settled(stereo, near, ink, replace(best.surface, middle=middle), FIGURES)
+    if flat and gain <= CONTRADICTED:
+        return _doubted(_aligned(stereo, near, ink, best), bowed, gain)
+    return bowed if bowed is not None and _off(stereo, ink, bowed) <= BOWED else None
+
+
+def _doubted(plane: _Plane, bowed: _Plane | None, gain: float) -> _Plane:
+    """Return a plane with the doubt that the curve bows out of it after all.
+
+    The two are a mixture, each with its share of the odds: its variance holds that of either, and
+    how far they are apart.
+    """
+    if bowed is None or not (plane.is_told and bowed.is_told):
+        return plane
+    share = 1.0 / (1.0 + np.exp(0.5 * (CONTRADICTED - gain)))
+    apart = bowed.surface.figures - plane.surface.figures
+    doubt = share * (bowed.covariance + (1.0 - share) * np.outer(apart, apart))
+    doubt[:PLANE, :PLANE] += (1.0 - share) * plane.covariance
+    return replace(plane, surface=replace(plane.surface, middle=bowed.surface.middle), doubt=doubt)
+
+
+def _facing(
+    stereo: Stereo, folding: Folding, near: Array, ink: InkLine, size: float, most: float
+) -> tuple[_Plane, ...]:
+    """Return a level and an upright plane, where the ink allows them.
+
+    The search begins at the crossing, and at the ends, which are each other's mirror images: those
+    of a shallow bow are known better.
+    """
+    starts = [stereo.on_plane(folding.crossings[:1])[0]]
+    if not ink.ring:
+        end, other, _ = ink.ends
+        ends = np.vstack((end, other))
+        starts.append(end_of(stereo, ends, float(stereo.angles(ends).mean())))
+    found = []
+    for axis in (0.0, 0.5 * np.pi):
+        way = np.array((np.cos(axis), 0.0, np.sin(axis)))
+        aways = [float(way @ start) for start in starts]
+        tried = [
+            _settled(stereo, near, ink, BowedPlane(axis, away, size=size), PLANE, axis)
+            for away in aways
+            if np.isfinite(away)
+        ]
+        best = min(filter(None, tried), key=lambda each: each.off, default=None)
+        if best is None or _off(stereo, ink, best) > most:
+            continue
+        if _gain_of_a_bow(best.rest, best.columns) <= CONTRADICTED:
+            found.append(best)
+    return tuple(found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +216,8 @@ class _Plane:
         How many figures were looked for.
     axis : float or None
         Angle that it is drawn to.
+    doubt : (k, k) float or None
+        Covariance of its figures where another surface is likely, too.
     """
 
     surface: BowedPlane
@@ -157,6 +225,12 @@ class _Plane:
     columns: Array
     free: int
     axis: float | None = None
+    doubt: Array | None = None
+
+    @property
+    def covariance(self) -> Array:
+        """How well its figures are known, for a hand of 1 px, (k, k)."""
+        return np.asarray(np.linalg.inv(self.information)) if self.doubt is None else self.doubt
 
     @property
     def off(self) -> float:
@@ -172,6 +246,11 @@ class _Plane:
             told[0, 0] += 1.0 / ASLANT**2
         told[2:, 2:] += np.eye(self.free - 2) / SHALLOW**2
         return np.asarray(told)
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether the ink says how the plane is turned about the y axis."""
+        return self.is_told and float(self.covariance[0, 0]) < ANY_TURN**2
 
     @property
     def is_told(self) -> bool:
@@ -220,7 +299,7 @@ def _settled(
         rest, columns, images = made
         # A figure that is known besides counts as so many places.
         weight = float(np.sqrt(2.0 * len(rest) / MEASURES))
-        figures = np.array((surface.angle, surface.away, *surface.bows))[:free]
+        figures = surface.figures[:free]
         known = np.zeros((free, free))
         wanted = np.zeros(free)
         known[range(2, free), range(2, free)] = weight / SHALLOW
@@ -244,18 +323,21 @@ def _aligned(stereo: Stereo, near: Array, ink: InkLine, plane: _Plane) -> _Plane
     """Return a plane that is level or upright where the ink may well mean that, else itself.
 
     Of a plane that is not, any angle is as likely as any other; so the odds are those of a normal
-    density about the axis to an even one (Bayes factor).
+    density about the axis to an even one (Bayes factor). What the ink says against the axis is how
+    much worse the plane explains it that is level or upright.
     """
     if not plane.is_told:
         return plane
     surface = plane.surface
-    spread = float(np.linalg.inv(plane.information)[0, 0]) + ASLANT**2
+    spread = float(plane.covariance[0, 0]) + ASLANT**2
     axis = 0.5 * np.pi * round(surface.angle / (0.5 * np.pi))
-    density = np.exp(-0.5 * (surface.angle - axis) ** 2 / spread) / np.sqrt(2.0 * np.pi * spread)
-    if not density * 0.5 * np.pi > ODDS:
-        return plane
     made = _settled(stereo, near, ink, replace(surface, angle=axis), PLANE, axis)
-    return plane if made is None or made.off > plane.off + LOST else made
+    if made is None:
+        return plane
+    against = 0.5 * MEASURES * (made.off**2 - plane.off**2)
+    against += ((made.surface.angle - axis) / ASLANT) ** 2
+    odds = 0.5 * np.pi * np.exp(-0.5 * against) / np.sqrt(2.0 * np.pi * spread)
+    return made if odds > ODDS else plane
 
 
 def _plane_through(half: HalfInSpace) -> tuple[float, float] | None:
@@ -275,76 +357,27 @@ def _off(stereo: Stereo, ink: InkLine, plane: _Plane) -> float:
 
     A line that is folded at a wrong place has ink that the halves have no part in.
     """
-    images = stereo.project(plane.surface.met(stereo, ink.pixels)[0] * MIRROR)
-    if not np.isfinite(images).all():
+    seen = MirrorImage.of(stereo, ink.pixels, plane.surface)
+    if not np.isfinite(seen.pixels).all():
         return np.inf
-    feet = ink.nearest(images)
-    apart = ((images - ink.pixels[feet]) * ink.normals[feet]).sum(axis=1)[ink.shown(feet)]
+    feet = ink.nearest(seen.pixels)
+    apart = ((seen.pixels - ink.pixels[feet]) * ink.normals[feet]).sum(axis=1)
+    apart = (seen.shares(ink.normals[feet]) * apart)[ink.shown(feet)]
     return max(plane.off, float(np.sqrt(np.mean(apart**2)))) if len(apart) else np.inf
 
 
-def _is_bent(rest: Array, columns: Array) -> bool:
-    """Return whether a bow explains what is off, or so much of it that it is no tremor."""
+def _gain_of_a_bow(rest: Array, columns: Array) -> float:
+    """Return how much better a bow explains what is off, in squared errors of the hand.
+
+    It is infinite where it leaves hardly anything: then it is shape.
+    """
     columns = columns[:, :-1]
     scaled = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
     left = rest - scaled @ np.linalg.lstsq(scaled, rest, rcond=1e-9)[0]
     least, factor = BENT
     off, bent = float(np.mean(rest**2)), float(np.mean(left**2))
     if np.sqrt(off) > max(least, factor * np.sqrt(bent)):
-        return True
+        return np.inf
     # Two halves err, seven measurements tell, and a bend takes two of them.
     hand = (USUAL + MEASURES * bent) / (USUAL + 3.0)
-    return bool(MEASURES * (off - bent) > CONTRADICTED * hand)
-
-
-def _on_plane(
-    stereo: Stereo,
-    folding: Folding,
-    half: HalfInSpace,
-    pixels: Array,
-    ring: bool,
-    form: SimpleForm,
-    off: float,
-) -> tuple[Folding, HalfInSpace, SimpleForm] | None:
-    """Return the folding whose places lie in a plane, and the half that they make."""
-    surface = form.surface
-    assert surface is not None
-    crossings = _crossings(stereo, folding, pixels, ring, surface)
-    points = surface.met(stereo, folding.pairing.near)[0]
-    if crossings is None or not np.isfinite(points).all():
-        return None
-    # The crossing has moved: what is on its other side now belongs to the other half.
-    side = np.sign(float(np.median(points[:, 1])))
-    keep = side * points[:, 1] > ALIKE * float(np.linalg.norm(np.ptp(points, axis=0)))
-    if keep.sum() < 2:
-        return None
-    pairing = folding.pairing
-    pairing = replace(
-        pairing, near=pairing.near[keep], far=stereo.project(points[keep] * MIRROR), cost=off,
-        stations=pairing.stations[keep], far_stations=pairing.far_stations[keep],
-        weak=np.zeros(int(keep.sum()), bool),
-    )  # fmt: skip
-    tangents = np.gradient(points, axis=0)
-    sigma = form.sigmas(stereo, points, tangents)[keep]
-    covariances = (sigma**2)[:, None, None] * np.eye(3)
-    trust = np.full(len(sigma), 1.0 / len(sigma))
-    flat = replace(half, points=points[keep], covariances=covariances, trust=trust, kept=1.0,
-                   astride=0.0, reasons=())  # fmt: skip
-    return Folding(pairing, crossings, folding.first), flat, form
-
-
-def _crossings(
-    stereo: Stereo, folding: Folding, pixels: Array, ring: bool, surface: BowedPlane
-) -> Array | None:
-    """Return where the flat curve crosses the centre plane, nearest to where it was folded, px."""
-    line = np.vstack((pixels, pixels[:1])) if ring else pixels
-    heights = surface.met(stereo, line)[0][:, 1]
-    if not np.isfinite(heights).all():
-        return None
-    steps = np.flatnonzero(heights[:-1] * heights[1:] <= 0.0)
-    if len(steps) < len(folding.crossings):
-        return None
-    share = heights[steps] / (heights[steps] - heights[steps + 1] + 1e-300)
-    places = line[steps] + share[:, None] * (line[steps + 1] - line[steps])
-    chosen = [int(np.linalg.norm(places - old, axis=1).argmin()) for old in folding.crossings]
-    return None if len(set(chosen)) < len(chosen) else places[chosen]
+    return MEASURES * (off - bent) / hand

@@ -33,12 +33,22 @@ SHOWN: Final = 0.8
 MEASURES: Final = 3.5
 """Independent measurements along half a stroke: a tremor stays alike over a 25th of it."""
 
+USUAL: Final = 6.0
+"""How many measurements it is worth to know that a hand errs by about 1 px."""
+
+CONTRADICTED: Final = 9.0
+"""Gain in squared errors of the hand by which a bend is more than tremor: one in a hundred flat
+curves gains as much."""
+
 ENDS: Final = 2.0
 """How much worse a hand ends in the right place than it keeps on the curve: the ends of a line are
 each other's mirror images, and say so along the ink where all else speaks across it."""
 
 CARELESS: Final = 3.0
 """Errors of such a hand beyond which an end was not meant there, and says little more."""
+
+ASIDE: Final = 0.1
+"""Error of the hand, px, by which it is worked out how far it is carried."""
 
 FARTHEST: Final = 1e3
 """Distance, px, that counts where an end cannot be seen at all."""
@@ -102,6 +112,53 @@ class InkLine:
         return np.asarray((feet > 0) & (feet < len(self.pixels) - 1))
 
 
+@dataclass(frozen=True, eq=False)
+class MirrorImage:
+    """Where the mirror image of a line on a surface is seen, and what moves it.
+
+    Attributes
+    ----------
+    points, depths : (n, 3) float
+        Places of the line, mm, and how they move along their rays as the surface rises by 1 mm.
+    pixels, moved : (n, 2) float
+        Their mirror images, and how these move where the line is 1 px aside.
+    """
+
+    points: Array
+    depths: Array
+    pixels: Array
+    moved: Array
+
+    @classmethod
+    def of(cls, stereo: Stereo, line: Array, surface: BowedPlane) -> MirrorImage:
+        """Return the mirror image of a line (n, 2) px, its places in order."""
+        way = np.gradient(line, axis=0)
+        length = np.sqrt((way**2).sum(axis=1, keepdims=True))
+        across = np.column_stack((-way[:, 1], way[:, 0])) / np.maximum(length, 1e-12)
+        points, rays, slopes = surface.met(stereo, np.vstack((line, line + ASIDE * across)))
+        images = stereo.project(points * MIRROR)
+        count = len(line)
+        return cls(
+            points[:count], (rays / slopes[:, None])[:count], images[:count],
+            (images[count:] - images[:count]) / ASIDE,
+        )  # fmt: skip
+
+    def shares(self, normals: Array) -> Array:
+        """Return what a distance from the ink counts for, (n,): 1 where both halves look alike.
+
+        The hand errs in either half. Its error in the known one moves the mirror image by another
+        amount where a plane seen at a small angle shows one half much longer than the other: so
+        what is counted is a distance over what both errors make of it (Sampson, 1982).
+
+        Parameters
+        ----------
+        normals : (n, 2) float
+            Of the ink at the images.
+        """
+        carried = np.nan_to_num((self.moved * normals).sum(axis=1))
+        return np.asarray(np.sqrt(2.0 / (1.0 + carried**2)))
+
+
 def equations(
     stereo: Stereo, near: Array, ink: InkLine, feet: Index | None, surface: BowedPlane
 ) -> tuple[Array, Array, Array] | None:
@@ -119,8 +176,8 @@ def equations(
     images : (n, 2) float
         Of all places mirrored, px.
     """
-    points, rays, slopes = surface.met(stereo, near)
-    images = stereo.project(points * MIRROR)
+    seen = MirrorImage.of(stereo, near, surface)
+    images = seen.pixels
     if not np.isfinite(images).all():
         return None
     feet = ink.nearest(images) if feet is None else feet
@@ -128,14 +185,15 @@ def equations(
     if shown.mean() < SHOWN:
         return None
     normals = ink.normals[feet]
-    rest = ((images - ink.pixels[feet]) * normals).sum(axis=1)
-    columns = _columns(stereo, surface, points, rays / slopes[:, None], normals)
+    share = seen.shares(normals)
+    rest = share * ((images - ink.pixels[feet]) * normals).sum(axis=1)
+    columns = _columns(stereo, surface, seen.points, seen.depths, share[:, None] * normals)
     rest, columns = rest[shown], columns[shown]
     if not ink.ring:
         off, row = _at_end(stereo, ink, surface)
-        share = float(np.sqrt(len(rest) / MEASURES)) / ENDS
-        share /= float(np.hypot(1.0, off / (CARELESS * ENDS * np.sqrt(2.0))))
-        rest, columns = np.append(rest, share * off), np.vstack((columns, share * row))
+        end = float(np.sqrt(len(rest) / MEASURES)) / ENDS
+        end /= float(np.hypot(1.0, off / (CARELESS * ENDS * np.sqrt(2.0))))
+        rest, columns = np.append(rest, end * off), np.vstack((columns, end * row))
     return rest, columns, images
 
 
@@ -149,9 +207,13 @@ def _columns(stereo: Stereo, surface: BowedPlane, points: Array, rays: Array, wa
 def _at_end(stereo: Stereo, ink: InkLine, surface: BowedPlane) -> tuple[float, Array]:
     """Return how far beyond its end the mirror image of the other end is, px, and its row."""
     end, other, way = ink.ends
-    points, rays, slopes = surface.met(stereo, end)
-    image = stereo.project(points * MIRROR)
-    if not np.isfinite(image).all():
+    # What the hand errs by at the known end, along the line and across it, is carried as well.
+    aside = ASIDE * np.vstack((np.zeros((1, 2)), np.eye(2)))
+    points, rays, slopes = surface.met(stereo, end + aside)
+    images = stereo.project(points * MIRROR)
+    if not np.isfinite(images).all():
         return FARTHEST, np.zeros((1, FIGURES))
-    row = _columns(stereo, surface, points, rays / slopes[:, None], way[None])
-    return float((image[0] - other) @ way), row
+    row = _columns(stereo, surface, points[:1], rays[:1] / slopes[:1, None], way[None])
+    carried = (images[1:] - images[0]) @ way / ASIDE
+    kept = float(np.sqrt(2.0 / (1.0 + carried @ carried)))
+    return kept * float((images[0] - other) @ way), kept * row

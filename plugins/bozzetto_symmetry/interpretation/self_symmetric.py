@@ -16,7 +16,7 @@ from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, ma
 from bozzetto_symmetry.interpretation.flat_crossing import flattened
 from bozzetto_symmetry.interpretation.folding import Folding, foldings
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
-from bozzetto_symmetry.interpretation.straight_crossing import as_bar
+from bozzetto_symmetry.interpretation.straight_crossing import as_bar, is_bowed
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
@@ -28,7 +28,7 @@ halves of a careful hand stray by."""
 LIKELY: Final = 1.7
 """Price of a simpler curve, px, up to which a hand may well have meant it."""
 
-TREMBLING: Final = (0.2, 0.01)
+TREMBLING: Final = (0.2, 0.005)
 """Tremor that can be told, px, from which on a hand errs by so much: of all of a line, and of its
 calmest places. Ink that is steadier by both means what it shows."""
 
@@ -57,14 +57,17 @@ def as_crossing(stereo: Stereo, side: Side, more: float = 0.0) -> Iterator[Candi
     ring = bool(found)
     pixels = side.pixels if ring else side.unrolled
     found = found or _folded(stereo, pixels, False)
-    flats = [flattened(stereo, folding, half, pixels, ring) for folding, half in found]
+    straight = bool(bars) and not is_bowed(pixels)
+    # A curve that is free to bend follows the tremor: coming nearer to the ink than a simpler one
+    # that a hand may well have meant is no merit.
+    dear = more + (NEEDLESS if straight else 0.0)
+    least = bars[0].whole.cost + NEEDLESS if straight else 0.0
     level = [
-        Candidate(apart, partial(_read, stereo, folding, pixels, ring, (more, more), form))
-        for folding, apart, form in filter(None, flats)
+        Candidate(apart, partial(_read, stereo, flat, pixels, ring, (dear, least), form))
+        for folding, half in found
+        for flat, apart, form in flattened(stereo, folding, half, pixels, ring, straight)
     ]
     yield from level
-    # A curve that is free to bend follows the tremor: coming nearer to the ink than one that a
-    # hand may well have meant is no merit.
     simpler = [*bars, *level]
     dear = more + (NEEDLESS if simpler else 0.0)
     meant = more + LIKELY * _trembling(side.noise, pixels, ring)

@@ -35,9 +35,6 @@ be and still be the same place."""
 MOST_CUTS: Final = 3
 """Places of the other loop at which it is tried to be cut."""
 
-FLATTEST: Final = 0.05
-"""Least roundness that counts: it bounds how much worse a flat loop scores."""
-
 
 def pairings(
     stereo: Stereo,
@@ -114,7 +111,6 @@ def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
         order = np.argsort(stations, kind="stable")
         theirs = (found.far_stations * count + cuts[best]) / count
         theirs = theirs if sense > 0 else (count - 1) / count - theirs
-        roundness = _roundness(stereo.intersected(found.near, found.far))
         made.append(
             replace(
                 found,
@@ -123,7 +119,6 @@ def _of_loops(stereo: Stereo, one: Array, other: Array) -> list[Pairing]:
                 weak=found.weak[order],
                 stations=stations[order],
                 far_stations=theirs[order] % 1.0,
-                score=found.score / roundness,
                 reversed=sense < 0,
             )
         )
@@ -143,19 +138,3 @@ def _tops(angles: Array) -> list[int]:
     if not len(tops):
         return [int(np.argmax(angles))]
     return [int(k) for k in tops[np.argsort(-angles[tops])][:MOST_CUTS]]
-
-
-def _roundness(points: Array) -> float:
-    """Return how round a loop in space is: its area by the square of its length, 1 for a circle.
-
-    Matched the other way round, a loop changes places with one that is wide in depth where
-    it was wide in height. Both fit equally well, and people mean the rounder one.
-    """
-    seen = points[np.isfinite(points).all(axis=1)]
-    if len(seen) < 3:
-        return FLATTEST
-    after = np.roll(seen, -1, axis=0)
-    length = float(np.linalg.norm(after - seen, axis=1).sum())
-    middle = seen.mean(axis=0)
-    area = 0.5 * float(np.linalg.norm(np.cross(seen - middle, after - middle).sum(axis=0)))
-    return max(FLATTEST, 4.0 * np.pi * area / length**2 if length else 0.0)

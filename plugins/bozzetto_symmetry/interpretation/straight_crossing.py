@@ -14,6 +14,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.interpretation.candidate import Candidate, Read
+from bozzetto_symmetry.interpretation.mirrored_ink import CONTRADICTED, USUAL
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
 from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.degeneracies import intersect_rays
@@ -22,6 +23,10 @@ from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 ON_LINE: Final = (2.5, 0.01)
 """Distance from one epipolar line (rms, px; as a share of the length) up to which a line is
 straight along it: a short stroke from corner to corner that misses either by 4 px."""
+
+HABIT: Final = 0.005
+"""Bow of a line that is meant to be straight, by the habit of an arm (rms, as a share of the
+length): its middle is 1.7 % of the length aside."""
 
 LONGEST: Final = 1.1
 """Length of a straight line, in distances of its ends: more turns back."""
@@ -38,8 +43,11 @@ HAND: Final = 0.25
 AT_END: Final = 1.5
 """Error of a line's end for a hand that errs by 1 px, px: nothing beyond an end evens it out."""
 
+STRETCHES: Final = 7.0
+"""Stretches of a line that a hand errs in apart."""
+
 MEAN: Final = 0.38
-"""Error of the mean of a line of a hand that errs by 1 px, px: seven stretches of it err apart."""
+"""Error of the mean of a line of a hand that errs by 1 px, px, over all of these."""
 
 
 def as_bar(stereo: Stereo, pixels: Array, more: float) -> Iterator[Candidate]:
@@ -66,7 +74,7 @@ def as_bar(stereo: Stereo, pixels: Array, more: float) -> Iterator[Candidate]:
     chord = float(np.linalg.norm(pixels[-1] - pixels[0]))
     if not (off <= max(widest, share * length) and length <= LONGEST * chord):
         return
-    end = _end_of(stereo, pixels[[0, -1]], middle)
+    end = end_of(stereo, pixels[[0, -1]], middle)
     if not (np.isfinite(end).all() and abs(end[1]) > LEAST * float(np.linalg.norm(end))):
         return
     doubt = _doubt(stereo, pixels[[0, -1]], middle)
@@ -88,7 +96,31 @@ def as_bar(stereo: Stereo, pixels: Array, more: float) -> Iterator[Candidate]:
     yield Candidate(known, lambda _: read)
 
 
-def _end_of(stereo: Stereo, ends: Array, angle: float) -> Array:
+def is_bowed(pixels: Array) -> bool:
+    """Return whether a line bows more than a hand does that draws a straight one.
+
+    It does where a cubic polynomial explains more of what is off the chord than tremor would, and
+    the bow is more than the habit of an arm.
+
+    Parameters
+    ----------
+    pixels : (n, 2) float
+        The line as drawn, px, at even steps.
+    """
+    length, chord = length_of(pixels), pixels[-1] - pixels[0]
+    way = chord / max(float(np.linalg.norm(chord)), 1e-12)
+    height = (pixels - pixels[0]) @ (-way[1], way[0])
+    share = np.linspace(-1.0, 1.0, len(pixels))
+    straight, bent = (
+        float(np.mean((height - np.polynomial.Polynomial.fit(share, height, degree)(share)) ** 2))
+        for degree in (1, 3)
+    )
+    hand = (USUAL + STRETCHES * bent) / (USUAL + STRETCHES - 4.0)
+    much = STRETCHES * (straight - bent) > CONTRADICTED * hand
+    return bool(much and np.sqrt(straight) > HABIT * length)
+
+
+def end_of(stereo: Stereo, ends: Array, angle: float) -> Array:
     """Return the first end in space of a bar of which both ends are drawn, (3,) mm."""
     level = _onto(stereo, ends, angle)
     return np.asarray(intersect_rays(stereo, level[:1], level[1:])[0][0])
@@ -114,10 +146,10 @@ def _doubt(stereo: Stereo, ends: Array, angle: float) -> Array:
     for number in (0, 1):
         moved = np.zeros((2, 2))
         moved[number] = HAND * AT_END * way[number]
-        columns.append(_end_of(stereo, ends + moved, angle) - _end_of(stereo, ends - moved, angle))
+        columns.append(end_of(stereo, ends + moved, angle) - end_of(stereo, ends - moved, angle))
     scale = float(stereo.pixels_per_angle(ends.mean(axis=0)[None])[0])
     aside = HAND / scale
-    columns.append(_end_of(stereo, ends, angle + aside) - _end_of(stereo, ends, angle - aside))
+    columns.append(end_of(stereo, ends, angle + aside) - end_of(stereo, ends, angle - aside))
     slopes = np.column_stack(columns)[[0, 2, 1]] / (2.0 * HAND)
     slopes[:, 2] *= MEAN
     made = np.nan_to_num(slopes @ slopes.T)

@@ -32,6 +32,9 @@ is a stray: what is known better is meant to be there."""
 LEVEL: Final = 0.002
 """Distance from a plane, as a share of a curve's extent, that counts as in it."""
 
+SLENDEREST: Final = 30.0
+"""Length over width above which a curve is no more slender."""
+
 PLANE_ROUNDS: Final = 4
 """Rounds in which the weights of places settle that a plane is laid through."""
 
@@ -64,6 +67,8 @@ class HalfInSpace:
     off_plane : float
         Distance of the places from the plane that fits them best (rms), in errors of a hand of
         1 px, and of `LEVEL`.
+    slender : float
+        Logarithm of how much longer than wide the cloud of its places is.
     """
 
     points: Array
@@ -74,6 +79,12 @@ class HalfInSpace:
     askew: float
     reasons: tuple[str, ...] = ()
     off_plane: float = 0.0
+    slender: float = 0.0
+
+    @property
+    def extent(self) -> float:
+        """Diagonal of the box around the places, mm."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0))) if len(self.points) else 0.0
 
     def share_outside(self, box: Array | None) -> float:
         """Return the trusted share of the curve outside a box (2, 3) and the room about it."""
@@ -127,7 +138,10 @@ def triangulate(stereo: Stereo, pairing: Pairing) -> HalfInSpace:
     askew = 1.0 - float(np.abs(least).max()) if len(points) > 2 else 0.0
     astride = _astride(points[:, 1], trust)
     off = _off_plane(points, covariances, extent)
-    return HalfInSpace(points, covariances, trust, float(seen.mean()), astride, askew, reasons, off)
+    return HalfInSpace(
+        points, covariances, trust, float(seen.mean()), astride, askew, reasons, off,
+        _slender(points),
+    )  # fmt: skip
 
 
 def strays(points: Array, box: Array | None) -> Flags:
@@ -147,6 +161,14 @@ def _outside(points: Array, box: Array | None, share: float) -> Flags:
 def _astride(y: Array, trust: Array) -> float:
     left, right = float(trust @ np.maximum(y, 0.0)), float(trust @ np.maximum(-y, 0.0))
     return 2.0 * min(left, right) / max(left + right, 1e-300)
+
+
+def _slender(points: Array) -> float:
+    """Return the logarithm of the length of a cloud of places over its width."""
+    if len(points) < 3:
+        return 0.0
+    length, width, _ = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1]
+    return float(np.log(length / max(width, length / SLENDEREST))) if length > 0.0 else 0.0
 
 
 def _off_plane(points: Array, covariances: Array, extent: float) -> float:

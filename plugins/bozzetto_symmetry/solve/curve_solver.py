@@ -32,7 +32,7 @@ from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.solve.canvas_fit import fitted_in_plane, fitted_on_surface
 from bozzetto_symmetry.solve.curve_fit import Fit, sampled
-from bozzetto_symmetry.solve.notices import is_undecided, notices, off_the_ink
+from bozzetto_symmetry.solve.notices import is_undecided, lies_in_either, notices, off_the_ink
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 if TYPE_CHECKING:
@@ -417,7 +417,8 @@ def _ghost(
     view: View, first: Read, rest: Sequence[Read], margin: float, detail: Controls
 ) -> SpaceCurve | None:
     """Return what the next best reading gives, where it is about as good."""
-    if not rest or (margin > AMBIGUOUS and not is_undecided(first, rest)):
+    unsure = is_undecided(first, rest) or lies_in_either(first, rest)
+    if not rest or (margin > AMBIGUOUS and not unsure):
         return None
     other = min(rest, key=lambda r: r.cost)
     return _fitted([view], {0: other}, 0, detail).curve

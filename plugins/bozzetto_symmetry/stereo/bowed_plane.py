@@ -56,6 +56,11 @@ class BowedPlane:
         return np.array((-np.sin(self.angle), 0.0, np.cos(self.angle)))
 
     @property
+    def figures(self) -> Array:
+        """Angle, distance and bows, (5,)."""
+        return np.array((self.angle, self.away, *self.bows))
+
+    @property
     def flat(self) -> bool:
         """Whether it is a plane."""
         return not any(self.bows)

@@ -124,6 +124,19 @@ def test_no_control_points_are_lost() -> None:
     assert len(made.spline.control_points) == bundle_adjustment.FEWEST
 
 
+def test_no_loop_is_read_in_the_wrong_sense_without_a_word() -> None:
+    """In the wrong sense loops reach into the depth: the rounder and smaller one is meant."""
+    found = []
+    for seed in range(95000, 95006):
+        for shape in ("ellipses", "rounded boxes"):
+            for facing in ("the front", "anywhere"):
+                random = np.random.default_rng(seed)
+                side = figures_loops.loop(shape, facing, random)
+                found.append(figures_loops.outcome(side, 1.0, False, random))
+    assert not figures_loops.untold(found)
+    assert figures_loops.wrong(found) < 0.15
+
+
 def test_loops_that_fit_either_way_are_told_and_the_other_one_is_offered() -> None:
     told = []
     for seed in range(800, 806):
