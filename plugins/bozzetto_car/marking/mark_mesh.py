@@ -15,9 +15,9 @@ from bozzetto.plugin import NextStep
 from bozzetto.view import Camera, triple
 from bozzetto_car.marking.points_on_mesh import (
     nodes_to_mark,
+    on_its_wheels,
     right_name,
     touched_place,
-    turned_forward,
     with_point,
     without_points,
 )
@@ -100,7 +100,7 @@ def marked_on_mesh(state: CarState, node: str | None, camera: Camera, at: Array)
         raise UserError(ALL_MARKED)
     car, template = mesh_in_work(state), template_of(state)
     place = touched_place(car, template, node, camera, np.asarray(at, float))
-    made = turned_forward(with_point(car, template, node, place), template)
+    made = on_its_wheels(with_point(car, template, node, place), template)
     return replace(state.with_node(made), asked="")
 
 

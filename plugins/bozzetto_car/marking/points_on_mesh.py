@@ -34,6 +34,10 @@ RINGS: Final = (1.0, 2.0, 4.0, 8.0)
 """Radii of rings about a touch, px, in which the surface is sought where the touch missed it: a
 node at an outline or a rim is easily passed by a hair."""
 
+WITHOUT_WHEELS: Final = 0.7
+"""Height of a wheel's centre above the lowest place of a mesh, relative to that of the template,
+below which that place is no tyre."""
+
 EDGEWISE: Final = 0.05
 """Least sine of the angle of a ray to a plane that it is met with."""
 
@@ -159,11 +163,29 @@ def without_points(car: CarMesh, nodes: set[str]) -> CarMesh:
     return replace(car, points=tuple(point for point in car.points if point.node not in nodes))
 
 
-def turned_forward(car: CarMesh, template: Template) -> CarMesh:
-    """Return the mesh with its nose at 0: turned about the vertical if its wheels say so."""
-    front, rear = (car.point_of(template.names[node]) for node in template.wheels[:, 0])
-    if front is None or rear is None or front.x <= rear.x:
+def on_its_wheels(car: CarMesh, template: Template) -> CarMesh:
+    """Return the mesh as its marked wheels say: nose at 0, and the ground below the wheels.
+
+    A mesh that looks rearward is turned about the vertical. One without wheels, whose lowest place
+    is its sill, is raised to where the wheels are as high as those of the template.
+    """
+    names = [template.names[node] for node in template.wheels[:, 0]]
+    front, rear = map(car.point_of, names)
+    if front is None or rear is None:
         return car
+    high = float(template.positions[template.wheels[0, 0], 2])
+    if front.z < WITHOUT_WHEELS * high:
+        car = _raised(car, high - front.z)
+    return _turned_about(car) if front.x > rear.x else car
+
+
+def _raised(car: CarMesh, by: float) -> CarMesh:
+    vertices = (car.mesh.vertices + np.array([0.0, 0.0, by])).astype(np.float32)
+    points = tuple(replace(point, z=point.z + by) for point in car.points)
+    return replace(car, mesh=replace(car.mesh, vertices=vertices), points=points)
+
+
+def _turned_about(car: CarMesh) -> CarMesh:
     end = float(car.mesh.vertices[:, 0].max())
     vertices = np.array([end, 0.0, 0.0]) + [-1.0, -1.0, 1.0] * car.mesh.vertices
     mesh = replace(car.mesh, vertices=vertices.astype(np.float32), normals=None)
