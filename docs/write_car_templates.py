@@ -18,18 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto_car.body.chain_smoothing import lock_ratios, smooth_chains
-from bozzetto_car.body.fair_lines import opened, straightened, turned_with_chords
+from bozzetto_car.body.fair_lines import crested, opened, straightened, turned_with_chords
 from bozzetto_car.template.loader import bundled_file, read_template
 from bozzetto_car.template.model import Template
-from bozzetto_car.template.network import Network, junctions, with_tangents
+from bozzetto_car.template.network import Network, with_tangents
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 FOLDER: Final = Path(__file__).parents[1] / "plugins/bozzetto_car/templates"
-
-LEVEL: Final = ("C4", "R2.R")
-"""Nodes of the roof above the doors, in the middle and over the side windows."""
 
 DECIMALS: Final = 4
 """Decimals of tangents, mm: a chain that is smooth stays so to 1e-7."""
@@ -94,11 +91,11 @@ KINDS: Final[Mapping[str, Kind]] = {
         "Three boxes, two long doors, a low roof; the size of a middle-class car.",
         {
             "C0": (71, 0, 182), "C1": (91, 0, 646), "C2": (1337, 0, 934), "C3": (2130, 0, 1318),
-            "C4": (2631, 0, 1363), "C5": (3193, 0, 1313), "C6": (4137, 0, 1050),
+            "C4": (2631, 0, 1364), "C5": (3193, 0, 1313), "C6": (4137, 0, 1050),
             "C7": (4586, 0, 1025), "C8": (4591, 0, 288),
             "S1": (420, 695, 672), "S2": (1457, 851, 924), "S3": (2812, 896, 939),
             "S4": (4000, 851, 985), "S5": (4423, 685, 970),
-            "R1": (2190, 564, 1267), "R2": (2772, 584, 1313), "R3": (3173, 534, 1257),
+            "R1": (2190, 564, 1267), "R2": (2772, 584, 1314), "R3": (3173, 534, 1257),
             "B1": (339, 800, 197), "B2": (1307, 881, 172), "B3": (2772, 891, 172),
             "B4": (3229, 886, 180), "B5": (4374, 790, 303),
             "WF": (870, 791, 335), "WR": (3620, 803, 335),
@@ -114,11 +111,11 @@ KINDS: Final[Mapping[str, Kind]] = {
         "Two boxes, a long roof and a tailgate; the size of a middle-class car.",
         {
             "C0": (66, 0, 193), "C1": (91, 0, 694), "C2": (1188, 0, 972), "C3": (1944, 0, 1390),
-            "C4": (2561, 0, 1437), "C5": (4256, 0, 1390), "C6": (4556, 0, 1023),
+            "C4": (2561, 0, 1464), "C5": (4256, 0, 1390), "C6": (4556, 0, 1023),
             "C7": (4642, 0, 714), "C8": (4647, 0, 288),
             "S1": (385, 681, 699), "S2": (1308, 840, 957), "S3": (2511, 878, 942),
             "S4": (3796, 860, 977), "S5": (4470, 661, 1013), "S6": (4502, 751, 709),
-            "R1": (2004, 593, 1340), "R2": (2621, 613, 1394), "R3": (4149, 571, 1342),
+            "R1": (2004, 593, 1340), "R2": (2621, 613, 1421), "R3": (4149, 571, 1342),
             "B1": (324, 792, 208), "B2": (1263, 870, 183), "B3": (2471, 874, 183),
             "B4": (3262, 870, 188), "B5": (4459, 782, 293),
             "WF": (880, 780, 325), "WR": (3635, 792, 325),
@@ -130,11 +127,11 @@ KINDS: Final[Mapping[str, Kind]] = {
         "Two tall boxes and a tailgate, high above the ground.",
         {
             "C0": (86, 0, 268), "C1": (106, 0, 882), "C2": (1180, 0, 1115), "C3": (1840, 0, 1591),
-            "C4": (2460, 0, 1664), "C5": (4131, 0, 1598), "C6": (4478, 0, 1155),
+            "C4": (2460, 0, 1686), "C5": (4131, 0, 1598), "C6": (4478, 0, 1155),
             "C7": (4559, 0, 813), "C8": (4533, 0, 387),
             "S1": (370, 726, 872), "S2": (1280, 866, 1096), "S3": (2440, 906, 1076),
             "S4": (3630, 893, 1115), "S5": (4382, 716, 1150), "S6": (4423, 801, 803),
-            "R1": (1910, 626, 1537), "R2": (2490, 651, 1611), "R3": (4031, 623, 1547),
+            "R1": (1910, 626, 1537), "R2": (2490, 651, 1633), "R3": (4031, 623, 1547),
             "B1": (320, 816, 288), "B2": (1340, 891, 268), "B3": (2390, 901, 263),
             "B4": (3240, 893, 273), "B5": (4372, 816, 392),
             "WF": (920, 801, 362), "WR": (3610, 816, 362),
@@ -146,11 +143,11 @@ KINDS: Final[Mapping[str, Kind]] = {
         "Two short boxes and a tailgate, for four.",
         {
             "C0": (75, 0, 189), "C1": (93, 0, 725), "C2": (815, 0, 978), "C3": (1415, 0, 1440),
-            "C4": (1995, 0, 1489), "C5": (3154, 0, 1435), "C6": (3486, 0, 1003),
+            "C4": (1995, 0, 1509), "C5": (3154, 0, 1435), "C6": (3486, 0, 1003),
             "C7": (3564, 0, 695), "C8": (3549, 0, 278),
             "S1": (335, 601, 730), "S2": (915, 746, 958), "S3": (1975, 787, 943),
             "S4": (2850, 773, 978), "S5": (3389, 591, 1003), "S6": (3461, 706, 685),
-            "R1": (1480, 541, 1388), "R2": (2025, 561, 1442), "R3": (3045, 526, 1385),
+            "R1": (1480, 541, 1388), "R2": (2025, 561, 1462), "R3": (3045, 526, 1385),
             "B1": (285, 701, 204), "B2": (1085, 776, 179), "B3": (1915, 781, 179),
             "B4": (2705, 773, 184), "B5": (3422, 736, 283),
             "WF": (705, 681, 311), "WR": (3105, 689, 311),
@@ -162,14 +159,20 @@ KINDS: Final[Mapping[str, Kind]] = {
         "One tall box without windows in the rear, with a short bonnet.",
         {
             "C0": (84, 0, 237), "C1": (114, 0, 886), "C2": (890, 0, 1182), "C3": (1529, 0, 1841),
-            "C4": (2620, 0, 1944), "C5": (4994, 0, 1871), "C6": (5114, 0, 1280),
+            "C4": (2620, 0, 1985), "C5": (4994, 0, 1855), "C6": (5114, 0, 1280),
             "C7": (5119, 0, 749), "C8": (5094, 0, 334),
             "S1": (376, 776, 876), "S2": (994, 898, 1152), "S3": (2170, 933, 1113),
             "S4": (4267, 923, 1142), "S5": (5059, 846, 1270), "S6": (4994, 872, 739),
-            "R1": (1593, 699, 1758), "R2": (2213, 738, 1856), "R3": (4905, 736, 1810),
+            "R1": (1593, 699, 1758), "R2": (2213, 738, 1897), "R3": (4905, 736, 1797),
             "B1": (316, 849, 247), "B2": (1368, 923, 212), "B3": (2352, 931, 209),
             "B4": (3721, 923, 217), "B5": (4934, 874, 339),
             "WF": (930, 835, 345), "WR": (4138, 852, 345),
+        },
+        # The roof is flat up to its rear edge, where it turns down.
+        tangents={
+            "C4-C5": ((2698, 0, 0), (820, 0, -287)), "C5-C6": ((615, 0, -215), (-109, 0, -649)),
+            "R2-R3": ((2169, 53, 0), (880, -20, -220)),
+            "R3-S5": ((660, -15, -165), (62, 142, -706)),
         },
         words={
             "S3": (
@@ -207,11 +210,11 @@ KINDS: Final[Mapping[str, Kind]] = {
         "A cab with four doors, and a bed under a flat cover.",
         {
             "C0": (103, 0, 347), "C1": (132, 0, 1022), "C2": (1272, 0, 1181), "C3": (1978, 0, 1716),
-            "C4": (2553, 0, 1799), "C5": (3309, 0, 1746), "C6": (3495, 0, 1216),
+            "C4": (2553, 0, 1832), "C5": (3309, 0, 1746), "C6": (3495, 0, 1216),
             "C7": (5255, 0, 1171), "C8": (5275, 0, 516),
             "S1": (341, 771, 998), "S2": (1323, 882, 1152), "S3": (2442, 902, 1152),
             "S4": (3440, 892, 1181), "S5": (5127, 862, 1156),
-            "R1": (2049, 641, 1668), "R2": (2583, 666, 1746), "R3": (3289, 641, 1693),
+            "R1": (2049, 641, 1668), "R2": (2583, 666, 1779), "R3": (3289, 641, 1693),
             "B1": (332, 842, 377), "B2": (1454, 907, 397), "B3": (2462, 912, 397),
             "B4": (3561, 907, 407), "B5": (5137, 842, 516),
             "WF": (980, 791, 385), "WR": (4090, 791, 385),
@@ -233,11 +236,11 @@ KINDS: Final[Mapping[str, Kind]] = {
         "Three long boxes, four doors, a boot lid.",
         {
             "C0": (86, 0, 194), "C1": (111, 0, 758), "C2": (1380, 0, 1017), "C3": (2160, 0, 1436),
-            "C4": (2910, 0, 1488), "C5": (3830, 0, 1428), "C6": (4568, 0, 1127),
+            "C4": (2910, 0, 1494), "C5": (3830, 0, 1428), "C6": (4568, 0, 1127),
             "C7": (5206, 0, 1077), "C8": (5221, 0, 289),
             "S1": (428, 725, 763), "S2": (1500, 890, 997), "S3": (2860, 930, 982),
             "S4": (4479, 880, 1047), "S5": (5047, 720, 1017),
-            "R1": (2225, 625, 1381), "R2": (2980, 650, 1441), "R3": (3840, 610, 1376),
+            "R1": (2225, 625, 1381), "R2": (2980, 650, 1447), "R3": (3840, 610, 1376),
             "B1": (357, 830, 209), "B2": (1310, 915, 184), "B3": (2810, 925, 184),
             "B4": (3710, 920, 189), "B5": (5007, 830, 299),
             "WF": (900, 825, 350), "WR": (4070, 840, 350),
@@ -273,28 +276,13 @@ def template_of(name: str) -> bytes:
 def shaped(base: Template, kind: Kind) -> Network:
     """Return the network of a kind: fair lines through its nodes, and smooth surfaces."""
     places = np.array([placed(name, kind) for name in base.names], float)
-    network = levelled(smooth_chains(turned_with_chords(base, places)))
-    network = opened(straightened(network))
+    network = opened(crested(straightened(smooth_chains(turned_with_chords(base, places)))))
     given: dict[tuple[int, int], Array] = {}
     for key, tangents in kind.tangents.items():
         edge, sense = found(base, key)
         ends = tangents if sense > 0 else tangents[::-1]
         given |= {(edge, end): sense * np.array(ends[end], float) for end in (0, 1)}
-    return lock_ratios(with_tangents(network, given))
-
-
-def levelled(network: Network) -> Network:
-    """Return a network whose roof is level above the doors."""
-    template = network.template
-    level = {template.node[name] for name in LEVEL}
-    changed = {}
-    for joint in junctions(template):
-        if joint.node in level and not joint.crosses:
-            forth = np.sign(np.diff(network.positions[list(joint.neighbours), 0]))[0]
-            for end, sense in zip((joint.before, joint.after), joint.senses, strict=True):
-                length = float(np.linalg.norm(network.tangents[end]))
-                changed[end] = np.array([sense * forth * length, 0.0, 0.0])
-    return with_tangents(network, changed)
+    return lock_ratios(smooth_chains(with_tangents(network, given)))
 
 
 def placed(name: str, kind: Kind) -> Point:

@@ -27,6 +27,7 @@ from bozzetto_car.body.build import Body, body_of, preview_of
 from bozzetto_car.body.edge_ink import ink_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of
+from bozzetto_car.marking.standing_mesh import standing_mesh
 from bozzetto_car.marks_file import (
     car_from_facts,
     car_of_template,
@@ -35,7 +36,7 @@ from bozzetto_car.marks_file import (
 )
 from bozzetto_car.report import FIGURES, cautions_of, report_of
 from bozzetto_car.solver.pipeline import blend_problem
-from bozzetto_car.state import CarState, Sketch, StylingCurve
+from bozzetto_car.state import CarMesh, CarState, Sketch, StylingCurve
 from bozzetto_car.styling.commands import styling_commands
 from bozzetto_car.tools import all_tools
 from bozzetto_car.view.mark_items import MARK_TOOL
@@ -54,7 +55,7 @@ class Car(PartsModeler[CarState, Body]):
     id = "bozzetto.car"
     state_type = CarState
     state_version = 2
-    part_types = (Sketch, StylingCurve, Group)
+    part_types = (Sketch, CarMesh, StylingCurve, Group)
     first_parameters = ("template", "trace", "shading")
     figures = FIGURES
 
@@ -112,6 +113,11 @@ class Car(PartsModeler[CarState, Body]):
             height=float(picture.height),
         )
         return replace(state.with_node(sketch), asked="")
+
+    @override
+    def read_shapes(self, shapes: Shapes) -> CarState:
+        """Return a car that takes the shape of a mesh, by the points that its file names."""
+        return CarState().with_node(standing_mesh(shapes, "n1", "Mesh"))
 
     @override
     def solve(self, state: CarState, job: Job) -> Body:
@@ -172,7 +178,10 @@ class Car(PartsModeler[CarState, Body]):
 
     @override
     def with_parts(
-        self, state: CarState, nodes: tuple[Sketch | StylingCurve | Group, ...], selected: str
+        self,
+        state: CarState,
+        nodes: tuple[Sketch | CarMesh | StylingCurve | Group, ...],
+        selected: str,
     ) -> CarState:
         """Return the state with other parts; where none is chosen, no tangents are revealed."""
         revealed = state.revealed if selected else ""

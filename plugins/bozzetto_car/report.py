@@ -227,7 +227,10 @@ def _input_not_used(body: Body) -> Iterator[Caution]:
         other = f"not like {own.article} {own.noun}"
         words = f"This looks like {likelier.article} {likelier.noun}, {other}."
         yield Caution(f"{words} Choose that template.")
-    if not solved.placed:
+    if solved.mesh is not None:
+        marked = len(solved.mesh.points)
+        yield Caution(f"The car has the shape of a mesh, by {marked} marked points.")
+    elif not solved.placed:
         yield Caution("There is no sketch. The car is the template as it stands.")
     elif not solved.solid:
         problems = (f"{p.sketch.name}: {p.problem}" for p in solved.placed.values() if p.problem)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry import frozen
+from bozzetto.geometry import Mesh, frozen
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto.scene import Picture
@@ -203,6 +203,48 @@ class Sketch(Part):
         return next((mark for mark in self.marks if mark.node == node), None)
 
 
+@dataclass(frozen=True)
+class SurfacePoint:
+    """The place of a node on the mesh of a car, mm; of a pair, of the right one."""
+
+    node: str
+    x: float
+    y: float
+    z: float
+
+    @property
+    def place(self) -> Array:
+        """The place, (3,)."""
+        return np.array([self.x, self.y, self.z])
+
+
+def _no_mesh() -> Mesh:
+    return Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
+
+
+@dataclass(frozen=True)
+class CarMesh(Part):
+    """The mesh of a car that the template takes the shape of, and the points marked on it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Standing as a template does, mm.
+    points : tuple of SurfacePoint
+        In the order in which they were set; a node is marked once at most.
+    """
+
+    mesh: Mesh = field(default_factory=_no_mesh)
+    points: tuple[SurfacePoint, ...] = ()
+    opacity: Annotated[
+        float, Parameter("Opacity", 0.0, 1.0, step=0.05, help="How much of the mesh is seen.")
+    ] = 0.5
+
+    def point_of(self, node: str) -> SurfacePoint | None:
+        """Return the mark of a node; None if it is not set."""
+        return next((point for point in self.points if point.node == node), None)
+
+
 @dataclass(frozen=True, eq=False)
 class StylingCurve(Part):
     """A line on the body, stored by patch, u and v, so that it follows all later changes.
@@ -253,7 +295,7 @@ class CarState(PartsState):
 
     Parameters
     ----------
-    nodes : tuple of Sketch, StylingCurve or Group
+    nodes : tuple of Sketch, CarMesh, StylingCurve or Group
     selected : str
         Id of the node that is chosen; "" for none.
     asked : str
@@ -269,7 +311,7 @@ class CarState(PartsState):
         `template` is "own"; "" for none.
     """
 
-    nodes: tuple[Sketch | StylingCurve | Group, ...] = ()
+    nodes: tuple[Sketch | CarMesh | StylingCurve | Group, ...] = ()
     selected: str = ""
     asked: str = ""
     revealed: str = ""
@@ -407,6 +449,12 @@ class CarState(PartsState):
         sketches = self.sketches
         chosen = (sketch for sketch in sketches if sketch.id == self.selected)
         return next(chosen, sketches[0] if sketches else None)
+
+    @property
+    def mesh(self) -> CarMesh | None:
+        """The visible mesh that the template takes the shape of, where there is no sketch."""
+        meshes = self.shown(CarMesh)
+        return meshes[0] if meshes and not self.sketches else None
 
     @property
     def dimensions(self) -> Dimensions:

@@ -18,12 +18,14 @@ from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tange
 from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.drag import bend_edge
+from bozzetto_car.body.edges_on_mesh import network_on_mesh
 from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
 from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.dimensions import Dimensions, measure_dimensions
 from bozzetto_car.solver.initial_cameras import counted_marks
+from bozzetto_car.solver.nodes_on_mesh import FEWEST
 from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.state import BentEdge, BodyEdit, CarState, MovedNode, TracedEdges, Treatment
 from bozzetto_car.template.model import Template
@@ -148,7 +150,9 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
 
 
 def is_shown(state: CarState, body: Body) -> bool:
-    """Whether the body is shown, and not only a sketch whose camera is not known."""
+    """Whether the body is shown, and not only a sketch or a mesh with too few marks."""
+    if state.mesh is not None:
+        return len(state.mesh.points) >= FEWEST
     return state.sketch is None or body.solved.joint is not None
 
 
@@ -163,7 +167,7 @@ def body_in_work(state: CarState) -> Body:
     body = body_of(state)
     if not is_shown(state, body):
         raise UserError(
-            "There is no body to work on yet: the camera of the sketch is not known. Mark its "
+            "There is no body to work on yet: the sketch or the mesh has too few marks. Mark its "
             "points first."
         )
     return body
@@ -265,7 +269,9 @@ def _right_after(base: Solved, state: CarState) -> Body:
 
 def _deformed(base: Solved, state: CarState) -> Body:
     """Return the network right after deformation, as a body without edits."""
-    if state.annealed and base.joint is not None:
+    if base.mesh is not None:
+        network = network_on_mesh(base.template, base.positions, base.mesh.mesh)
+    elif state.annealed and base.joint is not None:
         network = fair_network(base.template, base.positions)
     else:
         network = Network.of(base.template, base.positions)

@@ -4,12 +4,16 @@ Tangents of the template, in mm, on nodes that have moved bend most edges twice.
 relative to its chord as it does in the template: its tangents are turned and stretched with the
 chord. Chains are then annealed (`chain_smoothing.anneal`). An edge that still bends to both sides
 lies where a row of nodes zigzags, which is the tremor of marks; it runs straight along its chord,
-and its neighbours leave it in that direction. Last, corners of patches in which two edges have come
-to run in one line are opened, for the surface would have no normal there.
+and its neighbours leave it in that direction. Where the template's line is level at its highest
+node, such as that of the roof, it stays so, and rises no higher beside it. Last, corners of patches
+in which two edges have come to run in one line are opened, for the surface would have no normal
+there.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -18,7 +22,7 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array
 from bozzetto_car.body.chain_smoothing import anneal
 from bozzetto_car.template.model import Template
-from bozzetto_car.template.network import Network, junctions, with_tangents
+from bozzetto_car.template.network import EdgeJunction, Network, junctions, with_tangents
 
 STRAIGHT: Final = 1e-9
 """Product of the turns (sines) at both ends below which an edge does not count as bent twice."""
@@ -26,6 +30,17 @@ STRAIGHT: Final = 1e-9
 WIDEST: Final = 170.0
 """Largest angle of two edges at a corner of a patch, degrees: with a margin to what a template may
 have (`network_validation.NARROWEST_CORNER`)."""
+
+KNOWN: Final = 16
+"""Number of templates whose crests are remembered."""
+
+LEVEL: Final = 0.01
+"""Sine of the slope up to which a line of a template counts as level."""
+
+STEEPEST: Final = 2.5
+"""Greatest rise of the tangent at the foot of an edge to a crest, relative to the rise of the edge.
+From 3 on the edge would pass above the crest (Fritsch & Carlson, *Monotone piecewise cubic
+interpolation*, 1980); the rest is room for tangents that the lock of ratios makes longer."""
 
 ROUNDS: Final = 4
 """Most rounds of straightening: one edge that is straightened may bend its neighbour twice."""
@@ -41,7 +56,7 @@ def fair_network(template: Template, positions: ArrayLike) -> Network:
     positions : (n, 3) array_like
         Places of the nodes, mm.
     """
-    return opened(straightened(anneal(turned_with_chords(template, positions))))
+    return opened(crested(straightened(anneal(turned_with_chords(template, positions)))))
 
 
 def opened(network: Network) -> Network:
@@ -159,7 +174,7 @@ def double_bends(network: Network) -> Array:
     return np.asarray((turns[:, 0] * turns[:, 1]).sum(axis=1) / np.where(sizes > 0.0, sizes, 1.0))
 
 
-def straightened(network: Network) -> Network:
+def straightened(network: Network, held: Collection[tuple[int, int]] = ()) -> Network:
     """Return a network without edges that bend twice: those run straight; lengths stay.
 
     Joints of chains keep one direction, so a neighbour in a chain turns with it. Where a chain
@@ -169,6 +184,8 @@ def straightened(network: Network) -> Network:
     ----------
     network : Network
         A network whose chains have one direction at each junction.
+    held : collection of (edge, end)
+        Tangents that stay; an edge with one runs straight at its other end only.
     """
     at = {
         end: joint for joint in junctions(network.template) for end in (joint.before, joint.after)
@@ -189,7 +206,7 @@ def straightened(network: Network) -> Network:
                 together = {(edge, end): 1}
                 if joint is not None:
                     together = dict(zip((joint.before, joint.after), joint.senses, strict=True))
-                if together.keys() & changed.keys():
+                if together.keys() & (changed.keys() | set(held)):
                     continue
                 own = together[edge, end]
                 for other, sense in together.items():
@@ -197,3 +214,88 @@ def straightened(network: Network) -> Network:
                     changed[other] = sense * own * length * way
         network = with_tangents(network, changed)
     return network
+
+
+@lru_cache(maxsize=KNOWN)
+def crests(template: Template) -> tuple[EdgeJunction, ...]:
+    """Return the joints at which a line of a template is level, and above both neighbours."""
+    heights = template.positions[:, 2]
+    slopes = np.abs(template.tangents[..., 2])
+    lengths = np.linalg.norm(template.tangents, axis=2)
+    return tuple(
+        joint
+        for joint in junctions(template)
+        if not joint.crosses
+        and heights[joint.node] > heights[list(joint.neighbours)].max()
+        and all(slopes[end] <= LEVEL * lengths[end] for end in (joint.before, joint.after))
+    )
+
+
+def crested(network: Network) -> Network:
+    """Return a network whose lines are level and highest where those of the template are.
+
+    Tangents turn up or down and keep their lengths: at the crest until they are level, at the far
+    ends of both edges until these rise to the crest, neither over it nor with a bend to both sides.
+    An edge beyond that bends twice then is straightened at its other end. A node that has moved
+    below one of its neighbours is no crest any more, and its line stays.
+
+    Parameters
+    ----------
+    network : Network
+        A network whose chains have one direction at each junction.
+    """
+    at = {
+        end: joint for joint in junctions(network.template) for end in (joint.before, joint.after)
+    }
+    held: set[tuple[int, int]] = set()
+    for joint in crests(network.template):
+        heights = network.positions[[joint.node, *joint.neighbours], 2]
+        if heights[0] <= heights[1:].max():
+            continue
+        for end, foot in zip((joint.before, joint.after), joint.neighbours, strict=True):
+            changed = {end: _sloped(network.tangents[end], 0.0)}
+            far = (end[0], 1 - end[1])
+            together = {far: 1}
+            if far in at:
+                twin = at[far]
+                together = dict(zip((twin.before, twin.after), twin.senses, strict=True))
+            # Up the edge, whichever way it and its chain run.
+            up = 1 if far[1] == 0 else -1
+            own, way = up * network.tangents[far], network.positions[joint.node]
+            wanted = _up_to_crest(own, way - network.positions[foot], up * changed[end])
+            for other, sense in together.items():
+                length = float(np.linalg.norm(network.tangents[other]))
+                changed[other] = up * together[far] * sense * length * wanted
+            network = with_tangents(network, changed)
+            held |= {end, *together}
+    return straightened(network, held) if held else network
+
+
+def _up_to_crest(own: Array, way: Array, level: Array) -> Array:
+    """Return the unit vector at the foot of an edge with which it rises to its crest, no higher.
+
+    Parameters
+    ----------
+    own : (3,) float
+        The tangent that it has there, up the edge.
+    way : (3,) float
+        The chord, up the edge.
+    level : (3,) float
+        The tangent at the crest.
+    """
+    length, chord = float(np.linalg.norm(own)), way / np.linalg.norm(way)
+    highest = STEEPEST * float(way[2])
+    rise = min(max(float(own[2]), length * float(chord[2])), highest)
+    made = own if rise == own[2] else _sloped(own, rise)
+    bent_twice = np.cross(chord, made) @ np.cross(chord, level) > 0.0
+    return np.asarray(chord if bent_twice else made / length)
+
+
+def _sloped(way: Array, rise: float) -> Array:
+    """Return a vector of the same length and bearing that rises by another height."""
+    flat = float(np.hypot(way[0], way[1]))
+    length = float(np.linalg.norm(way))
+    if flat == 0.0 or abs(rise) >= length:
+        return way
+    scale = np.sqrt(length**2 - rise**2) / flat
+    return np.array([scale * way[0], scale * way[1], rise])

@@ -31,8 +31,9 @@ from bozzetto_car.solver.initial_cameras import (
     place_sketch,
     view_of,
 )
+from bozzetto_car.solver.nodes_on_mesh import nodes_on_mesh
 from bozzetto_car.solver.prior import Cost
-from bozzetto_car.state import TRACE, CarState, Sketch
+from bozzetto_car.state import TRACE, CarMesh, CarState, Sketch
 from bozzetto_car.template.blend import blended, can_blend
 from bozzetto_car.template.loader import TEMPLATES, bundled, read_template
 from bozzetto_car.template.model import Template
@@ -63,6 +64,8 @@ class Solved:
         By the id of the sketch.
     solid : tuple of str
         Ids of the sketches that are solved, in the order of the joint's views.
+    mesh : CarMesh or None
+        The mesh whose shape the car takes, if it has a marked point.
     """
 
     template: Template
@@ -72,6 +75,7 @@ class Solved:
     joint: JointSolution | None
     placed: Mapping[str, Placed]
     solid: tuple[str, ...]
+    mesh: CarMesh | None = None
 
 
 def template_of(state: CarState) -> Template:
@@ -164,7 +168,7 @@ def _question(state: CarState) -> tuple[object, ...]:
     own = state.own if state.template == "own" else state.template
     blend = None if state.blend == "none" else (state.blend, state.share)
     shape = (own, blend, state.trace, state.cost, state.without, locked)
-    return (*shape, sketches)
+    return (*shape, sketches, state.mesh)
 
 
 def _taking_part(state: CarState) -> tuple[Sketch, ...]:
@@ -186,7 +190,9 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
             f"A car can have {MOST_VIEWS} sketches at once. Hide the ones that help least."
         )
     if not solid:
-        return Solved(template, cost, soundness, template.positions, None, placed, ())
+        mesh = state.mesh if state.mesh is not None and state.mesh.points else None
+        nodes = template.positions if mesh is None else nodes_on_mesh(template, mesh)
+        return Solved(template, cost, soundness, nodes, None, placed, (), mesh)
     if before is None and state.cost != "paper":
         usual = _put_in_perspective(state, template, soundness, placed)
         if usual is not None and state.trace == TRACE:

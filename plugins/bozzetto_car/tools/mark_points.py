@@ -14,10 +14,12 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.marking.edit_marks import set_mark, sketch_in_work, without_marks
+from bozzetto_car.marking.mark_mesh import asked_on_mesh, erased_on_mesh, marked_on_mesh
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of
 from bozzetto_car.solver.pipeline import template_of
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.mark_items import MARK, MARK_TOOL, mark_preview
+from bozzetto_car.view.mesh_items import mesh_layers
 from bozzetto_car.view.next_step import next_mark_step
 from bozzetto_car.view.view_advice import camera_looked_through
 
@@ -62,6 +64,8 @@ class MarkPoints(Tool[CarState]):
         """Show the car with the mark, on the picture."""
         if isinstance(gesture, Ink):
             return Scene()
+        if state.mesh is not None:
+            return Scene(mesh_layers(_on_mesh(state, gesture)))
         before = body_of(state)
         mark = _mark(state, before, gesture, _seen(context))
         moved = set_mark(state, mark.node, (mark.u, mark.v), before.template)
@@ -77,6 +81,8 @@ class MarkPoints(Tool[CarState]):
         UserError
             If there is none under it.
         """
+        if state.mesh is not None:
+            return erased_on_mesh(state, ink.strokes, REACH * context.pen.tolerance)
         return _erased(state, _seen_body(state), ink, context.pen.tolerance)
 
     @override
@@ -88,6 +94,8 @@ class MarkPoints(Tool[CarState]):
         UserError
             If there is nothing to mark, or the sketch is not seen as it was drawn.
         """
+        if state.mesh is not None:
+            return _on_mesh(state, tap)
         return _marked(state, _seen_body(state), tap, context)
 
     @override
@@ -99,6 +107,8 @@ class MarkPoints(Tool[CarState]):
         UserError
             If the handle is no mark, or the sketch is not seen as it was drawn.
         """
+        if state.mesh is not None:
+            return state if _is_touch(drag) else _on_mesh(state, drag)
         body = _seen_body(state)
         if not _is_touch(drag):
             return _marked(state, body, drag, context)
@@ -106,6 +116,16 @@ class MarkPoints(Tool[CarState]):
             return state
         x, y = drag.path.points[0].tolist()
         return _marked(state, body, Tap(x, y, drag.camera), context)
+
+
+def _on_mesh(state: CarState, gesture: Tap | Drag) -> CarState:
+    """Return the state with the point that a gesture on the mesh of a car sets or moves."""
+    if isinstance(gesture, Drag):
+        node, at = gesture.handle.removeprefix(MARK), gesture.path.points[-1]
+        return marked_on_mesh(state, node, gesture.camera, at)
+    return marked_on_mesh(
+        state, asked_on_mesh(state), gesture.camera, np.array([gesture.x, gesture.y])
+    )
 
 
 def _seen_body(state: CarState) -> Body:

@@ -28,6 +28,7 @@ from bozzetto_car.view.edge_items import (
     sources_of,
 )
 from bozzetto_car.view.mark_items import mark_layers
+from bozzetto_car.view.mesh_items import mesh_layers
 from bozzetto_car.view.surface_colors import certainty_colors, curvature_colors
 
 DIVISIONS: Final = 12
@@ -59,6 +60,7 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
         layers += body_layers(state, body)
     layers.append(Layer("styling", styling_items(state, body)))
     layers += mark_layers(state, body)
+    layers += mesh_layers(state)
     return Scene(tuple(layer for layer in layers if layer.items))
 
 

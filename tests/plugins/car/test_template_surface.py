@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from bozzetto.geometry.patches import coons_nets, extent
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Patch, Template
+from bozzetto_car.template.network import Network
 
 Array = NDArray[np.float64]
 
@@ -85,6 +87,12 @@ def test_surfaces_lie_open_and_do_not_fold(template: Template) -> None:
         across = normals(template, patch, *grid())
         unit = across / np.linalg.norm(across, axis=1, keepdims=True)
         assert (unit @ unit.mean(axis=0)).min() > 0.5
+
+
+def test_the_highest_point_of_the_roof_is_the_highest(template: Template) -> None:
+    box = extent(coons_nets(Network.of(template).control_points, template.sides))
+    assert "highest point" in template.titles["C4"]
+    assert box[1, 2] == pytest.approx(template.positions[template.node["C4"], 2], abs=0.01)
 
 
 def crease(template: Template, edge: int) -> float:

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry.patches import coons_nets, crease_angles
-from bozzetto_car.body.chain_smoothing import anneal, smooth_chains
+from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, smooth_chains
 from bozzetto_car.body.fair_lines import (
     double_bends,
     fair_network,
     straightened,
     turned_with_chords,
 )
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, TEMPLATES, bundled
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network import Network
 from bozzetto_car.template.network_validation import NARROWEST_CORNER
@@ -120,3 +120,27 @@ def test_what_does_not_bend_twice_is_left_alone(template: Template) -> None:
     assert np.array_equal(again.tangents, network.tangents)
     smoothed = smooth_chains(again)
     assert smoothed.tangents == pytest.approx(again.tangents, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_the_highest_point_of_the_roof_stays_the_highest(name: str) -> None:
+    """Whatever the nodes around it did, as long as they are lower; also where surfaces are locked
+    to be smooth. Where one is higher the line only bends as little as before."""
+    template = bundled(name)
+    before, top, after = (template.node[node] for node in ("C3", "C4", "C5"))
+    pairs = (before, top), (top, after)
+    roof = [max(edge, ~edge) for edge in (template.edge_between[pair] for pair in pairs)]
+    along = np.linspace(0.0, 1.0, 201)[:, None]
+    judged = 0
+    for seed in range(20):
+        made = lock_ratios(fair_network(template, trembling(template, seed)))
+        heights = made.positions[[before, top, after], 2]
+        assert double_bends(made)[roof].max() <= 1e-6
+        if heights[1] > heights[[0, 2]].max():
+            # By de Casteljau's scheme, all heights along both edges.
+            points = made.control_points[roof, :, 2].T[:, None]
+            for _ in range(3):
+                points = (1.0 - along) * points[:-1] + along * points[1:]
+            assert points.max() <= heights[1] + 0.01
+            judged += 1
+    assert judged >= 10

@@ -1,0 +1,70 @@
+"""Edges between nodes on a mesh: bent until they lie on its surface.
+
+Edges keep their ends, and places along them come as near to the surface as a cubic can; chains keep
+one direction at each joint.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.geometry import Mesh, closest_on_mesh
+from bozzetto.geometry.patches import bernstein
+from bozzetto_car.body.chain_smoothing import smooth_chains
+from bozzetto_car.body.fair_lines import fair_network
+from bozzetto_car.template.model import Template
+from bozzetto_car.template.network import HANDLE, Network, with_tangents
+
+ALONG: Final = np.linspace(0.0, 1.0, 13)[1:-1]
+"""Places along an edge that are brought to the surface."""
+
+REACH: Final = 0.25
+"""Farthest way of such a place to the surface, in chords of its edge."""
+
+STIFF: Final = 0.15
+"""Weight of a change of a handle, relative to that of the places."""
+
+ROUNDS: Final = 4
+"""How often edges are bent and chains are smoothed."""
+
+
+def network_on_mesh(template: Template, places: Array, mesh: Mesh) -> Network:
+    """Return fair edges between nodes, bent until they lie on a mesh as far as cubics can.
+
+    Parameters
+    ----------
+    template : Template
+        The template.
+    places : (n, 3) float
+        Nodes, mm.
+    mesh : Mesh
+        The mesh.
+    """
+    network = fair_network(template, places)
+    weights = bernstein(ALONG)
+    inner = weights[:, 1:3]
+    # Least squares of both handles, with a small price on what no place along the edge asks for.
+    solver = np.linalg.solve(inner.T @ inner + STIFF * np.eye(2), inner.T)
+    right = [edge for edge in range(len(template.edges)) if not _is_left(template, edge)]
+    for _ in range(ROUNDS):
+        points = network.control_points[right]
+        along = weights @ points
+        found = closest_on_mesh(mesh, along.reshape(-1, 3))
+        off = found.points(mesh).reshape(along.shape) - along
+        chords = np.linalg.norm(points[:, 3] - points[:, 0], axis=1)
+        near = np.linalg.norm(off, axis=2) <= REACH * chords[:, None]
+        handles = solver @ np.where(near[..., None], off, 0.0)
+        changed = {}
+        for edge, (first, second) in zip(right, handles, strict=True):
+            tangents = network.tangents[edge]
+            changed[edge, 0] = tangents[0] + first / HANDLE
+            changed[edge, 1] = tangents[1] - second / HANDLE
+        network = smooth_chains(with_tangents(network, changed))
+    return network
+
+
+def _is_left(template: Template, edge: int) -> bool:
+    return any(template.names[node].endswith(".L") for node in template.edges[edge])
