@@ -21,6 +21,7 @@ from bozzetto.exchange.formats import FORMATS, find, function, readers
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.view import Camera
+from tests.core.exchange.test_texture import painted_box
 from tests.sizes import sized
 
 DEFAULT_CASES = 3000
@@ -104,8 +105,9 @@ def seeds(tmp_path_factory):
     faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     places = [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]]
     solid = Solid(Mesh(places, faces, colors=np.arange(16).reshape(4, 4)), "a", (1, 2, 3))
-    for ending in ("stl", "glb", "obj", "ply", "3mf"):
+    for ending in ("stl", "glb", "obj", "ply"):
         export(Shapes(solids=(solid, solid)), folder / f"a.{ending}")
+    export(Shapes(solids=(painted_box(), solid)), folder / "a.3mf")
     with (
         zipfile.ZipFile(folder / "a.3mf") as packed,
         zipfile.ZipFile(folder / "b.3mf", "w") as plain,  # where damage reaches the text
