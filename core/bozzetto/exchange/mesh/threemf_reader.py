@@ -13,6 +13,7 @@ from array import array
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -22,7 +23,7 @@ from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, MAX_PARTS, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import checked_mesh, is_degenerate
-from bozzetto.exchange.mesh.threemf_pictures import Pictures
+from bozzetto.exchange.mesh.stacked_pictures import Pictures
 from bozzetto.exchange.reading import Reading
 from bozzetto.exchange.safe_xml import parse_events
 from bozzetto.geometry.mesh import Mesh
@@ -133,10 +134,9 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
             waiting += sorted(named - models)
             models |= named
             at_most(len(models), MAX_MODELS, "models")
-        pictures = Pictures(reading)
+        pictures = Pictures("3MF", reading)
         for path in package.paths():
-            held = names.get(path)
-            pictures.add(path, None if held is None else _unpacked(zipped, held))
+            pictures.add(path, partial(_picture, zipped, names, path))
     parts = list(_parts(package, pictures))
     if not parts:
         raise FormatError("There are no faces in this file.")
@@ -156,6 +156,12 @@ def _unpacked(zipped: zipfile.ZipFile, name: str) -> bytes:
     at_most(zipped.getinfo(name).file_size, MAX_MODEL_BYTES, "bytes in a model")
     with _unpacking():
         return zipped.read(name)
+
+
+def _picture(zipped: zipfile.ZipFile, names: dict[str, str], path: str) -> bytes:
+    if path not in names:
+        raise FormatError("It is not in the file.")
+    return _unpacked(zipped, names[path])
 
 
 def _start_of(zipped: zipfile.ZipFile, names: dict[str, str]) -> str:
@@ -217,6 +223,11 @@ class _ModelReader:
                 if unit not in MILLIMETRES_OF:
                     raise FormatError(f"Its unit “{unit[:40]}” is none that 3MF knows.")
                 self._scale = MILLIMETRES_OF[unit]
+            case "object" if (key := (self._path, attributes["id"])) in self._package.objects:
+                # Some write a mesh and what hangs on it as two objects with one number.
+                self._object = self._package.objects[key]
+            case "mesh" if self._object.corners:
+                raise FormatError("Two of its meshes have one number. Export it again.")
             case "object":
                 self._object = _Object(
                     attributes.get("name", ""),

@@ -1,12 +1,13 @@
-"""Pictures of 3MF objects, read: all that one object shows becomes one picture wrapped around it.
+"""Pictures of foreign meshes, read: all that one object shows becomes one picture around it.
 
-Materials extension, chapter 4: groups of places in a picture, v upwards. An object may show several
-pictures, and plain colours besides. Cut up by them it would be closed no longer, so its pictures
-are put above each other, with a patch for each colour below.
+An object of a 3MF or OBJ file may show several pictures, and plain colours besides. Cut up by them
+it would be closed no longer, so its pictures are put above each other, with a patch for each
+colour below.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Bytes, Index, frozen
-from bozzetto.errors import FormatError, UserError
+from bozzetto.errors import UserError
 from bozzetto.exchange.image import read_pixels
 from bozzetto.exchange.limits import MAX_PIXELS, at_most
 from bozzetto.exchange.reading import Reading
@@ -31,28 +32,29 @@ REPEATED: Final = "that pictures repeat within a triangle (bake them in the prog
 
 @dataclass
 class Pictures:
-    """The pictures of a package, those that were asked for so far.
+    """The pictures of a file, those that were asked for so far.
 
     Parameters
     ----------
+    kind : str
+        Of the file, for messages.
     reading : Reading
         Where it is told what is left out.
     """
 
+    kind: str
     reading: Reading
     _known: dict[str, Bytes | None] = field(default_factory=dict)
     _size: int = 0
     _together: dict[tuple[tuple[str, ...], bytes], Bytes] = field(default_factory=dict)
 
-    def add(self, path: str, data: bytes | None) -> None:
-        """Unpack a picture; None is one that the package does not hold."""
+    def add(self, path: str, load: Callable[[], bytes]) -> None:
+        """Unpack a picture; what it takes is told if it cannot be had."""
         if path in self._known:
             return
         self._known[path] = None
         try:
-            if data is None:
-                raise FormatError("It is not in the file.")
-            pixels = read_pixels(data)
+            pixels = read_pixels(load())
             self._count(pixels.shape[0] * pixels.shape[1])
         except UserError as error:
             self._leave_out(f"a picture. {error.message}")
@@ -129,7 +131,7 @@ class Pictures:
         return found
 
     def _leave_out(self, what: str) -> None:
-        self.reading.tell(f"Left out of the 3MF file: {what}")
+        self.reading.tell(f"Left out of the {self.kind} file: {what}")
 
 
 def _patches(colors: NDArray[np.uint8], columns: int) -> Bytes:
