@@ -66,7 +66,8 @@ const answer = {
   meshes: meshes().map(one => ({
     name: one.name, opacity: one.material.opacity, transparent: one.material.transparent,
     roughness: one.material.roughness, metalness: one.material.metalness,
-    color: one.material.color.toArray(),
+    color: one.material.color.toArray(), material: one.material.uuid,
+    map: one.material.map ? one.material.map.source.uuid : "",
   })),
 };
 if (asked.picture) {  // from the front, black on white
@@ -75,7 +76,15 @@ if (asked.picture) {  // from the front, black on white
   const camera = new THREE.OrthographicCamera(-half, half, half, -half, 0.01 * half, 100 * half);
   camera.position.copy(middle).add(new THREE.Vector3(0, 0, 10 * half));
   camera.lookAt(middle);
-  scene.overrideMaterial = new THREE.MeshBasicMaterial({color: 0x000000, side: THREE.DoubleSide});
+  if (asked.painted) {  // in the colours of the pictures, without light
+    for (const one of meshes()) {
+      const looks = {map: one.material.map, color: one.material.color};
+      one.material = new THREE.MeshBasicMaterial(looks);
+    }
+  } else {
+    const black = {color: 0x000000, side: THREE.DoubleSide};
+    scene.overrideMaterial = new THREE.MeshBasicMaterial(black);
+  }
   renderer.render(scene, camera);
   answer.half = half;
   answer.picture = renderer.domElement.toDataURL("image/png");
@@ -84,7 +93,9 @@ document.getElementById("answer").textContent = JSON.stringify(answer);
 </script>"""
 
 
-def asked(model: bytes, times: tuple[float, ...] = (), picture: bool = False) -> Any:
+def asked(
+    model: bytes, times: tuple[float, ...] = (), picture: bool = False, painted: bool = False
+) -> Any:
     """Load a GLB file; the test is skipped where there is no three.js or no Chromium.
 
     Parameters
@@ -95,12 +106,16 @@ def asked(model: bytes, times: tuple[float, ...] = (), picture: bool = False) ->
     picture : bool
         Whether "picture" shows it from the front, black on white, as an (SIDE, SIDE) array of
         whether there is something; "half" is half of its width, metres.
+    painted : bool
+        Whether it shows the colours instead, (SIDE, SIDE, 3).
     """
     three = os.environ.get("BOZZETTO_THREE")
     browser = shutil.which("chromium") or shutil.which("chromium-browser")
     if not three or not browser:
         pytest.skip("BOZZETTO_THREE names no three.js, or there is no Chromium")
-    page = PAGE.replace("ASKED", json.dumps({"times": times, "picture": picture}))
+    page = PAGE.replace(
+        "ASKED", json.dumps({"times": times, "picture": picture or painted, "painted": painted})
+    )
     files = {"/": page.replace("SIDE", str(SIDE)).encode(), "/model.glb": model}
     with _served(files, Path(three)) as address:
         done = subprocess.run(
@@ -116,11 +131,12 @@ def asked(model: bytes, times: tuple[float, ...] = (), picture: bool = False) ->
     assert text, done.stderr[-2000:]
     answer = json.loads(text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"))
     answer["frames"] = [np.reshape(row, (-1, 3)) for row in answer["frames"]]
-    if picture:
+    if picture or painted:
         from PIL import Image
 
-        png = base64.b64decode(answer["picture"].partition(",")[2])
-        answer["picture"] = np.asarray(Image.open(io.BytesIO(png)).convert("L")) < 128
+        image = Image.open(io.BytesIO(base64.b64decode(answer["picture"].partition(",")[2])))
+        dark = np.asarray(image.convert("L")) < 128
+        answer["picture"] = np.asarray(image.convert("RGB")) if painted else dark
     return answer
 
 

@@ -34,6 +34,7 @@ from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.plugin.host.manifest import read_manifest
 from bozzetto.view import Camera
 from bozzetto_car.template.loader import read_template
+from tests.core.exchange.test_texture import painted_box
 from tests.document_kit import FakeRegistry
 from tests.hostile_files.dxf import (
     dxf,
@@ -202,7 +203,8 @@ def seeds() -> list[Case]:
         (".template", (PLUGINS / "bozzetto_car" / "templates" / "sedan.json").read_bytes()),
         (".journal", _journal()),
     ]  # fmt: skip
-    found += [(".off", OFF), (".svgz", gzip.compress(SVG, mtime=0)), *_packages(shapes)]
+    painted = Shapes(solids=(painted_box(), solid))
+    found += [(".off", OFF), (".svgz", gzip.compress(SVG, mtime=0)), *_packages(painted)]
     found.append((".ply", ASCII_PLY.replace(b"4 0 1 2 3", b"3 0 1 2")))
     if find_spec("ezdxf"):
         found += [(".dxf", DXF), (".dxf", DXF_MESH)]

@@ -19,7 +19,9 @@ def add_handover(command: argparse.ArgumentParser) -> None:
         "--lods", action="store_true", help="two coarser levels of detail in the same GLB"
     )
     group.add_argument(
-        "--uvs", action="store_true", help="places for a picture to be painted on, in GLB"
+        "--uvs",
+        action="store_true",
+        help="places for a picture to be painted on, one for all parts, in GLB, OBJ and USD",
     )
     group.add_argument(
         "--lay-flat", action="store_true", help="lay it on its steadiest face, for printing"

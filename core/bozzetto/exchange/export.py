@@ -19,6 +19,7 @@ from bozzetto.exchange.formats import Format, Kind, find, function, writers
 from bozzetto.exchange.handover import AS_USUAL, LEVELS, UNIT_NAMES, FileFrame, Handover
 from bozzetto.exchange.left_out import LeftOut, parts_left_out, pictures_left_out, with_place
 from bozzetto.exchange.mesh.manifold_check import check_solid
+from bozzetto.exchange.mesh.one_picture import MOST, in_one_picture
 from bozzetto.exchange.triangle_budget import triangle_count, within_budget
 from bozzetto.geometry.meshed_shapes import meshed
 from bozzetto.geometry.placement import Placement
@@ -272,10 +273,17 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
             check_solid(solid)
         left_out += pictures_left_out(tuple(parts.meshes()), tuple(written.meshes()))
     given: dict[str, Any] = {}
+    coarser: list[Shapes] = []
+    notes = _notes(chosen, ready)
     if "levels" in chosen.keeps:
-        given["coarser"] = [_readably_named(with_place(one, chosen)) for one in ready.coarser]
+        coarser = [_readably_named(with_place(one, chosen)) for one in ready.coarser]
     if "uvs" in chosen.keeps:
         given["uvs"] = wanted.uvs
+        if wanted.uvs:
+            written, *coarser = in_one_picture([written, *coarser])
+            notes += _pictures_apart(written)
+    if "levels" in chosen.keeps:
+        given["coarser"] = coarser
     if chosen.choices:
         given["frame"] = frame_of(chosen, wanted)
         written = written.placed(given["frame"].placement)
@@ -284,7 +292,7 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
         given["beside"] = Path(path).stem
         beside = function(chosen, "files_beside")(written, Path(path).stem)
     data = function(chosen, "write_shapes")(written, **given)
-    return Exported(chosen, data, parts, left_out, beside, _notes(chosen, ready))
+    return Exported(chosen, data, parts, left_out, beside, notes)
 
 
 def _drawing(ready: Ready, chosen: Format, title: str, camera: Camera | None) -> Exported:
@@ -347,6 +355,16 @@ def _notes(chosen: Format, ready: Ready) -> tuple[str, ...]:
                 "not hold together."
             )
     return tuple(found)
+
+
+def _pictures_apart(shapes: Shapes) -> tuple[str, ...]:
+    """Return a sentence about pictures that could not be put into one."""
+    if len({id(part.texture.pixels) for part in shapes.meshes() if part.texture is not None}) < 2:
+        return ()
+    return (
+        "Its pictures stay apart: some repeat, or together they are longer than "
+        f"{MOST:,} pixels. Use smaller ones.",
+    )
 
 
 def _readably_named(shapes: Shapes) -> Shapes:

@@ -203,7 +203,18 @@ FORMATS: Final = (
     Format(
         "off", "OFF mesh", (".off",), ("mesh",), False, True, "mesh.off", choices=ANY, links=True
     ),
-    Format("ply", "PLY mesh", (".ply",), ("mesh",), True, True, "mesh.ply", PAINTED, choices=ANY),
+    Format(
+        "ply",
+        "PLY mesh",
+        (".ply",),
+        ("mesh",),
+        True,
+        True,
+        "mesh.ply",
+        PAINTED,
+        choices=ANY,
+        links=True,
+    ),
     Format(
         "svg",
         "SVG drawing",

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Index
+from bozzetto.arrays import Faces, Index
 from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.formats import Format, Kind, find, function, readers
@@ -24,7 +24,7 @@ from bozzetto.exchange.handover import frame_said
 from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES, budget_for, unlimited
 from bozzetto.exchange.linked_pictures import drawings_named_in, pictures_named_in
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
-from bozzetto.exchange.mesh.polygons import weld
+from bozzetto.exchange.mesh.polygons import is_degenerate, weld, weld_rounded
 from bozzetto.exchange.read_files import file_size, read_bytes, read_start
 from bozzetto.exchange.read_process.parent import Checkpoint, read_in_child
 from bozzetto.exchange.reading import MeshFile, Reading
@@ -290,14 +290,24 @@ def _with_solids(shapes: Shapes, stem: str) -> Shapes:
 
 def _as_closed(part: Surface) -> Surface | None:
     """Return a surface that bounds a volume, its doubled vertices one where it takes that."""
-    mesh, skin = part.mesh, part.skin
-    if bounds_volume(mesh):
+    if bounds_volume(part.mesh):
         return part
-    rest = mesh if skin is None or skin.rest is None else skin.rest
-    kept, faces = weld(rest.vertices, rest.faces)
-    if len(kept) == len(mesh.vertices):
-        return None
-    back = np.empty(len(mesh.vertices), np.intp)
+    skin = part.skin
+    rest = part.mesh if skin is None or skin.rest is None else skin.rest
+    for join in (weld, weld_rounded):
+        kept, faces = join(rest.vertices, rest.faces)
+        if len(kept) == len(rest.vertices) or is_degenerate(faces).any():
+            continue
+        closed = _joined(part, kept, faces)
+        if closed is not None:
+            return closed
+    return None
+
+
+def _joined(part: Surface, kept: Index, faces: Faces) -> Surface | None:
+    """Return a surface with some of its vertices, if it bounds a volume then."""
+    mesh, skin = part.mesh, part.skin
+    back = np.zeros(len(mesh.vertices), np.intp)
     back[mesh.faces] = faces
     if skin is not None:
         same = (skin.joints[kept][back] == skin.joints) & (skin.weights[kept][back] == skin.weights)

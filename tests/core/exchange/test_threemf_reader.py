@@ -169,3 +169,19 @@ def test_a_package_that_unpacks_to_far_more_is_refused(monkeypatch):
     assert len(bomb) < 1 << 14
     with pytest.raises(FormatError, match="bytes in a model"):
         threemf_reader.read_shapes(bomb)
+
+
+def test_a_mesh_and_its_components_under_one_number_are_one_object(tmp_path):
+    """As trimesh writes a node that has a mesh and nodes below it."""
+    mesh = f'<object id="2" name="arm">{TETRA}</object><object id="3" name="hand">{TETRA}</object>'
+    below = (
+        '<object id="2"><components><component objectid="3" transform="1 0 0 0 1 0 0 0 1 5 0 0"/>'
+    )
+    whole = f"{mesh}{below}</components></object>"
+    solids = read(tmp_path, plain(whole, '<item objectid="2"/>')).shapes.solids
+    assert [(one.name, float(one.mesh.vertices[:, 0].min())) for one in solids] == [
+        ("arm", 0.0), ("hand", 5.0),
+    ]  # fmt: skip
+    twice = f'<object id="2">{TETRA}</object>' * 2
+    with pytest.raises(FormatError, match="one number"):
+        read(tmp_path, plain(twice, '<item objectid="2"/>'))

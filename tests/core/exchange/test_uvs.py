@@ -14,6 +14,7 @@ from bozzetto.exchange.import_file import read_mesh_file
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.geometry.atlas.chart_flattening import areas
 from bozzetto.geometry.atlas.unwrapping import Atlas, unwrapped, unwrapped_together
+from tests.core.exchange.atlas_pictures import drawn_out, least_gap, overlapping
 from tests.core.exchange.skinned import skinned
 from tests.core.exchange.test_handover import ball
 from tests.core.exchange.test_skins import opened
@@ -64,19 +65,6 @@ def laid(name: str) -> Atlas:
     return unwrapped(*BODIES[name]())
 
 
-def drawn_out(points: np.ndarray, faces: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Both singular values of every triangle's way into the square, in its unit."""
-    a, b = points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
-    right = a / np.linalg.norm(a, axis=1, keepdims=True)
-    up = b - np.einsum("fd,fd->f", b, right)[:, None] * right
-    height = np.linalg.norm(up, axis=1)
-    base = np.zeros((len(faces), 2, 2))
-    base[:, 0, 0] = np.linalg.norm(a, axis=1)
-    base[:, 0, 1], base[:, 1, 1] = np.einsum("fd,fd->f", b, right), height
-    flat = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], 2)
-    return np.linalg.svd(flat @ np.linalg.inv(base), compute_uv=False)
-
-
 @pytest.mark.parametrize("name", BODIES)
 def test_nothing_lies_over_anything_else_or_is_mirrored(name):
     import shapely
@@ -88,6 +76,32 @@ def test_nothing_lies_over_anything_else_or_is_mirrored(name):
     assert (size < 0.0).all()  # v runs down: seen from outside, as it is
     whole = shapely.union_all(shapely.polygons(atlas.corners))
     assert whole.area == pytest.approx(-size.sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize("side", [512, 1024, 2048])
+@pytest.mark.parametrize("name", BODIES)
+def test_texels_are_of_one_chart_and_charts_as_far_apart_as_said(name, side):
+    atlas = laid(name)
+    assert overlapping(atlas.corners, atlas.chart, side) == 0
+    assert least_gap(atlas.corners, atlas.chart, side) >= side / 256 - 1.0
+
+
+def folded_ball() -> tuple[np.ndarray, np.ndarray]:
+    """A ball with thin folds: some vertices lie a little beyond those beside them."""
+    points, faces = sphere()
+    random = np.random.default_rng(910_500)
+    for one, other in faces[random.choice(len(faces), 25, replace=False), :2]:
+        points[one] = points[other] + 0.02 * (points[other] - points[one])
+    return points, faces
+
+
+def test_thin_folds_do_not_make_charts_of_their_own():
+    points, faces = folded_ball()
+    atlas = unwrapped(points, faces)
+    plain = laid("ball")
+    assert atlas.chart.max() <= plain.chart.max() + 4
+    size = -areas(atlas.corners)
+    assert -size[size < 0.0].sum() < 2e-4 * size.sum()
 
 
 @pytest.mark.parametrize("name", BODIES)

@@ -18,6 +18,7 @@ from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.color import linear_to_srgb
 from bozzetto.exchange.limits import MAX_FACES, MAX_MESH_BYTES, MAX_PARTS, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.gltf_draco import DRACO, unpack
+from bozzetto.exchange.mesh.gltf_instances import INSTANCING, place_copies
 from bozzetto.exchange.mesh.gltf_pictures import Pictures, linked_bytes
 from bozzetto.exchange.mesh.gltf_scene import (
     AXES,
@@ -72,6 +73,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     reading = reading or Reading()
     gltf, blob = _opened(data)
     blobs = _buffers(gltf, blob, reading)
+    place_copies(gltf, blobs)
     _check_sum(gltf)
     unpack(gltf, blobs)
     surfaces: list[Surface] = []
@@ -263,7 +265,9 @@ def _described(text: bytes) -> Gltf:
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise FormatError(f"Its description cannot be understood: {words_of(error)}.") from error
     missing = [
-        name for name in gltf.extensions_required if name != DRACO and not name.startswith(HARMLESS)
+        name
+        for name in gltf.extensions_required
+        if name not in (DRACO, INSTANCING) and not name.startswith(HARMLESS)
     ]
     if missing:
         packed = all("compression" in name for name in missing)

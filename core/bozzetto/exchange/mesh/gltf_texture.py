@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Bytes
 from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.texture import Texture
@@ -80,10 +81,15 @@ def _split(
     return Corners(known[vertex], corner.reshape(-1, 3), places[first[kind]], vertex)
 
 
-def picture_file(texture: Texture, base: tuple[int, int, int]) -> bytes:
-    """Return a PNG of the texture, blended over the base colour of the part."""
+def flat_pixels(texture: Texture, base: tuple[int, int, int]) -> Bytes:
+    """Return the pixels of a texture, blended over the base colour of the part."""
     share = texture.pixels[..., 3:].astype(np.float32) / np.float32(255)
     under = np.array(base, np.float32)
     flat = np.full_like(texture.pixels, 255)
     flat[..., :3] = np.rint(under + share * (texture.pixels[..., :3] - under))
-    return png_bytes(flat)
+    return flat
+
+
+def picture_file(texture: Texture, base: tuple[int, int, int]) -> bytes:
+    """Return a PNG of the texture, blended over the base colour of the part."""
+    return png_bytes(flat_pixels(texture, base))

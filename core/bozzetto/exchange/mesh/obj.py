@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Flags
 from bozzetto.errors import FormatError
+from bozzetto.exchange.color import WHITE
 from bozzetto.exchange.limits import MAX_FACES, MAX_PARTS, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.obj_materials import PLAIN, Look, materials_of
 from bozzetto.exchange.mesh.obj_writer import files_beside as files_beside
@@ -20,6 +24,7 @@ from bozzetto.exchange.mesh.polygons import (
     is_degenerate,
     triangulate,
 )
+from bozzetto.exchange.mesh.stacked_pictures import Pictures
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.exchange.reading import Reading
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Surface
@@ -29,6 +34,9 @@ BELONGS: Final = {b"o": "part", b"g": "group", b"usemtl": "material"}
 
 THIN: Final = frozenset((b"l", b"p", b"curv", b"curv2", b"surf"))
 """Words of what has no faces of its own."""
+
+MAX_REPEATS: Final = 1e6
+"""How often a picture may be repeated on its way to a triangle."""
 
 MAX_NAME: Final = 200
 """Bytes of a name."""
@@ -48,8 +56,8 @@ class _Face(NamedTuple):
 def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     """Read the polygons of an OBJ file: a part for each object, groups and materials within it.
 
-    Texture coordinates and normals are passed over; lines, points and free-form curves are told;
-    negative indices count back from the last vertex before them.
+    Normals are passed over; lines, points and free-form curves are told; negative indices count
+    back from the last vertex before them. Pictures lie beside the file, as its materials do.
 
     Parameters
     ----------
@@ -63,6 +71,8 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     at_most(data.count(b"\n"), MAX_LINES, "lines")
     vertices: list[list[bytes]] = []
     corners: list[int] = []
+    texels: list[list[bytes]] = []
+    texel_of: list[int] = []  # the place in a picture of each corner; -1 where there is none
     sizes: list[int] = []
     begins: list[tuple[int, _Face]] = []  # faces from here on belong there
     libraries: list[str] = []
@@ -78,11 +88,17 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
             elif words[0] == b"f":
                 before = len(vertices)
                 for word in words[1:]:
-                    index = int(word.partition(b"/")[0])
+                    first, _, rest = word.partition(b"/")
+                    index = int(first)
                     corners.append(index - 1 if index > 0 else before + index)
                     if index == 0 or -index > before:
                         raise ValueError
+                    texel = rest.partition(b"/")[0]
+                    place = int(texel) if texel else 0
+                    texel_of.append(place - 1 if place >= 0 else max(len(texels) + place, -1))
                 sizes.append(len(words) - 1)
+            elif words[0] == b"vt":
+                texels.append(words[1:3])
             elif words[0] in BELONGS:
                 name = _name(line)
                 here = here._replace(**{BELONGS[words[0]]: name})
@@ -97,6 +113,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         shown = line[:40].decode("ascii", "replace")
         raise FormatError(f"A line cannot be understood: “{shown}”.") from None
     at_most(len(vertices), MAX_VERTICES, "vertices")
+    at_most(len(texels), 4 * MAX_FACES, "places in pictures")
     at_most(len(corners), 4 * MAX_FACES, "corners")
     places, colors = _columns(vertices)
     if not corners:
@@ -120,10 +137,23 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     for number, kind in enumerate(kinds):
         parts.setdefault(kind.part, []).append(number)
     at_most(len(kinds), MAX_PARTS, "parts and groups")
-    cut = triangulate(places, rings, counts)
+    pictured = any(look.picture for look in looks.values())
+    if pictured and not texels:
+        reading.tell(
+            "Left out of the OBJ file: the picture of a material. Its places on the surface are "
+            "not in the file."
+        )
+    pictures = Pictures("OBJ", reading)
+    places_shown = _Shown(pictures, _texels(texels)) if pictured and texels else None
+    if places_shown is None:
+        cut = triangulate(places, rings, counts)
+        where = np.zeros((len(cut), 0), np.int64)
+    else:  # by corners, whose places in pictures differ where their vertices do not
+        corner = triangulate(places[rings], np.arange(len(rings)), counts)
+        cut, where = rings[corner].astype(np.int32), np.array(texel_of, np.int64)[corner]
     owner = np.repeat(owners, np.maximum(counts - 2, 0))
     proper = ~is_degenerate(cut)
-    cut, owner = cut[proper], owner[proper]
+    cut, owner, where = cut[proper], owner[proper], where[proper]
     order = np.argsort(owner, kind="stable")
     bounds = np.searchsorted(owner[order], np.arange(len(kinds) + 1))
     surfaces = []
@@ -131,11 +161,70 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         rows = [order[bounds[k] : bounds[k + 1]] for k in numbers]
         groups = [_group(kinds[k], len(row), looks) for k, row in zip(numbers, rows, strict=True)]
         faces = cut[np.concatenate(rows)]
-        if len(faces):
-            surfaces.append(_part(name, places, colors, faces, [g for g in groups if g.count]))
+        if not len(faces):
+            continue
+        part = _part(name, places, colors, faces, [g for g in groups if g.count])
+        if places_shown is not None:
+            own = [
+                (looks.get(kinds[k].material, PLAIN), len(r))
+                for k, r in zip(numbers, rows, strict=True)
+            ]
+            part = places_shown.on(part, own, where[np.concatenate(rows)])
+        surfaces.append(part)
     if not surfaces:
         raise FormatError("There are no faces in this file.")
     return Shapes(surfaces=tuple(surfaces))
+
+
+class _Shown(NamedTuple):
+    """The pictures of a file, and the places in them that it names, (n, 2)."""
+
+    pictures: Pictures
+    texels: NDArray[np.float64]
+
+    def on(
+        self, part: Surface, looks: list[tuple[Look, int]], corners: NDArray[np.int64]
+    ) -> Surface:
+        """Return a part with the pictures of its materials, if there are any.
+
+        Parameters
+        ----------
+        part : Surface
+            Without them.
+        looks : list of (Look, int)
+            Of its triangles, and how many in turn have each.
+        corners : (f, 3) int array
+            Which places in the pictures their corners have; -1 where none.
+        """
+        files = sorted({look.picture for look, count in looks if look.picture and count})
+        if not files:
+            return part
+        for file in files:
+            self.pictures.add(file, partial(self.pictures.reading.beside, file, "picture"))
+        counts = [count for _, count in looks]
+        numbers = [files.index(look.picture) if look.picture else -1 for look, _ in looks]
+        held = (corners >= 0) & (corners < len(self.texels))
+        known: Flags = np.asarray(held.all(axis=1), bool)
+        shown = np.where(known, np.repeat(numbers, counts), -1)
+        colors = np.array([(*(look.color or WHITE), 255) for look, _ in looks], np.uint8)
+        places = self.texels[np.where(known[:, None], corners, 0)]
+        texture = self.pictures.texture(shown, files, places, np.repeat(colors, counts, axis=0))
+        if texture is None:
+            return part
+        groups = tuple(replace(group, color=None) for group in part.groups)
+        mesh = replace(part.mesh, colors=None)
+        return replace(part, mesh=mesh, color=None, groups=groups, texture=texture)
+
+
+def _texels(rows: list[list[bytes]]) -> NDArray[np.float64]:
+    """Return places in pictures, (n, 2)."""
+    try:
+        table = np.array([[float(word) for word in (*row, b"0")[:2]] for row in rows], float)
+    except ValueError:
+        raise FormatError("A place in a picture is not made of numbers.") from None
+    if not (np.abs(table) <= MAX_REPEATS).all():
+        raise FormatError("A place in a picture is not finite.")
+    return table.reshape(-1, 2)
 
 
 def _owners(begins: list[tuple[int, _Face]], count: int) -> tuple[NDArray[np.int64], list[_Face]]:
@@ -163,7 +252,9 @@ def _part(
 ) -> Surface:
     """Return a part with the vertices that it uses; a single group without a name is the part."""
     used, corners = np.unique(faces, return_inverse=True)
-    own = None if colors is None else colors[used]
+    own = None if colors is None or not colors[used, 3].any() else colors[used]
+    if own is not None:
+        own[own[:, 3] == 0] = 255
     mesh = checked_mesh(places[used], corners.reshape(-1, 3).astype(np.int32), colors=own)
     color = groups[0].color if all(one.color == groups[0].color for one in groups) else None
     plain = len(groups) == 1 and groups[0].finish == "matt"
@@ -187,18 +278,19 @@ def _lines(data: bytes) -> list[bytes]:
 def _columns(
     rows: list[list[bytes]],
 ) -> tuple[NDArray[np.float64], NDArray[np.uint8] | None]:
-    """Return places and, where every vertex has three values more, colours."""
-    width = min(map(len, rows), default=0)
-    if rows and width < 3:
+    """Return places, and colours where vertices have three values more; others are clear."""
+    if min(map(len, rows), default=3) < 3:
         raise FormatError("A vertex of this file has fewer than three coordinates.")
-    width = 6 if width >= 6 else 3
+    colored = np.array([len(row) >= 6 for row in rows], bool)
     try:
-        table = np.array([[float(word) for word in row[:width]] for row in rows], float)
+        places = np.array([[float(word) for word in row[:3]] for row in rows], float)
+        shares = np.array([[float(word) for word in row[3:6]] for row in rows if len(row) >= 6])
     except ValueError:
         raise FormatError("A vertex of this file is not made of numbers.") from None
-    table = table.reshape(-1, width)
-    if width == 3:
-        return table, None
-    share = np.clip(np.nan_to_num(table[:, 3:]), 0.0, 1.0)
-    opaque = np.full((len(table), 1), 255)
-    return table[:, :3], np.hstack((np.rint(255 * share), opaque)).astype(np.uint8)
+    places = places.reshape(-1, 3)
+    if not colored.any():
+        return places, None
+    colors = np.zeros((len(places), 4), np.uint8)
+    colors[colored, :3] = np.rint(255 * np.clip(np.nan_to_num(shares), 0.0, 1.0))
+    colors[colored, 3] = 255
+    return places, colors

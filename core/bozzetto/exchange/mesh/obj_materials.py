@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import posixpath
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
@@ -22,12 +23,16 @@ ROUGHEST: Final = 1.0
 
 OPAQUE: Final = 1.0
 
+OPTIONS: Final = {"-o": 3, "-s": 3, "-t": 3, "-mm": 2, "-bm": 1, "-texres": 1, "-clamp": 1}
+"""Options before the name of a picture, and how many values they have at most."""
+
 
 class Look(NamedTuple):
-    """What is kept of a material."""
+    """What is kept of a material; the picture is a file as named, seen from that of the mesh."""
 
     color: Color | None = None
     finish: Finish = "matt"
+    picture: str = ""
 
 
 PLAIN: Final = Look()
@@ -51,30 +56,52 @@ def materials_of(libraries: Sequence[str], reading: Reading) -> dict[str, Look]:
             reading.tell(f"Left out of the OBJ file: its materials. {error.message}")
             continue
         at_most(len(data), MAX_BYTES, "bytes of materials")
-        found |= _looks(data, reading)
+        found |= _looks(data, posixpath.dirname(name.replace("\\", "/")), reading)
     return found
 
 
-def _looks(data: bytes, reading: Reading) -> dict[str, Look]:
+def _looks(data: bytes, folder: str, reading: Reading) -> dict[str, Look]:
     """Return the looks that one library holds; what cannot be understood is passed over."""
     said: dict[str, dict[str, list[float]]] = {}
     own: dict[str, list[float]] = {}
-    pictures = 0
+    pictures: dict[str, str] = {}
+    name = ""
     for line in data.decode("utf-8", "replace").splitlines():
         word, _, rest = line.strip().partition(" ")
         if word == "newmtl":
-            own = said.setdefault(rest.strip(), {})
+            name = rest.strip()
+            own = said.setdefault(name, {})
             at_most(len(said), MAX_MATERIALS, "materials")
         elif word == "map_Kd":
-            pictures += 1
+            file = _picture(rest, reading)
+            if file:
+                pictures[name] = posixpath.join(folder, file)
         elif word in ("Kd", "d", "Tr", "Ns", "Pr", "Pm"):
             numbers = _numbers(rest)
             if numbers:
                 own[word] = numbers
-    if pictures:
-        what = "the picture of a material" if pictures == 1 else f"{pictures} pictures"
-        reading.tell(f"Left out of the OBJ file: {what} (their colours are kept).")
-    return {name: _look(values) for name, values in said.items()}
+    return {
+        name: _look(values)._replace(picture=pictures.get(name, ""))
+        for name, values in said.items()
+    }
+
+
+def _picture(rest: str, reading: Reading) -> str:
+    """Return the file that a line names, after its options."""
+    words = rest.split()
+    at = 0
+    while at < len(words) and words[at] in OPTIONS:
+        option = words[at]
+        values: list[str] = []
+        at += 1
+        while at < len(words) and len(values) < OPTIONS[option]:
+            if option != "-clamp" and not _numbers(words[at]):
+                break
+            values.append(words[at])
+            at += 1
+        if option in ("-o", "-s", "-t") and any(float(v) != (option == "-s") for v in values):
+            reading.tell("Left out of the OBJ file: that a picture is moved or scaled.")
+    return rest.split(None, at)[at].strip().replace("\\", "/") if at < len(words) else ""
 
 
 def _numbers(text: str) -> list[float]:

@@ -21,7 +21,7 @@ from bozzetto.exchange.mesh.gltf_scene import LOOKS
 from bozzetto.exchange.mesh.gltf_texture import picture_file
 from bozzetto.exchange.mesh.picture_places import picture_places
 from bozzetto.exchange.mesh.polygons import is_degenerate
-from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
+from bozzetto.geometry.shapes import Color, FaceGroup, Finish, Shapes, Solid, Surface
 from bozzetto.geometry.texture import Texture
 from bozzetto.scene.renderer.normals import corner_normals
 
@@ -31,7 +31,7 @@ SHARPEST: Final = 1000.0
 """Specular exponent (Ns) of a mirror; nothing of what is rough."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Material:
     """A material, and the part and the group that have it."""
 
@@ -86,7 +86,7 @@ def files_beside(shapes: Shapes, beside: str) -> tuple[tuple[str, bytes], ...]:
     """Return the files that an OBJ file names: its materials, and pictures, each with its name."""
     found: list[tuple[str, bytes]] = []
     pieces = [f"{HEADER.rstrip(': ')}\n"]
-    for material in _materials(shapes, _word(beside)):
+    for material in dict.fromkeys(_materials(shapes, _word(beside))):
         pieces.append(_look(material))
         if material.picture and all(name != material.picture for name, _ in found):
             base = material.part.color or WHITE
@@ -139,23 +139,32 @@ def _faces(
 
 
 def _materials(shapes: Shapes, beside: str) -> list[_Material]:
-    """Return a material for every group of every part, in their order; no two of one name."""
+    """Return a material for every group of every part, in their order.
+
+    No two have one name; of those with a picture, equal ones are one.
+    """
     found: list[_Material] = []
     taken: set[str] = set()
-    pictures = 0
+    pictures: dict[tuple[int, Color], str] = {}
+    known: dict[tuple[str, str, Finish], _Material] = {}
     for part in shapes.meshes():
         picture = ""
         if part.texture is not None:
-            pictures += 1
-            picture = f"{beside}-{pictures}.png"
+            key = (id(part.texture.pixels), part.color or WHITE)
+            picture = pictures.setdefault(key, f"{beside}-{len(pictures) + 1}.png")
         for group in part.groups or (FaceGroup("", len(part.mesh.faces)),):
             name = wanted = _word(group.name or part.name)
+            look = (wanted, picture, group.finish)
+            if picture and look in known:
+                found.append(known[look])
+                continue
             number = 1
             while name in taken:
                 number += 1
                 name = f"{wanted}.{number}"
             taken.add(name)
             found.append(_Material(name, part, group, picture))
+            known[look] = found[-1]
     return found
 
 

@@ -14,23 +14,16 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
-from bozzetto.exchange.mesh.polygons import (
-    check_places,
-    checked_mesh,
-    is_degenerate,
-    triangulate,
-)
+from bozzetto.exchange.mesh.colored_faces import colored_part
+from bozzetto.exchange.mesh.polygons import check_places
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.exchange.reading import Reading
-from bozzetto.geometry.shapes import Color, FaceGroup, Shapes, Surface
+from bozzetto.geometry.shapes import Color, Shapes
 
 HEADER: Final = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF\b[ \t]*", re.IGNORECASE)
 
 MAX_LINES: Final = 6_000_000
 """Limit of lines: as objects a quarter of a gigabyte."""
-
-MAX_COLORS: Final = 1_000
-"""Colours of faces that become groups; of more a person would not find one."""
 
 UNKNOWN: Final = "A line of this OFF file cannot be understood: “{}”."
 
@@ -79,7 +72,8 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     places, colors = _vertices(rows[1 : 1 + count], bool(found[2]), bool(found[3]))
     drawn = _faces(rows[1 + count : 1 + count + faces], count)
     check_places(places)
-    return Shapes(surfaces=(_part(places, colors, drawn, reading),))
+    part = colored_part(places, drawn.corners, drawn.sizes, drawn.colors, colors, "OFF", reading)
+    return Shapes(surfaces=(part,))
 
 
 def _counts(line: bytes) -> tuple[int, int]:
@@ -158,32 +152,3 @@ def _color(words: list[bytes]) -> Color | None:
     whole = not any(b"." in word for word in words)
     shade = _bytes(np.array([[float(word) for word in words]]), whole)[0].tolist()
     return shade[0], shade[1], shade[2]
-
-
-def _part(
-    places: NDArray[np.float64], colors: Colors | None, drawn: _Faces, reading: Reading
-) -> Surface:
-    cut = triangulate(places, drawn.corners, drawn.sizes)
-    owner = np.repeat(np.arange(len(drawn.sizes)), np.maximum(drawn.sizes - 2, 0))
-    proper = ~is_degenerate(cut)
-    cut, owner = cut[proper], owner[proper]
-    known = list(dict.fromkeys(drawn.colors))
-    if len(known) > MAX_COLORS:
-        reading.tell(
-            f"Left out of the OFF file: the colours of its faces, {len(known):,} different ones. "
-            "Save it as PLY with colours of vertices."
-        )
-        known = [None]
-    if len(known) < 2:
-        color = known[0] if known else None
-        return Surface(checked_mesh(places, cut, colors=colors), "", color)
-    number = {color: k for k, color in enumerate(known)}
-    kind = np.array([number[color] for color in drawn.colors])[owner]
-    order = np.argsort(kind, kind="stable")
-    counts = np.bincount(kind, minlength=len(known))
-    groups = tuple(
-        FaceGroup("" if color is None else "#{:02x}{:02x}{:02x}".format(*color), int(n), color)
-        for color, n in zip(known, counts, strict=True)
-        if n
-    )
-    return Surface(checked_mesh(places, cut[order], colors=colors), "", None, groups)

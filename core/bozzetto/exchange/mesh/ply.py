@@ -12,14 +12,11 @@ from bozzetto.errors import FormatError
 from bozzetto.exchange.color import vertex_colors
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
-from bozzetto.exchange.mesh.polygons import (
-    check_places,
-    checked_mesh,
-    triangulate,
-    without_degenerate,
-)
+from bozzetto.exchange.mesh.colored_faces import colored_part
+from bozzetto.exchange.mesh.polygons import check_places
 from bozzetto.exchange.mesh.text_words import check_words
-from bozzetto.geometry.shapes import Shapes, Surface
+from bozzetto.exchange.reading import Reading
+from bozzetto.geometry.shapes import Color, Shapes
 
 TYPES: Final = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -104,8 +101,16 @@ class _Element:
         return any(p.counts for p in self.properties)
 
 
-def read_shapes(data: bytes) -> Shapes:
-    """Read text or binary PLY of either byte order, with vertex colours."""
+def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
+    """Read text or binary PLY of either byte order, with colours of vertices, or else of faces.
+
+    Parameters
+    ----------
+    data : bytes
+        The file.
+    reading : Reading, optional
+        Where it is told what is left out.
+    """
     order, elements, body = _header(data)
     if not order:
         check_words(body)
@@ -118,7 +123,7 @@ def read_shapes(data: bytes) -> Shapes:
         )
         if {"vertex", "face"} <= found.keys():
             break
-    return _shapes(found.get("vertex", {}), found.get("face", {}))
+    return _shapes(found.get("vertex", {}), found.get("face", {}), reading or Reading())
 
 
 def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
@@ -306,7 +311,7 @@ def _typed(words: list[bytes], kind: str) -> NDArray[Any]:
     return np.asarray(np.clip(values, -(2.0**40), 2.0**40), np.int64)
 
 
-def _shapes(vertex: Columns, face: Columns) -> Shapes:
+def _shapes(vertex: Columns, face: Columns, reading: Reading) -> Shapes:
     if not {"x", "y", "z"} <= vertex.keys():
         raise FormatError("The vertices of this file have no x, y and z.")
     name = next((n for n in ("vertex_indices", "vertex_index") if n in face), None)
@@ -322,12 +327,16 @@ def _shapes(vertex: Columns, face: Columns) -> Shapes:
     colors = _colors(vertex)
     check_places(places)
     sizes = np.asarray(face[f"{name} length"]).astype(np.int64)
-    faces = without_degenerate(triangulate(places, corners, sizes))
-    return Shapes(surfaces=(Surface(checked_mesh(places, faces, colors=colors), name=""),))
+    shades = _colors(face) if colors is None else None
+    of_faces: list[Color | None] = [None] * len(sizes)
+    if shades is not None:
+        of_faces = [(red, green, blue) for red, green, blue, _ in shades.tolist()]
+    part = colored_part(places, corners, sizes, of_faces, colors, "PLY", reading)
+    return Shapes(surfaces=(part,))
 
 
 def _colors(vertex: Columns) -> NDArray[np.uint8] | None:
-    """Return RGBA, from bytes or from numbers 0 … 1 as the types say."""
+    """Return RGBA of vertices or faces, from bytes or from numbers 0 … 1 as the types say."""
     if not {"red", "green", "blue"} <= vertex.keys():
         return None
     share = vertex["red"].dtype.kind == "f"

@@ -1,7 +1,7 @@
 """3MF as slicers and CAD programs write it: objects, what is put together of them, colours.
 
-Core specification 1.3, the materials extension's colour groups, and models in several files of
-one package (production extension), as Bambu Studio and Orca Slicer save projects.
+Core specification 1.3, the materials extension's colour groups and pictures, and models in several
+files of one package (production extension), as Bambu Studio and Orca Slicer save projects.
 """
 
 from __future__ import annotations
@@ -13,19 +13,22 @@ from array import array
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, MAX_PARTS, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import checked_mesh, is_degenerate
+from bozzetto.exchange.mesh.stacked_pictures import Pictures
 from bozzetto.exchange.reading import Reading
 from bozzetto.exchange.safe_xml import parse_events
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Color, FaceGroup, Shapes, Surface
+from bozzetto.geometry.texture import Texture
 
 MILLIMETRES_OF: Final = {
     "micron": 1e-3,
@@ -45,12 +48,18 @@ MAX_MODEL_BYTES: Final = 400 << 20
 MAX_MODELS: Final = 1_000
 """Files of models in one package."""
 
+MAX_REPEATS: Final = 1e6
+"""How often a picture may be repeated on its way to a triangle."""
+
 MODEL: Final = "/3D/3dmodel.model"
 """Where nearly all programs keep the model, for packages that do not say where."""
 
 MODEL_KIND: Final = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 
 NO_COLOR: Final = -1
+
+FIRST_TEXEL: Final = -2
+"""Numbers of corners from here downwards are places in pictures; others are in the palette."""
 
 PLAIN: Final[Color] = (200, 200, 200)
 """Of corners without a colour on a mesh that has others."""
@@ -80,9 +89,18 @@ class _Package:
 
     objects: dict[Key, _Object] = field(default_factory=dict)
     palette: list[Color] = field(default_factory=list)
-    groups: dict[Key, list[int]] = field(default_factory=dict)  # places in the palette
+    groups: dict[Key, list[int]] = field(default_factory=dict)  # of the palette, or of texels
     items: list[tuple[Key, Array]] = field(default_factory=list)
-    pictures: int = 0
+    pictures: dict[Key, str] = field(default_factory=dict)  # where they are
+    shown: list[Key] = field(default_factory=list)  # pictures in which places are named
+    texels: array[float] = field(default_factory=lambda: array("d"))  # u, v, number of the picture
+
+    def paths(self) -> list[str]:
+        """Return where the pictures are that are shown, by their numbers."""
+        missing = [key for key in self.shown if key not in self.pictures]
+        if missing:
+            raise FormatError(f"It names picture {missing[0][1][:20]}, which it does not hold.")
+        return [self.pictures[key] for key in self.shown]
 
 
 def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
@@ -116,11 +134,12 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
             waiting += sorted(named - models)
             models |= named
             at_most(len(models), MAX_MODELS, "models")
-    parts = list(_parts(package))
+        pictures = Pictures("3MF", reading)
+        for path in package.paths():
+            pictures.add(path, partial(_picture, zipped, names, path))
+    parts = list(_parts(package, pictures))
     if not parts:
         raise FormatError("There are no faces in this file.")
-    if package.pictures:
-        reading.tell("Left out of the 3MF file: its pictures (bake them into colours).")
     return Shapes(surfaces=tuple(parts))
 
 
@@ -137,6 +156,12 @@ def _unpacked(zipped: zipfile.ZipFile, name: str) -> bytes:
     at_most(zipped.getinfo(name).file_size, MAX_MODEL_BYTES, "bytes in a model")
     with _unpacking():
         return zipped.read(name)
+
+
+def _picture(zipped: zipfile.ZipFile, names: dict[str, str], path: str) -> bytes:
+    if path not in names:
+        raise FormatError("It is not in the file.")
+    return _unpacked(zipped, names[path])
 
 
 def _start_of(zipped: zipfile.ZipFile, names: dict[str, str]) -> str:
@@ -198,6 +223,11 @@ class _ModelReader:
                 if unit not in MILLIMETRES_OF:
                     raise FormatError(f"Its unit “{unit[:40]}” is none that 3MF knows.")
                 self._scale = MILLIMETRES_OF[unit]
+            case "object" if (key := (self._path, attributes["id"])) in self._package.objects:
+                # Some write a mesh and what hangs on it as two objects with one number.
+                self._object = self._package.objects[key]
+            case "mesh" if self._object.corners:
+                raise FormatError("Two of its meshes have one number. Export it again.")
             case "object":
                 self._object = _Object(
                     attributes.get("name", ""),
@@ -221,7 +251,14 @@ class _ModelReader:
             case "color":
                 self._color(attributes.get("color", ""))
             case "texture2d":
-                self._package.pictures += 1
+                path = posixpath.normpath("/" + attributes["path"].lstrip("/"))
+                self._package.pictures[self._path, attributes["id"]] = path
+            case "texture2dgroup":
+                self._group = self._package.groups.setdefault((self._path, attributes["id"]), [])
+                self._package.shown.append((self._path, attributes["texid"]))
+                at_most(len(self._package.shown), MAX_PARTS, "pictures")
+            case "tex2coord":
+                self._texel(float(attributes["u"]), float(attributes["v"]))
 
     def _placed(self, attributes: dict[str, str]) -> tuple[Key, Array]:
         """Return which object is meant, and its matrix (4, 4) in millimetres, for columns."""
@@ -245,6 +282,15 @@ class _ModelReader:
         self._package.palette.append((red, green, blue))
         at_most(len(self._package.palette), MAX_VERTICES, "colours")
 
+    def _texel(self, u: float, v: float) -> None:
+        """Add a place in a picture to the group that is open."""
+        texels = self._package.texels
+        if not self._package.shown or not max(abs(u), abs(v)) <= MAX_REPEATS:
+            raise ValueError
+        self._group.append(FIRST_TEXEL - len(texels) // 3)
+        texels.extend((u, v, len(self._package.shown) - 1))
+        at_most(len(texels) // 3, 3 * MAX_FACES, "places in pictures")
+
     def _triangle(self, attributes: dict[str, str]) -> None:
         one = self._object
         one.corners.extend((int(attributes["v1"]), int(attributes["v2"]), int(attributes["v3"])))
@@ -262,7 +308,7 @@ class _ModelReader:
             at_most(len(one.corners) // 3, MAX_FACES, "triangles")
 
 
-def _parts(package: _Package) -> Iterator[Surface]:
+def _parts(package: _Package, pictures: Pictures) -> Iterator[Surface]:
     """Yield what lies on the plate, each mesh at its place; one without a name has its group's."""
     visits = triangles = 0
     waiting = [(key, matrix, "", 1) for key, matrix in reversed(package.items)]
@@ -281,13 +327,16 @@ def _parts(package: _Package) -> Iterator[Surface]:
         if one.corners:
             triangles += len(one.corners) // 3
             at_most(triangles, MAX_FACES, "triangles")
-            yield _surface(one, matrix, one.name or name, package.palette)
+            yield _surface(one, matrix, one.name or name, package, pictures)
         for inner, own in reversed(one.components):
             waiting.append((inner, matrix @ own, one.name or name, depth + 1))
 
 
-def _surface(one: _Object, matrix: Array, name: str, palette: list[Color]) -> Surface:
+def _surface(
+    one: _Object, matrix: Array, name: str, package: _Package, pictures: Pictures
+) -> Surface:
     """Return a mesh at its place; a mirrored one is turned right side out."""
+    palette = package.palette
     places = np.frombuffer(one.places, float).reshape(-1, 3) * one.scale
     with np.errstate(all="ignore"):  # what is not finite is refused
         places = places @ matrix[:3, :3].T + matrix[:3, 3]
@@ -297,6 +346,11 @@ def _surface(one: _Object, matrix: Array, name: str, palette: list[Color]) -> Su
         faces, colors = faces[:, ::-1], colors[:, ::-1]
     proper = ~is_degenerate(faces)
     faces, colors = faces[proper], colors[proper]
+    if (colors <= FIRST_TEXEL).any():
+        texture = _texture(colors, package, pictures)
+        if texture is not None:
+            return Surface(checked_mesh(places, faces), name, None, texture=texture)
+        colors = np.maximum(colors, NO_COLOR)
     if (colors == colors[:1, :1]).all():
         color = palette[colors[0, 0]] if len(colors) and colors[0, 0] != NO_COLOR else None
         return Surface(checked_mesh(places, faces), name, color)
@@ -310,6 +364,17 @@ def _surface(one: _Object, matrix: Array, name: str, palette: list[Color]) -> Su
         return Surface(checked_mesh(places, faces[order]), name, None, groups)
     checked_mesh(places, faces)
     return Surface(_painted(places, faces, colors, palette), name)
+
+
+def _texture(colors: Index, package: _Package, pictures: Pictures) -> Texture | None:
+    """Return the picture of triangles whose corners (f, 3) have these numbers."""
+    texels = np.frombuffer(package.texels, float).reshape(-1, 3)
+    pictured: Flags = np.asarray((colors <= FIRST_TEXEL).all(axis=1), bool)
+    found = texels[np.where(pictured[:, None], FIRST_TEXEL - colors, 0)]
+    shown = np.where(pictured, found[:, 0, 2].astype(np.intp), -1)
+    table = np.array([(*color, 255) for color in (*package.palette, PLAIN)], np.uint8)
+    plain = table[np.maximum(colors, NO_COLOR)[:, 0]]
+    return pictures.texture(shown, package.paths(), found[..., :2], plain)
 
 
 def _painted(places: Array, faces: Index, colors: Index, palette: list[Color]) -> Mesh:

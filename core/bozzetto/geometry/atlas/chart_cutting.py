@@ -9,6 +9,8 @@ import numpy as np
 from bozzetto.geometry.atlas.chart_flattening import Piece
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bozzetto.arrays import Array, Flags, Index
 
 CREASE: Final = float(np.cos(np.radians(50.0)))
@@ -35,6 +37,9 @@ NEARLY: Final = 0.95
 ANGLES: Final = np.arange(12) * (np.pi / 12)
 PLACES: Final = np.arange(2, 15) / 16.0
 """Directions and places of the straight cuts that are tried."""
+
+DIGITS: Final = 8
+"""Decimals of a piece's size that count where it is cut."""
 
 BAND: Final = 0.1
 """How far the border may be off the straight cut, as a share of the piece's size."""
@@ -154,7 +159,7 @@ class Surface:
         axis = axis * np.sign(axis[np.abs(axis).argmax()])
         return self._cut(face, spread @ axis, TILT)
 
-    def across(self, face: Index, seen: Array) -> list[Index]:
+    def across(self, face: Index, seen: Array, rings: Sequence[Array]) -> list[Index]:
         """Cut straight, so that the boxes around both parts leave little free.
 
         Parameters
@@ -163,9 +168,10 @@ class Surface:
             Faces of the surface.
         seen : (f, 3, 2) float array
             Their corners, flat.
+        rings : sequence of (n, 2) float arrays
+            Their borders, flat.
         """
-        size = float(np.sqrt(self.areas[face].sum()))
-        return self._cut(face, best_cut(seen, self.areas[face]), BAND * size)
+        return self._cut(face, best_cut(seen, self.areas[face], rings), BAND)
 
     def _cut(self, face: Index, ahead: Array, band: float) -> list[Index]:
         """Cut where `ahead` (f,) changes its sign, but for where a detour is shorter."""
@@ -179,7 +185,7 @@ class Surface:
             length = self.lengths[face][own, edge]
             if len(own):
                 side = shortest_cut(own, beyond[own, edge], length, near, side)
-        for _ in range(2):
+        for _ in range(8):
             parts = self.parts(face, side.astype(np.intp))
             least = ISLAND * float(self.areas[face].sum())
             small = [part for part in parts if float(self.areas[part].sum()) < least]
@@ -228,8 +234,10 @@ def shortest_cut(own: Index, other: Index, length: Array, near: Flags, side: Fla
     return found
 
 
-def best_cut(seen: Array, areas: Array) -> Array:
+def best_cut(seen: Array, areas: Array, rings: Sequence[Array]) -> Array:
     """Return how far each face (f,) is beyond the straight cut that leaves the least free.
+
+    It is given as a share of the size of all, which is the root of their area.
 
     Parameters
     ----------
@@ -237,33 +245,41 @@ def best_cut(seen: Array, areas: Array) -> Array:
         Their corners, flat.
     areas : (f,) float array
         On the surface.
+    rings : sequence of (n, 2) float arrays
+        Their borders, flat.
     """
-    middles = seen.mean(axis=1)
     size = float(np.sqrt(areas.sum()))
+    shares = areas / float(areas.sum())
+    # In shares of its size, to so many digits that no rounding decides between equals.
+    middles = seen.mean(axis=1) / size
     best = np.inf
     found: Array = middles[:, 0] - float(np.median(middles[:, 0]))
     frames = np.arange(8) * (np.pi / 16)
     axes = np.concatenate([
         np.stack([np.cos(frames), np.sin(frames)]), np.stack([-np.sin(frames), np.cos(frames)])
     ], axis=1)  # fmt: skip
-    spots = middles @ axes
-    breadth = np.sqrt(areas)
+    start = np.concatenate(list(rings)) / size
+    end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]) / size
     for angle in ANGLES:
-        along = middles @ (np.cos(angle), np.sin(angle))
+        to, beside = np.array([np.cos(angle), np.sin(angle)]), (-np.sin(angle), np.cos(angle))
+        along = np.round(middles @ to, DIGITS)
         low, high = float(along.min()), float(along.max())
         for place in PLACES:
-            ahead = along - (low + place * (high - low))
-            over = ahead > 0.0
-            share = float(areas[over].sum()) / float(areas.sum())
-            if not 2.0 * ISLAND < share < 1.0 - 2.0 * ISLAND:
+            level = low + place * (high - low)
+            ahead = np.round(along - level, DIGITS)
+            if not 2.0 * ISLAND < float(shares[ahead > 0.0].sum()) < 1.0 - 2.0 * ISLAND:
                 continue
-            # What lies within a face's breadth of the line tells how long the cut is.
-            cut = float(breadth[np.abs(ahead) < breadth].sum()) / 2.0
-            price = LONG * size * cut
+            one, two = np.round(start @ to - level, DIGITS), np.round(end @ to - level, DIGITS)
+            over = one > 0.0
+            crossed = np.flatnonzero(over != (two > 0.0))
+            share = one[crossed] / (one[crossed] - two[crossed])
+            there = start[crossed] + share[:, None] * (end[crossed] - start[crossed])
+            spots = np.sort(there @ beside)
+            price = LONG * float((spots[1::2] - spots[:-1:2]).sum())
             for part in (over, ~over):
-                span = np.ptp(spots[part], axis=0)
+                span = np.ptp(np.concatenate([start[part], there]) @ axes, axis=0)
                 price += float((span[:8] * span[8:]).min())
-            if price < (1.0 - 1e-9) * best:
+            if price < (1.0 - 1e-4) * best:
                 best, found = price, ahead
     return found
 

@@ -22,8 +22,9 @@ WEIGHTS: Final = (0.02, 20.0)
 """Bounds of a cotangent: triangles thin as needles would take all the say, or none."""
 
 
-TOUCHES: Final = 1e-9
-"""Share of a piece that may be covered twice: the rounding of its area."""
+FOLDED: Final = 1e-4
+"""Share of a piece that may lie on itself. Folds as thin as needles, such as lie along creases,
+cannot be laid flat at all: without them whole pieces would fall apart into single triangles."""
 
 
 class Piece(NamedTuple):
@@ -89,6 +90,11 @@ def flattened_piece(piece: Piece) -> Array:
     return np.column_stack([z.real, z.imag])
 
 
+def folded(areas: Array) -> float:
+    """Return the share of triangles that lie the wrong way round, from all signed areas."""
+    return -float(np.minimum(areas, 0.0).sum()) / max(float(np.abs(areas).sum()), 1e-300)
+
+
 def stretch(piece: Piece, places: Array) -> tuple[Array, Array]:
     """Return by how much each triangle is drawn out along both its axes, ≥ and ≤, (f,) each.
 
@@ -147,7 +153,7 @@ def _cotangents(flat: Array) -> Array:
 
 
 def lies_once(piece: Piece, places: Array) -> bool:
-    """Whether no triangle is turned over and none lies on another.
+    """Whether no triangle is turned over and none lies on another, but for `FOLDED`.
 
     If all are the right way round, how often a point is covered is how often the border winds
     around it: once within a border that does not meet itself.
@@ -155,7 +161,8 @@ def lies_once(piece: Piece, places: Array) -> bool:
     import shapely
 
     area = areas(places[piece.triangles])
-    if (area < 0.0).any():
+    total = float(np.abs(area).sum())
+    if folded(area) > FOLDED:
         return False
     rings = [places[ring] for ring in borders(piece.triangles)]
     if not rings:
@@ -169,8 +176,7 @@ def lies_once(piece: Piece, places: Array) -> bool:
     if shapely.is_valid(polygon):
         return True
     # A border may touch itself, but what is covered twice is not there in a valid polygon.
-    total = float(area.sum())
-    return abs(float(shapely.make_valid(polygon).area) - total) <= TOUCHES * total
+    return abs(float(shapely.make_valid(polygon).area) - float(area.sum())) <= FOLDED * total
 
 
 def ring_area(ring: Array) -> float:

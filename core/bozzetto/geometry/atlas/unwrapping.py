@@ -8,14 +8,16 @@ import numpy as np
 
 from bozzetto.geometry.atlas.chart_cutting import Surface
 from bozzetto.geometry.atlas.chart_flattening import (
+    FOLDED,
     Piece,
     areas,
     borders,
     flattened_piece,
+    folded,
     lies_once,
     stretch,
 )
-from bozzetto.geometry.atlas.chart_packing import Outline, box_sizes, packed
+from bozzetto.geometry.atlas.chart_packing import Outline, box_sizes, packed, side_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,23 +33,32 @@ AWAY: Final = -0.1
 FEW: Final = 0.005
 """Share of a chart that may look away when it is laid flat."""
 
+BENT: Final = 0.9
+"""Length of a piece's mean normal below which it is cut where it bends, if it covers itself."""
+
 CELLS: Final = 256
-"""Cells along the square; charts are about one apart."""
+"""Cells along the square; charts are one apart."""
+
+FEW_CELLS: Final = 128
+"""The same to learn whether a cut helps: charts that touch none in common are as far apart."""
 
 FULL: Final = 0.8
 """Share of the square from which no more charts are cut."""
 
-CUTS: Final = 8
+CUTS: Final = 24
 """How many more cuts are tried."""
 
-GAIN: Final = 0.02
+PATIENCE: Final = 5
+"""After how many that gain nothing no more are."""
+
+GAIN: Final = 0.01
 """By how much more of the square each further chart has to fill."""
 
-LEAST_FREE: Final = 0.02
+LEAST_FREE: Final = 0.005
 """Area beside a chart in its box, as a share of the surface, from which a cut is tried."""
 
-FEW_TRIES: Final = 8
-"""Orders that are tried to learn whether a cut helps."""
+LONG: Final = 0.7
+"""Share of the square's side from which a chart is tried to be cut because it is long."""
 
 
 class Atlas(NamedTuple):
@@ -141,41 +152,65 @@ def unwrapped_together(meshes: Sequence[tuple[Array, Index]]) -> list[Atlas]:
             if chart.surface is surface:
                 corners[chart.piece.face] = chart.corners @ packing.turn[k] + packing.offset[k]
                 number[chart.piece.face] = k
-        corners /= packing.side
+        corners = np.clip(corners / packing.side, 0.0, 1.0)  # but for its rounding it is
         corners[..., 1] = 1.0 - corners[..., 1]
         found.append(Atlas(corners, number, packing.side))
     return found
 
 
 def _cut_to_fit(area: float, charts: list[Chart]) -> list[Chart]:
-    """Cut charts across that leave much of the boxes around them free, if all fit better then."""
-    side = packed([chart.outline for chart in charts], CELLS, FEW_TRIES).side
+    """Cut charts across that are long or leave much of their boxes free, as far as that pays."""
+
+    def full(charts: list[Chart]) -> float:
+        return area / side_of([chart.outline for chart in charts], FEW_CELLS) ** 2
+
+    share = full(charts)
+    best, most, idle = charts, share, 0
+    count = len(charts)
     whole: set[int] = set()
     for _ in range(CUTS):
-        free = [-1.0 if id(chart) in whole else _free(chart) / area for chart in charts]
-        # Of equal ones the first, however they are rounded.
-        most = int(np.argmax(np.round(free, 5)))
-        if area >= FULL * side * side or free[most] < LEAST_FREE:
+        if share >= FULL or idle == PATIENCE:
             break
-        chart = charts[most]
-        parts = chart.surface.across(chart.piece.face, chart.corners)
-        if len(parts) > 1:
-            cut = [*charts[:most], *_laid_flat(chart.surface, parts), *charts[most + 1 :]]
-            found = packed([chart.outline for chart in cut], CELLS, FEW_TRIES).side
-            if area / found**2 >= area / side**2 + GAIN * (len(cut) - len(charts)):
-                charts, side = cut, found
-                continue
-        whole.add(id(chart))
-    return charts
+        needs = [0.0 if id(chart) in whole else _need(chart, area, share) for chart in charts]
+        # Of equal ones the first, however they are rounded.
+        worst = int(np.argmax(np.round(needs, 5)))
+        if needs[worst] < 1.0:
+            break
+        chart = charts[worst]
+        parts = chart.surface.across(chart.piece.face, chart.corners, chart.outline.rings)
+        if len(parts) == 1:
+            whole.add(id(chart))
+            continue
+        charts = [*charts[:worst], *(_part_of(chart, part) for part in parts), *charts[worst + 1 :]]
+        share = full(charts)
+        idle += 1
+        worth = share - GAIN * (len(charts) - count)
+        if worth > most + 1e-6:
+            best, most, idle = charts, worth, 0
+    return best
 
 
-def _free(chart: Chart) -> float:
-    """Return the area that the smallest box around a chart has beside it."""
+def _need(chart: Chart, area: float, share: float) -> float:
+    """Return how much a cut of a chart is needed; below one, not at all."""
     if len(chart.piece.face) == 1:
         return 0.0
-    points = chart.places[np.unique(chart.piece.triangles)]
-    width, height = box_sizes(points, np.linspace(0.0, 0.5 * np.pi, 64, endpoint=False))
-    return float((width * height).min()) - float(areas(chart.corners).sum())
+    width, height = box_sizes(
+        np.concatenate(list(chart.outline.rings)), np.linspace(0.0, 0.5 * np.pi, 64, endpoint=False)
+    )
+    best = int((width * height).argmin())
+    free = float(width[best] * height[best]) - chart.outline.area
+    long = float(max(width[best], height[best])) / float(np.sqrt(area / share))
+    return max(free / (LEAST_FREE * area), long / LONG)
+
+
+def _part_of(chart: Chart, face: Index) -> Chart:
+    """Return some of the faces of a chart, as they lie in it."""
+    piece = chart.surface.piece(face)
+    place = np.zeros(len(chart.surface.faces), np.intp)
+    place[chart.piece.face] = np.arange(len(chart.piece.face))
+    places = np.zeros((len(piece.points), 2))
+    places[piece.triangles] = chart.corners[place[face]]
+    return Chart(chart.surface, piece, places)
 
 
 def _laid_flat(surface: Surface, pieces: list[Index]) -> list[Chart]:
@@ -207,11 +242,14 @@ def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
     large, little = stretch(piece, places)
     worst = np.maximum(large, 1.0 / np.maximum(little, 1e-9))
     drawn_out = size[worst > MOST_STRETCH].sum() > 0.01 * size.sum()
-    if drawn_out or (areas(corners) < 0.0).any():
+    if drawn_out or folded(areas(corners)) > FOLDED:
         return surface.by_sides(face)
     if lies_once(piece, places):
         return _chart(surface, piece, places)
-    return surface.across(face, corners)
+    if float(np.linalg.norm(mean)) < BENT * float(size.sum()):
+        return surface.by_sides(face)
+    rings = [places[ring] for ring in borders(piece.triangles)]
+    return surface.across(face, corners, rings)
 
 
 def _in_two(face: Index, parts: list[Index]) -> list[Index]:
