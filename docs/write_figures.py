@@ -32,6 +32,7 @@ PAGES = (
     "product-paper.md",
     "silhouette.md",
     "symmetry.md",
+    "texture-coordinates.md",
 )
 BLOCK = re.compile(
     r"(<!-- figures: python (?P<command>[^\n]*?) -->\n).*?(<!-- /figures -->)", re.DOTALL

@@ -28,7 +28,8 @@ from tests.fidelity import FOLDERS
 
 ROOT: Final = Path(__file__).parents[3]
 SIDE: Final = 1024
-MODELERS: Final = ("car", "polyhedron", "product", "silhouette", "symmetry")
+MODELERS: Final = ("car", "polyhedron", "product", "silhouette")
+"""Those whose drawings have surfaces."""
 
 Meshes = list[tuple[Array, NDArray[Any]]]
 

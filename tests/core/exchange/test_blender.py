@@ -10,6 +10,7 @@ import pytest
 
 from bozzetto.cli.main import main
 from bozzetto.exchange.export import export
+from bozzetto.exchange.mesh import glb
 from bozzetto.geometry import FaceGroup, Mesh, Shapes, Solid
 from tests.blender import asked
 
@@ -126,3 +127,45 @@ def test_a_sample_comes_whole(tmp_path, modeler, sample):
     if said.get("closed") or modeler == "silhouette":
         assert sum(one["volume"] for one in found) > 0.0
         assert sum(one["loose"] for one in found) == 0
+
+
+FRAMES = """
+bpy.ops.import_scene.gltf(filepath=sys.argv[1])
+scene = bpy.context.scene
+answer = []
+for time in json.loads(sys.argv[2]):
+    frame = time * scene.render.fps / scene.render.fps_base
+    scene.frame_set(int(frame), subframe=frame - int(frame))
+    places = {}
+    for one in bpy.data.objects:
+        if one.type == "MESH":
+            places[one.name] = [list(one.matrix_world @ v.co) for v in one.data.vertices]
+    answer.append(places)
+"""
+
+
+def test_a_mechanism_moves_as_it_was_filmed(tmp_path):
+    """Two parts, one on the other; between keys within the height of the arc over its chord."""
+    from scipy.spatial.transform import Rotation
+
+    def frame(share: float) -> Shapes:
+        arm = Rotation.from_rotvec((0, 0, 2.0 * share)).as_matrix()
+        hand = Rotation.from_rotvec((0.5 * share, -1.5 * share, 0)).as_matrix()
+        return Shapes(solids=(
+            Solid(Mesh(BOX.vertices @ arm.T + (50 * share, 0, 0), BOX.faces), "Arm"),
+            Solid(Mesh((BOX.vertices @ hand.T + (0, 0, 40)) @ arm.T, BOX.faces), "Hand"),
+        ))  # fmt: skip
+
+    shares = np.linspace(0.0, 1.0, 31)
+    film = glb.write_motion([frame(share) for share in shares], shares.tolist())
+    (tmp_path / "a.glb").write_bytes(film)
+    times = (0.0, 0.5, 0.9, 0.517)
+    arc = 0.07 * (2.5 / 30) ** 2 / 8  # metres: what is farthest from the axis, in a thirtieth
+    for time, seen in zip(times, asked(FRAMES, tmp_path / "a.glb", json.dumps(times)), strict=True):
+        assert set(seen) == {"Arm", "Hand"}
+        for solid in frame(time).solids:
+            places = np.array(seen[solid.name])
+            away = np.linalg.norm(places[:, None] - solid.mesh.vertices / 1000.0, axis=2)
+            most = arc if time == times[-1] else 2e-6
+            assert away.min(axis=1).max() < most
+            assert away.min(axis=0).max() < most
