@@ -147,8 +147,8 @@ class GrowingCurve:
             partners = np.array(columns[::-1], np.intp)
             slope = self._slopes[sense][partners]
             rest = self._tail.angles - known.angles[partners]
-            share: Array = np.divide(rest, slope, out=np.zeros_like(rest), where=slope != 0)
-            at = partners + np.clip(share, -FURTHEST, FURTHEST)
+            share = np.divide(rest, slope, out=np.zeros_like(rest), where=slope != 0)
+            at = partners.astype(float) + np.clip(share, -FURTHEST, FURTHEST)
             nears.append(at_stations(known.pixels, at))
         near, drawn = np.vstack(nears), np.vstack((self._tail.pixels, self._tail.pixels))
         way = self._stereo.toward_vanishing(near)

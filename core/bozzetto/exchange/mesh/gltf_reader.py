@@ -346,7 +346,9 @@ def _surface(
     faces = without_degenerate(_faces(order, primitive.mode).astype(np.int64))
     if not len(faces):
         return None
-    if np.linalg.det(to_world) < 0:
+    with np.errstate(all="ignore"):  # whose numbers may be extreme
+        mirrored = np.linalg.det(to_world) < 0
+    if mirrored:
         faces = faces[:, ::-1]
     colors = None
     if "COLOR_0" in primitive.attributes:
