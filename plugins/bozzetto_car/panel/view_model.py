@@ -245,7 +245,8 @@ def _advice(solved: Solved) -> str:
     best = views[0]
     article = "from the" if best.name in ("front", "side", "rear") else "from"
     name = f"{best.name} view" if "quarter" in best.name else f"view {article} {best.name}"
-    return f"Would help most: a {name}, {best.before:.0f} → {best.after:.0f} mm."
+    digits = 0 if best.after >= 10.0 else 1
+    return f"Would help most: a {name}, {best.before:.{digits}f} → {best.after:.{digits}f} mm."
 
 
 def _dimensions(body: Body) -> Iterator[tuple[str, float]]:

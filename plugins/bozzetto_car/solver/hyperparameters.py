@@ -50,6 +50,10 @@ GENEROUS: Final = 1.4
 """Factor on the estimated spread: marks are met as closely as the hand allows, and of cars that
 are near their template little is lost."""
 
+OUTWARD: Final = 0.35
+"""Share of the spread with which outer dimensions vary against each other in the solve. A single
+camera stretches a car as its dimensions do, and what marks say of both is easily too much."""
+
 MISTAKE: Final = 16.0
 """Price of setting a mark aside, as a natural logarithm: a mark at a random place in the picture
 costs 12, and one mark in fifty is such a mistake."""
@@ -240,7 +244,7 @@ def _weighed(weights: Weights, counted: tuple[Flags, ...]) -> Weighed:
         usual,
         deviation=share * usual.deviation,
         smooth=share * usual.smooth,
-        proportion=share * usual.proportion,
+        proportion=OUTWARD * share * usual.proportion,
         kinship=float(np.exp(shares @ np.log(kinships))),
         bend=usual.hand * float(np.sqrt(shares @ (bends * hands) ** 2)),
     )

@@ -104,7 +104,7 @@ def test_the_view_that_would_help_most_is_named(twelve):
     """Of a car seen from the front on the right, what is behind is known least."""
     advice = guide_of(twelve).advice
     assert advice.startswith("Would help most: a ")
-    now, then = (float(figure) for figure in re.findall(r"(\d+)(?= →| mm)", advice))
+    now, then = (float(figure) for figure in re.findall(r"([\d.]+)(?= →| mm)", advice))
     assert now > then > 0.0
     assert guide_of(blank()).advice == ""
 
