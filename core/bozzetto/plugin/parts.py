@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Self, TypeVar
 from bozzetto.plugin.modeler import Modeler
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # else a derived class that says so, too, compares these alone
 class Part:
     """A named part of a model; the `Parameter` fields of a derived class make its form.
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import gc
 import importlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Annotated
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
-from bozzetto.geometry import Shapes
+from bozzetto.geometry import Shapes, frozen
 from bozzetto.plugin import Group, Parameter, Part, PartsModeler, PartsState
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.registry import Registry
@@ -262,3 +264,26 @@ def test_parts_are_read_once_and_forgotten_with_their_state(shell):
     del others, model
     gc.collect()
     assert len(edits._known) == kept - 3
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud(Part):
+    """As the guide asks for where there is an array."""
+
+    points: NDArray[np.float64] = field(default_factory=lambda: frozen([], np.float64, 3))
+
+
+@dataclass(frozen=True)
+class Clouds(PartsState):
+    """A state of such parts."""
+
+    nodes: tuple[Cloud, ...] = ()
+
+
+def test_a_part_that_holds_an_array_is_not_the_one_with_another_array():
+    cloud = Cloud("a", "A", points=frozen([[0.0, 0.0, 0.0]], np.float64, 3))
+    moved = replace(cloud, points=frozen([[0.0, 0.0, 1.0]], np.float64, 3))
+    assert cloud != moved
+    assert Clouds((cloud,)) != Clouds((moved,))
+    assert Clouds((cloud,)) == Clouds((cloud,))
+    assert len({cloud: 1, moved: 2}) == 2
