@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -148,6 +148,7 @@ class DocumentModel(QObject):
         is_new: bool,
         only_chosen: bool = False,
         used: tuple[Stroke, ...] = (),
+        hidden: Sequence[str] = (),
     ) -> None:
         """Put the result of a gesture or command into the document.
 
@@ -165,13 +166,22 @@ class DocumentModel(QObject):
             Whether only the choice of a part differs.
         used : tuple of Stroke
             Waiting ink that is part of the model now; see `bozzetto.document.applied_ink.take`.
+        hidden : sequence of str
+            Ids of objects that are hidden in the same step.
         """
         if only_chosen and not used:
             self.amend(self.document.with_model(model))
             return
         if is_new:
             model = replace(model, name=self.document.unused_name(model.name))
-        take(self.history, label, model, used)
+        if hidden:
+            document = self.document.with_model(model)
+            for other in self.document:
+                if other.id in hidden:
+                    document = document.with_model(replace(other, visible=False))
+            self.history.apply(label, document)
+        else:
+            take(self.history, label, model, used)
         self._models_replaced()
         self.applied.emit(model.id)
 

@@ -107,7 +107,9 @@ class ShapeInput:
                 label = tr("Session", "Follow {names}", names=names)
             else:
                 label = tr("Session", "Start from “{name}”", name=model.name)
-            self._drawing.apply_model(label, model, is_new=True)
+            # A copy stands where the object stands: what lies over it would hide it.
+            copied = () if follows or parts else tuple(model_ids)
+            self._drawing.apply_model(label, model, is_new=True, hidden=copied)
             if "follow" in abilities and not follows:
                 self._notices.tell(
                     tr(

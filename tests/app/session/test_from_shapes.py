@@ -30,6 +30,8 @@ def test_curves_of_one_model_start_another_in_one_step(session, settle):
     assert second.state.marks == first.state.marks
     assert second.name != first.name
     assert session.selection.id == second.id
+    shown = [model.visible for model in session.drawing.document]
+    assert shown == [False, True]  # the copy stands in its place
     assert session.drawing.history.position == steps + 1
     session.drawing.undo()
     settle(session)
