@@ -113,7 +113,7 @@ def flattened(
     -------
     tuple
         Empty where the ink says that the curve is not flat. Where it does not say in which plane a
-        bent one lies, as of a shallow bow, that is level and upright.
+        bent line lies, as of a shallow bow, that is level and upright; a ring has its own depth.
     """
     near, ink = folding.pairing.near, InkLine.of(pixels, ring, folding.first)
     if len(near) < FEWEST:
@@ -125,7 +125,7 @@ def flattened(
         for angle, away in _starts(stereo, folding, half, ink)
     ]
     best = min(filter(None, tried), key=lambda fitted: fitted.off, default=None)
-    if not straight and (best is None or not best.is_turned):
+    if not (straight or ring) and (best is None or not best.is_turned):
         found = _facing(stereo, folding, near, ink, size, most)
     else:
         told = None if best is None else _told(stereo, near, ink, half, best, most)
