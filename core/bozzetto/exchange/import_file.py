@@ -294,18 +294,19 @@ def _as_closed(part: Surface) -> Surface | None:
         return part
     skin = part.skin
     rest = part.mesh if skin is None or skin.rest is None else skin.rest
-    for join in (weld, weld_rounded):
-        kept, faces = join(rest.vertices, rest.faces)
-        if len(kept) == len(rest.vertices) or is_degenerate(faces).any():
-            continue
+    kept, faces = weld(rest.vertices, rest.faces)
+    if len(kept) < len(rest.vertices):
         closed = _joined(part, kept, faces)
         if closed is not None:
             return closed
-    return None
+    fewer, faces = weld_rounded(rest.vertices, kept, faces)
+    return _joined(part, fewer, faces) if len(fewer) < len(kept) else None
 
 
 def _joined(part: Surface, kept: Index, faces: Faces) -> Surface | None:
     """Return a surface with some of its vertices, if it bounds a volume then."""
+    if is_degenerate(faces).any():
+        return None
     mesh, skin = part.mesh, part.skin
     back = np.zeros(len(mesh.vertices), np.intp)
     back[mesh.faces] = faces

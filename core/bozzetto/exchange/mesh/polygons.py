@@ -59,15 +59,19 @@ def weld(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.in
     return first[order], joined
 
 
-def weld_rounded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArray[np.intp], Faces]:
-    """Make one vertex of those that `weld` makes one, and of border vertices apart by rounding.
+def weld_rounded(
+    vertices: NDArray[np.float32], kept: NDArray[np.intp], faces: Faces
+) -> tuple[NDArray[np.intp], Faces]:
+    """Make one vertex of border vertices that are apart by rounding, of a mesh that is welded.
 
     A sine of a whole turn is not quite none: spheres and tubes of other programs have a seam so.
 
     Parameters
     ----------
-    vertices, faces
+    vertices : (v, 3) float32
         As `weld` takes them.
+    kept, faces
+        As `weld` returns them.
 
     Returns
     -------
@@ -77,12 +81,12 @@ def weld_rounded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArr
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    kept, joined = weld(vertices, faces)
-    pairs = np.sort(np.stack([joined, np.roll(joined, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    edges, uses = np.unique(pairs, axis=0, return_counts=True)
-    border = np.unique(edges[uses == 1])
+    one, other = faces.astype(np.int64), np.roll(faces, -1, axis=1).astype(np.int64)
+    edges = np.minimum(one, other) * len(kept) + np.maximum(one, other)
+    edges, uses = np.unique(edges, return_counts=True)
+    border = np.unique(np.divmod(edges[uses == 1], max(len(kept), 1)))
     if not len(border):
-        return kept, joined
+        return kept, faces
     points = vertices[kept[border]].astype(np.float64)
     cell = 2.0 * ROUNDING * max(float(np.abs(points).max()), 1e-30)
     # Two within half a cell of each other are in one cell of at least one of eight grids.
@@ -100,7 +104,7 @@ def weld_rounded(vertices: NDArray[np.float32], faces: ArrayLike) -> tuple[NDArr
     target = np.arange(len(kept))
     target[border] = border[first[which.ravel()]]
     used, number = np.unique(target, return_inverse=True)
-    return kept[used], np.asarray(number.ravel()[joined], np.int32)
+    return kept[used], np.asarray(number.ravel()[faces], np.int32)
 
 
 def is_degenerate(faces: NDArray[np.integer]) -> NDArray[np.bool_]:
