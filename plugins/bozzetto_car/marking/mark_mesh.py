@@ -21,8 +21,8 @@ from bozzetto_car.marking.points_on_mesh import (
     with_point,
     without_points,
 )
-from bozzetto_car.solver.nodes_on_mesh import FEWEST, nodes_on_mesh
-from bozzetto_car.solver.pipeline import template_of
+from bozzetto_car.solver.nodes_on_mesh import FEWEST
+from bozzetto_car.solver.pipeline import solve_car, template_of
 from bozzetto_car.state import CarMesh, CarState
 from bozzetto_car.template.model import MIRROR
 
@@ -70,7 +70,7 @@ def next_point(state: CarState) -> NextStep:
     more = f" The body is shown with {missing} more." if missing > 0 else ""
     place = None
     if missing <= 0:
-        place = triple(nodes_on_mesh(template, car)[template.node[node]])
+        place = triple(solve_car(state).positions[template.node[node]])
     side = ", on either side" if node.endswith(".R") else ""
     if template.node[node] in template.wheels:
         side = ", seen from the side"
