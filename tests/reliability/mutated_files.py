@@ -57,6 +57,14 @@ NUMBERS = (
     b"2147483648", b"1e9", b"-0", b"1e", b"#7f", b"1_0", b"0x10",
 )  # fmt: skip
 
+HOSTILE = (
+    b"-1", b"4294967295", b"99999999999999999999", b"-inf", b"\x00", b"\xff\xff\xff\xff",
+    b"\x7f\xff\xff\xff", b"\x00\x00\xc0\x7f", b"&a;", b"<!DOCTYPE a>", b"<![CDATA[", b"]]>",
+    b"[[[[", b"}}", b'"', b"'", b",", b"#", b"\\\n", b"null", b"true", b"{}", b"[]", b"\xc3\x28",
+    b"e", b".", b"-", b"z", b"A",
+)  # fmt: skip
+"""What readers may take for the beginning, the end or the number of something."""
+
 WORDS = re.compile(rb"[+-]?\d+\.?\d*(?:e[+-]?\d+)?|[A-Za-z_]+|[<>{}\[\]()\",;:]")
 
 OFF = (
@@ -235,6 +243,13 @@ def number_changed(content: bytes, rng: random.Random) -> bytes:
     return content[: chosen.start()] + rng.choice(NUMBERS) + content[chosen.end() :]
 
 
+def word_put_in(content: bytes, rng: random.Random) -> bytes:
+    """A word that means something to a reader, put in or in the place of something."""
+    at = rng.randrange(len(content) + 1)
+    length = rng.choice((0, 0, 1, 2, 4, 8, 40))
+    return content[:at] + rng.choice(HOSTILE) + content[at + length :]
+
+
 def piece_repeated(content: bytes, rng: random.Random) -> bytes:
     """A piece of the content, up to a hundred times."""
     first = rng.randrange(len(content))
@@ -301,8 +316,8 @@ def cut_short(content: bytes, rng: random.Random) -> bytes:
 
 
 INJURIES: tuple[Callable[[bytes, random.Random], bytes], ...] = (
-    bytes_changed, bytes_changed, words_swapped, number_changed, number_changed, piece_repeated,
-    nested, tree_changed, attribute_changed, chunk_changed, cut_short,
+    bytes_changed, bytes_changed, words_swapped, number_changed, number_changed, word_put_in,
+    word_put_in, piece_repeated, nested, tree_changed, attribute_changed, chunk_changed, cut_short,
 )  # fmt: skip
 
 

@@ -14,8 +14,10 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.exchange.formats import FORMATS
 from tests.reliability.mutated_files import mutated, read, seeds
+from tests.sizes import sized
 
 CASES = 3000
+LONG_CASES = sized(10_000, 200_000)
 """For each format; the suite of strangers' files does many more of all."""
 
 MEMORY = 3 << 30
@@ -49,6 +51,14 @@ READ = [one for one in FORMATS if one.reads and one.id not in ("cad", "dxf-drawi
 @pytest.mark.parametrize("one", READ, ids=[one.id for one in READ])
 def test_only_user_errors_escape(one):
     attack(one.endings, CASES, seed=one.id)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::UserWarning:PIL", "ignore::PIL.Image.DecompressionBombWarning")
+@pytest.mark.filterwarnings("ignore:::tifffile")
+@pytest.mark.parametrize("one", READ, ids=[one.id for one in READ])
+def test_only_user_errors_escape_for_long(one):
+    attack(one.endings, LONG_CASES, seed=f"{one.id} long")
 
 
 def test_the_seeds_are_good():

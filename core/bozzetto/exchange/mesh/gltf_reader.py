@@ -201,6 +201,7 @@ def _finish(material: Material) -> Finish:
     looks = material.pbr_metallic_roughness
     opacity = 1.0 if looks.base_color_factor is None else looks.base_color_factor[3]
     own = (looks.metallic_factor, looks.roughness_factor, opacity)
+    own = np.clip(own, 0.0, 1.0)  # all that a look is made of lies there
     return min(LOOKS, key=lambda finish: float(np.square(np.subtract(LOOKS[finish], own)).sum()))
 
 
