@@ -200,8 +200,8 @@ def _finish(material: Material) -> Finish:
     """Return of what a material seems to be made: the finish whose looks are nearest."""
     looks = material.pbr_metallic_roughness
     opacity = 1.0 if looks.base_color_factor is None else looks.base_color_factor[3]
-    own = (looks.metallic_factor, looks.roughness_factor, opacity)
-    own = np.clip(own, 0.0, 1.0)  # all that a look is made of lies there
+    # All that a look is made of lies between 0 and 1; in a file it may be any number.
+    own = np.clip((looks.metallic_factor, looks.roughness_factor, opacity), 0.0, 1.0)
     return min(LOOKS, key=lambda finish: float(np.square(np.subtract(LOOKS[finish], own)).sum()))
 
 
