@@ -57,7 +57,7 @@ LARGE = 16 * SIZES[-1]
 
 
 def seconds(family, size):
-    """Processor time of a usual machine; of the slowest, where several readers take the ending."""
+    """Processor time; of the slowest, where several readers take the ending."""
     data = family.make(size)
     taken = []
     for chosen in importing.readers():
@@ -70,7 +70,7 @@ def seconds(family, size):
         with contextlib.suppress(UserError):
             importing.function(chosen, name)(*given)
         taken.append(time.process_time() - started)
-    return max(taken) / slowness()
+    return max(taken)
 
 
 def test_every_format_that_is_read_has_such_files():
@@ -81,14 +81,16 @@ def test_every_format_that_is_read_has_such_files():
 @pytest.mark.slow
 @pytest.mark.parametrize("family", GROWING, ids=lambda family: family.name)
 def test_the_cost_grows_no_faster_than_the_file(family):
+    if seconds(family, SIZES[-1]) < FREE:
+        return
     first, second, third = (min(seconds(family, size) for _ in range(3)) for size in SIZES)
-    assert third < max(FREE, GROWTH * second, GROWTH**2 * first)
+    assert third < max(FREE * slowness(), GROWTH * second, GROWTH**2 * first)
 
 
 @pytest.mark.quiet
 @pytest.mark.parametrize("family", BOUNDED, ids=lambda family: family.name)
 def test_the_cost_of_pairs_is_bounded(family):
-    assert all(seconds(family, size) < 5.0 for size in (*SIZES, LARGE))
+    assert all(seconds(family, size) < 5.0 * slowness() for size in (*SIZES, LARGE))
 
 
 def test_a_reading_that_takes_too_long_is_ended(tmp_path):
