@@ -196,7 +196,10 @@ class Framing(QObject):
             self.end()
 
     def _begun(self) -> None:
-        """Frame what a command put on the sheet, too: nobody drew it where the eye was."""
-        if self._last is not None:
-            self._camera, self._steps = self._last, STEPS
-            self._look()
+        """Frame what a command put on the sheet, too: nobody drew it where the eye was.
+
+        The view of a person who has looked elsewhere is kept if most of it is seen there.
+        """
+        self._share = KEPT_SHARE if self._last is None else 1.0
+        self._camera, self._steps = self._last or self._session.view.camera, STEPS
+        self._look()
