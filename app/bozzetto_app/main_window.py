@@ -65,10 +65,10 @@ FIRST_SIZE = (1280, 800)
 FRAME = (8, 48)
 """What a window's frame and title take of a screen, pixels."""
 
-DOCK_HEIGHTS = (310, 340, 90)
+DOCK_HEIGHTS = (232, 390, 112)
 """Of objects, parameters and history at the first start, pixels."""
 
-LEAST_HEIGHTS = (130, 320, 50)
+LEAST_HEIGHTS = (130, 320, 90)
 """Of the same where a plugin has a panel of its own beside the parameters, pixels."""
 
 THEME = "view/theme"
