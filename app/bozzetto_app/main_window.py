@@ -145,6 +145,7 @@ class Window(QMainWindow):
         self.setDockOptions(QMainWindow.DockOption.AnimatedDocks)
         self.parameters = ParametersPanel(session)
         objects = ObjectsPanel(session)
+        self.chosen_models = objects.chosen_models
         objects.reading_wanted.connect(self.dialogs.open_readings)
         self._docks = [
             self._dock(objects),

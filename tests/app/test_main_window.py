@@ -13,7 +13,7 @@ import pytest
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QPushButton
+from PySide6.QtWidgets import QApplication, QFileDialog, QMenuBar, QMessageBox, QPushButton
 
 from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.document.waiting_ink import strokes_of
@@ -392,7 +392,7 @@ def run(*arguments, home, **more):
 PROBE = """
 import sys, threading
 from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QMenuBar, QApplication
 import bozzetto_app.main_window as w
 
 class Probed(w.Window):
@@ -579,3 +579,24 @@ def test_the_opengl_window_shows_the_solid(tmp_path):
 
 def rgb(name):
     return np.array([int(name[k : k + 2], 16) for k in (1, 3, 5)])
+
+
+def _menus(menu):
+    yield menu
+    for action in menu.actions():
+        if action.menu() is not None:
+            yield from _menus(action.menu())
+
+
+def test_no_two_entries_of_a_menu_have_the_same_letter(make_window, settle):
+    """With a letter that is there twice the keyboard only moves between them."""
+    window = make_window("bozzetto.product")
+    settle(window.session, window.keeper)
+    (bar,) = window.findChildren(QMenuBar)
+    for menu in _menus(bar):
+        letters = [
+            text[text.index("&") + 1].lower()
+            for action in menu.actions()
+            if "&" in (text := action.text().replace("&&", ""))
+        ]
+        assert len(set(letters)) == len(letters), [action.text() for action in menu.actions()]

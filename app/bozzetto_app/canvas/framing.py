@@ -111,6 +111,7 @@ class Framing(QObject):
         session.drawing.waiting_changed.connect(self.end)
         session.drawing.changed.connect(self._changed)
         session.commands.begun.connect(self._begun)
+        session.files.exchange.clipboard.pasted.connect(self._begun)
 
     def end(self) -> None:
         """Leave the view to the person, who is at work."""
@@ -196,7 +197,7 @@ class Framing(QObject):
             self.end()
 
     def _begun(self) -> None:
-        """Frame what a command put on the sheet, too: nobody drew it where the eye was.
+        """Frame what was put on the sheet at one word, too: nobody drew it where the eye was.
 
         The view of a person who has looked elsewhere is kept if most of it is seen there.
         """
