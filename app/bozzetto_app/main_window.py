@@ -66,7 +66,7 @@ FRAME = (8, 48)
 """What a window's frame and title take of a screen, pixels."""
 
 DOCK_HEIGHTS = (232, 390, 112)
-"""Of objects, parameters and history at the first start, pixels; the objects give way first."""
+"""Of objects, parameters and history at the first start, pixels."""
 
 LEAST_HEIGHTS = (130, 320, 90)
 """Of the same where a plugin has a panel of its own beside the parameters, pixels."""
@@ -296,9 +296,7 @@ class Window(QMainWindow):
             self.restoreGeometry(geometry)
         restored = isinstance(state, QByteArray) and self.restoreState(state, LAYOUT_VERSION)
         if not restored:
-            objects, *others = DOCK_HEIGHTS
-            objects = max(LEAST_HEIGHTS[0], objects + self.height() - FIRST_SIZE[1])
-            self.resizeDocks(self._docks, [objects, *others], Qt.Orientation.Vertical)
+            self.resizeDocks(self._docks, list(DOCK_HEIGHTS), Qt.Orientation.Vertical)
         self._plugin_dock.setVisible(self._plugin_panel.is_filled and self.panels_shown)
         self.welcome.setVisible(not len(self.session.drawing.document))
 
