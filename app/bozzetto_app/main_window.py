@@ -333,6 +333,11 @@ class Window(QMainWindow):
 
     # -- documents --
 
+    def expect_document(self) -> None:
+        """Do not ask for a first stroke: a document is on its way onto the sheet."""
+        self.welcome.hide()
+        self.canvas.show_hint("")
+
     def open(self, path: Path) -> None:
         """Open a document once unsaved work is safe."""
         self.session.files.open_safely(path)

@@ -180,6 +180,13 @@ def test_a_drawing_goes_on_while_the_welcome_strip_closes(window, draw):
     assert window.canvas.width() == width
 
 
+def test_a_window_that_waits_for_its_document_asks_for_no_stroke(window, settle):
+    settle(window.session)
+    window.expect_document()
+    assert not window.welcome.isVisible()
+    assert not window.canvas.empty_hint.isVisible()
+
+
 def test_progress_does_not_move_the_sheet(window, boxes, settle, qtbot):
     gate, size = threading.Event(), window.canvas.size()
     sizes = set()
