@@ -31,6 +31,7 @@ from bozzetto_app.canvas.framing import Framing
 from bozzetto_app.canvas.input.state_machine import Mode
 from bozzetto_app.dialogs.file_dialogs import FileQuestions
 from bozzetto_app.dialogs.window_dialogs import Dialogs
+from bozzetto_app.i18n import tr
 from bozzetto_app.panels.history import HistoryPanel
 from bozzetto_app.panels.modeler_bar import ModelerBar
 from bozzetto_app.panels.objects.panel import ObjectsPanel
@@ -492,5 +493,9 @@ class Window(QMainWindow):
     def _show_title(self) -> None:
         if len(self.session.drawing.document):
             self.canvas.show_hint("")
-        self.setWindowTitle(f"{self.session.drawing.title}[*] — Bozzetto")
+        drawing = self.session.drawing
+        title = drawing.title
+        if drawing.read_only:
+            title = tr("Window", "{title} (read only)", title=title)
+        self.setWindowTitle(f"{title}[*] — Bozzetto")
         self.setWindowModified(self.session.drawing.is_modified)
