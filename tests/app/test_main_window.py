@@ -210,6 +210,36 @@ def test_progress_does_not_move_the_sheet(window, boxes, settle, qtbot):
     assert sizes == {(size.width(), size.height())}
 
 
+@pytest.mark.parametrize("end", ["shown", "stopped", "undone"])
+def test_ink_stays_on_the_sheet_until_its_shape_is_shown(window, boxes, settle, qtbot, end):
+    """A second stroke must not be gone while the modeler works on what it was taken for."""
+    session, gate = window.session, threading.Event()
+
+    def inked():
+        return len(window.canvas.overlay._pending_ink)
+
+    def slow(state, job):
+        while not gate.wait(0.01):
+            job.checkpoint(0.3, "inflating")
+        return []
+
+    Stylus(window.canvas).draw(circle())
+    settle(session)
+    assert inked() == 0
+    boxes.misdeeds["solve"] = slow
+    Stylus(window.canvas).draw(circle(radius=40.0))
+    qtbot.waitUntil(lambda: not session.drawing.pending and session.solver.busy, timeout=10_000)
+    assert inked() == 1
+    if end == "stopped":
+        session.cancel_work()
+    elif end == "undone":
+        session.drawing.undo()
+        assert inked() == 0
+    gate.set()
+    settle(session)
+    assert inked() == 0
+
+
 def test_slow_work_on_a_gesture_is_shown_and_can_be_stopped(window, boxes, settle, qtbot):
     gate = threading.Event()
     boxes.misdeeds["apply"] = lambda *args: gate.wait(20.0)
