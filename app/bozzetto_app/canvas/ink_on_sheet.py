@@ -1,4 +1,4 @@
-"""Ink on the sheet: strokes that no modeler has taken yet, and those whose shape is not shown yet."""
+"""Ink on the sheet: strokes that wait for a modeler, and those whose shape is not shown yet."""
 
 from __future__ import annotations
 
