@@ -31,6 +31,7 @@ from bozzetto_app.canvas.framing import Framing
 from bozzetto_app.canvas.input.state_machine import Mode
 from bozzetto_app.dialogs.file_dialogs import FileQuestions
 from bozzetto_app.dialogs.window_dialogs import Dialogs
+from bozzetto_app.i18n import tr
 from bozzetto_app.panels.history import HistoryPanel
 from bozzetto_app.panels.modeler_bar import ModelerBar
 from bozzetto_app.panels.objects.panel import ObjectsPanel
@@ -65,10 +66,10 @@ FIRST_SIZE = (1280, 800)
 FRAME = (8, 48)
 """What a window's frame and title take of a screen, pixels."""
 
-DOCK_HEIGHTS = (310, 340, 90)
+DOCK_HEIGHTS = (232, 390, 112)
 """Of objects, parameters and history at the first start, pixels."""
 
-LEAST_HEIGHTS = (130, 320, 50)
+LEAST_HEIGHTS = (130, 320, 90)
 """Of the same where a plugin has a panel of its own beside the parameters, pixels."""
 
 THEME = "view/theme"
@@ -145,6 +146,7 @@ class Window(QMainWindow):
         self.setDockOptions(QMainWindow.DockOption.AnimatedDocks)
         self.parameters = ParametersPanel(session)
         objects = ObjectsPanel(session)
+        self.chosen_models = objects.chosen_models
         objects.reading_wanted.connect(self.dialogs.open_readings)
         self._docks = [
             self._dock(objects),
@@ -332,6 +334,11 @@ class Window(QMainWindow):
 
     # -- documents --
 
+    def expect_document(self) -> None:
+        """Do not ask for a first stroke: a document is on its way onto the sheet."""
+        self.welcome.hide()
+        self.canvas.show_hint("")
+
     def open(self, path: Path) -> None:
         """Open a document once unsaved work is safe."""
         self.session.files.open_safely(path)
@@ -486,5 +493,9 @@ class Window(QMainWindow):
     def _show_title(self) -> None:
         if len(self.session.drawing.document):
             self.canvas.show_hint("")
-        self.setWindowTitle(f"{self.session.drawing.title}[*] — Bozzetto")
+        drawing = self.session.drawing
+        title = drawing.title
+        if drawing.read_only:
+            title = tr("Window", "{title} (read only)", title=title)
+        self.setWindowTitle(f"{title}[*] — Bozzetto")
         self.setWindowModified(self.session.drawing.is_modified)

@@ -87,6 +87,8 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     window = Window(session)
     paint = _FirstPaint(window, lambda: _after_first_paint(window, document, tidier))
     window.installEventFilter(paint)
+    if document is not None:
+        window.expect_document()
     window.show()
     interrupts = InterruptWatch(window.close)
     code = app.exec()

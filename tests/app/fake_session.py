@@ -179,6 +179,9 @@ class Drawing(Part):
     waiting_changed = Signal()
     opened = Signal()
     models_changed = Signal()
+    taken = Signal(str, object)
+    jumped = Signal(object)
+    closing = Signal(object)
     recorded = "undo redo go_to"
 
 
@@ -233,6 +236,8 @@ class Advice(Part):
 
 
 class Solver(Part):
+    changed = Signal(str, bool)
+    busy_changed = Signal(bool)
     settled = Signal(str)
     report_changed = Signal()
 

@@ -96,10 +96,12 @@ def test_a_document_that_is_open_elsewhere_can_be_taken_over(
     window.open(path)
     box = asked(window, qtbot, "locked")
     assert window.session.drawing.read_only
+    assert "(read only)" in window.windowTitle()
     assert box.defaultButton().text() == "Look at it"
     press(box, "Take over")
     settle(window.session, window.keeper)
     assert not window.session.drawing.read_only
+    assert "(read only)" not in window.windowTitle()
     assert not theirs.is_held
 
 

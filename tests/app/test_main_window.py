@@ -13,7 +13,7 @@ import pytest
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QPushButton
+from PySide6.QtWidgets import QApplication, QFileDialog, QMenuBar, QMessageBox, QPushButton
 
 from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.document.waiting_ink import strokes_of
@@ -180,6 +180,13 @@ def test_a_drawing_goes_on_while_the_welcome_strip_closes(window, draw):
     assert window.canvas.width() == width
 
 
+def test_a_window_that_waits_for_its_document_asks_for_no_stroke(window, settle):
+    settle(window.session)
+    window.expect_document()
+    assert not window.welcome.isVisible()
+    assert not window.canvas.empty_hint.isVisible()
+
+
 def test_progress_does_not_move_the_sheet(window, boxes, settle, qtbot):
     gate, size = threading.Event(), window.canvas.size()
     sizes = set()
@@ -201,6 +208,36 @@ def test_progress_does_not_move_the_sheet(window, boxes, settle, qtbot):
     assert not part(window.status, "status-cancel").isVisible()
     gate.set()
     assert sizes == {(size.width(), size.height())}
+
+
+@pytest.mark.parametrize("end", ["shown", "stopped", "undone"])
+def test_ink_stays_on_the_sheet_until_its_shape_is_shown(window, boxes, settle, qtbot, end):
+    """A second stroke must not be gone while the modeler works on what it was taken for."""
+    session, gate = window.session, threading.Event()
+
+    def inked():
+        return len(window.canvas.overlay._pending_ink)
+
+    def slow(state, job):
+        while not gate.wait(0.01):
+            job.checkpoint(0.3, "inflating")
+        return []
+
+    Stylus(window.canvas).draw(circle())
+    settle(session)
+    assert inked() == 0
+    boxes.misdeeds["solve"] = slow
+    Stylus(window.canvas).draw(circle(radius=40.0))
+    qtbot.waitUntil(lambda: not session.drawing.pending and session.solver.busy, timeout=10_000)
+    assert inked() == 1
+    if end == "stopped":
+        session.cancel_work()
+    elif end == "undone":
+        session.drawing.undo()
+        assert inked() == 0
+    gate.set()
+    settle(session)
+    assert inked() == 0
 
 
 def test_slow_work_on_a_gesture_is_shown_and_can_be_stopped(window, boxes, settle, qtbot):
@@ -392,7 +429,7 @@ def run(*arguments, home, **more):
 PROBE = """
 import sys, threading
 from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QMenuBar, QApplication
 import bozzetto_app.main_window as w
 
 class Probed(w.Window):
@@ -579,3 +616,24 @@ def test_the_opengl_window_shows_the_solid(tmp_path):
 
 def rgb(name):
     return np.array([int(name[k : k + 2], 16) for k in (1, 3, 5)])
+
+
+def _menus(menu):
+    yield menu
+    for action in menu.actions():
+        if action.menu() is not None:
+            yield from _menus(action.menu())
+
+
+def test_no_two_entries_of_a_menu_have_the_same_letter(make_window, settle):
+    """With a letter that is there twice the keyboard only moves between them."""
+    window = make_window("bozzetto.product")
+    settle(window.session, window.keeper)
+    (bar,) = window.findChildren(QMenuBar)
+    for menu in _menus(bar):
+        letters = [
+            text[text.index("&") + 1].lower()
+            for action in menu.actions()
+            if "&" in (text := action.text().replace("&&", ""))
+        ]
+        assert len(set(letters)) == len(letters), [action.text() for action in menu.actions()]

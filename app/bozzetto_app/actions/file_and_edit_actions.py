@@ -100,7 +100,7 @@ def file_commands(window: Window) -> Iterator[Action]:
     )
     yield Action(
         "file.turntable",
-        tr("File", "&Turntable…"),
+        tr("File", "Tu&rntable…"),
         files.ask_turntable,
         "play",
         (),
@@ -116,7 +116,14 @@ def file_commands(window: Window) -> Iterator[Action]:
 def edit_commands(window: Window) -> Iterator[Action]:
     """Yield the commands that undo, and those that finish, drop and bring in ink."""
     session, files = window.session, window.files
+    clipboard = session.files.exchange.clipboard
     menu = (tr("Menu", "&Edit"),)
+
+    def no_object() -> str:
+        if not len(session.drawing.document):
+            return tr("Edit", "There is no object to copy yet. Draw one first.")
+        return tr("Edit", "No object is selected. Click one in the list of objects.")
+
     yield Action(
         "edit.undo",
         tr("Edit", "&Undo"),
@@ -136,6 +143,17 @@ def edit_commands(window: Window) -> Iterator[Action]:
         menu,
         enabled=lambda: session.drawing.history.redo_label is not None,
         why_not=lambda: tr("Edit", "There is nothing to do again: nothing was undone."),
+    )
+    yield Action(
+        "edit.copy",
+        tr("Edit", "&Copy"),
+        lambda: clipboard.copy(window.chosen_models()),
+        "copy",
+        ("Ctrl+C",),
+        menu,
+        enabled=lambda: session.selection.id is not None,
+        why_not=no_object,
+        tip=tr("Edit", "The chosen objects, to be pasted here or into another document"),
     )
     yield Action("edit.paste", tr("Edit", "&Paste"), files.paste, "", ("Ctrl+V",), menu)
     yield Action(
@@ -171,7 +189,7 @@ def edit_commands(window: Window) -> Iterator[Action]:
     )
     yield Action(
         "edit.palette",
-        tr("Edit", "Find a &command…"),
+        tr("Edit", "Find a co&mmand…"),
         window.dialogs.open_palette,
         "command",
         ("Ctrl+K", "F3"),
@@ -180,7 +198,7 @@ def edit_commands(window: Window) -> Iterator[Action]:
     )
     yield Action(
         "edit.preferences",
-        tr("Edit", "&Preferences…"),
+        tr("Edit", "Pr&eferences…"),
         window.dialogs.open_preferences,
         "settings",
         ("Ctrl+,",),

@@ -132,7 +132,7 @@ def object_commands(window: Window) -> Iterator[Action]:
     )
     yield Action(
         "object.unlink",
-        tr("Object", "Unlin&k, or link again"),
+        tr("Object", "U&nlink, or link again"),
         session.objects.unlink_selected,
         "link-off",
         (),

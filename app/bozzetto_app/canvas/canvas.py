@@ -320,7 +320,7 @@ class Canvas(QWidget):
         self.cube.set_camera(self._session.view.camera)
         self._show_next_place()
         self.hand.hovering.scene_or_view_changed()
-        if self._session.drawing.pending:
+        if not self.waiting.is_empty:
             self._show_pending()
 
     def _show_pending(self) -> None:

@@ -111,6 +111,7 @@ class Framing(QObject):
         session.drawing.waiting_changed.connect(self.end)
         session.drawing.changed.connect(self._changed)
         session.commands.begun.connect(self._begun)
+        session.files.exchange.clipboard.pasted.connect(self._begun)
 
     def end(self) -> None:
         """Leave the view to the person, who is at work."""
@@ -196,7 +197,10 @@ class Framing(QObject):
             self.end()
 
     def _begun(self) -> None:
-        """Frame what a command put on the sheet, too: nobody drew it where the eye was."""
-        if self._last is not None:
-            self._camera, self._steps = self._last, STEPS
-            self._look()
+        """Frame what was put on the sheet at one word, too: nobody drew it where the eye was.
+
+        The view of a person who has looked elsewhere is kept if most of it is seen there.
+        """
+        self._share = KEPT_SHARE if self._last is None else 1.0
+        self._camera, self._steps = self._last or self._session.view.camera, STEPS
+        self._look()

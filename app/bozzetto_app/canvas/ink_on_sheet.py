@@ -1,8 +1,10 @@
-"""Ink on the sheet: strokes that no modeler has taken yet, and what is wrong with them."""
+"""Ink on the sheet: strokes that wait for a modeler, and those whose shape is not shown yet."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from PySide6.QtCore import QObject
 
 from bozzetto_app.canvas.overlay.waiting_ink import MarkedLine
 
@@ -14,8 +16,18 @@ if TYPE_CHECKING:
 __all__ = ["InkOnSheet"]
 
 
-class InkOnSheet:
-    """Shows the ink that waits on the overlay.
+class _Taken(NamedTuple):
+    """A stroke that is part of a state of a model (id) now."""
+
+    model: str
+    state: Any
+    stroke: Stroke
+
+
+class InkOnSheet(QObject):
+    """Shows the ink that waits on the overlay, and after that until its shape is shown.
+
+    Without that a stroke would be gone for as long as the modeler works on what it was taken for.
 
     Parameters
     ----------
@@ -24,8 +36,20 @@ class InkOnSheet:
     """
 
     def __init__(self, session: Session, overlay: InkOverlay) -> None:
+        super().__init__(overlay)
         self._session, self._overlay = session, overlay
         self._marked = 0
+        self._taken: list[_Taken] = []
+        session.drawing.taken.connect(self._take)
+        session.drawing.jumped.connect(self._drop_taken)
+        session.drawing.closing.connect(self._drop_taken)
+        session.solver.changed.connect(self._shown)
+        session.solver.busy_changed.connect(self._worked)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no ink is shown."""
+        return not (self._taken or self._session.drawing.pending)
 
     def show(self) -> None:
         """Show all that waits as it is now."""
@@ -40,8 +64,37 @@ class InkOnSheet:
         strokes = self._good_ink() if stroke is None else (*self._good_ink(), stroke)
         self._overlay.set_pending(strokes, self._session.view.camera, self._marked_ink())
 
+    def _take(self, model_id: str, strokes: tuple[Stroke, ...]) -> None:
+        if self._session.solver.busy:
+            state = self._session.drawing.document.model(model_id).state
+            self._taken += (_Taken(model_id, state, stroke) for stroke in strokes)
+            self.show()
+
+    def _shown(self, model_id: str, is_newest: bool) -> None:
+        """Let go of the ink that is in the shape which is shown now."""
+        if not self._taken:
+            return
+        shown = self._session.solver.shown(model_id)
+        own = [one for one in self._taken if one.model == model_id]
+        last = max(
+            (place for place, one in enumerate(own, 1) if shown and one.state is shown.state),
+            default=0,
+        )
+        gone = own if is_newest else own[:last]
+        self._taken = [one for one in self._taken if all(one is not other for other in gone)]
+        self.show()
+
+    def _worked(self, is_busy: bool) -> None:
+        if not is_busy:
+            self._drop_taken()
+
+    def _drop_taken(self, *_: Any) -> None:
+        if self._taken:
+            self._taken = []
+            self.show()
+
     def _good_ink(self) -> tuple[Stroke, ...]:
-        return tuple(
+        return *(one.stroke for one in self._taken), *(
             stroke
             for stroke in self._session.drawing.pending
             if all(stroke is not one.stroke for one in self._session.drawing.marked_ink)

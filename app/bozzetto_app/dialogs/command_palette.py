@@ -210,6 +210,19 @@ class CommandPalette(QFrame):
     def open_over(self, window: QWidget) -> None:
         """Open it under the top of a window, empty."""
         self._actions.refresh()
+        self._look()
+        self._actions.changed.connect(self._follow)
+        self._session.toolbox.tool_changed.connect(self._follow)
+        self.field.clear()
+        self._search()
+        width = min(WIDTH, window.width() - 32)
+        self.setFixedWidth(width)
+        corner = QPoint((window.width() - width) // 2, min(96, window.height() // 8))
+        self.move(window.mapToGlobal(corner))
+        self.show()
+        self.field.setFocus(Qt.FocusReason.PopupFocusReason)
+
+    def _look(self) -> None:
         self._entries = list(
             entries_of(
                 self._actions,
@@ -219,14 +232,21 @@ class CommandPalette(QFrame):
                 focus_parameter=self._focus_parameter,
             )
         )
-        self.field.clear()
+
+    def _follow(self) -> None:
+        """Find what came meanwhile, too: a modeler names its commands once it is imported."""
+        if not self.isVisible():
+            return
+        item = self.list.currentItem()
+        chosen = "" if item is None else item.data(FOUND).entry.id
+        before = [entry.id for entry in self._entries]
+        self._look()
+        if before == [entry.id for entry in self._entries]:
+            return
         self._search()
-        width = min(WIDTH, window.width() - 32)
-        self.setFixedWidth(width)
-        corner = QPoint((window.width() - width) // 2, min(96, window.height() // 8))
-        self.move(window.mapToGlobal(corner))
-        self.show()
-        self.field.setFocus(Qt.FocusReason.PopupFocusReason)
+        for row in range(self.list.count()):
+            if self.list.item(row).data(FOUND).entry.id == chosen:
+                self.list.setCurrentRow(row)
 
     def _search(self) -> None:
         found = search(self.field.text(), self._entries, _used())

@@ -109,13 +109,20 @@ class FileQuestions:
         return self._chosen(title, tr("Files", "Pictures ({endings})").format(endings=endings))
 
     def paste(self, *, under: bool = False) -> None:
-        """Take the picture or the files that were copied elsewhere."""
+        """Take what was copied: objects, files, an SVG drawing or a picture."""
         from bozzetto_app.canvas.input.drag_and_drop import take
 
         if not take(self._session, QGuiApplication.clipboard().mimeData(), under=under):
-            self._session.notices.complain(
-                UserError(tr("Files", "There is no picture to paste. Copy one first."))
+            nothing = (
+                tr("Files", "There is no picture to paste. Copy one first.")
+                if under
+                else tr(
+                    "Files",
+                    "There is nothing to paste. Copy objects, a picture, an SVG drawing or files "
+                    "first.",
+                )
             )
+            self._session.notices.complain(UserError(nothing))
 
     def ask_save(
         self, then: Callable[[], None] = _nothing, refused: Callable[[], None] = _nothing

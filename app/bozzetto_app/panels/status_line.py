@@ -228,7 +228,7 @@ class StatusLine(QWidget):
         units = QLabel(tr("StatusLine", "mm"))
         units.setProperty("tone", "quiet")
         units.setToolTip(tr("StatusLine", "Lengths are millimetres."))
-        line = QHBoxLayout()
+        self._line = line = QHBoxLayout()
         line.setContentsMargins(12, 0, 12, 0)
         line.setSpacing(8)
         line.addWidget(self._sign)
@@ -304,6 +304,7 @@ class StatusLine(QWidget):
         self._progress.fraction = fraction
         self._progress.update()
         self._step.setText(step)
+        self._line.activate()  # a frame that is due already would cut off the new words
 
     def _show_work(self, shown: bool) -> None:
         if not shown:

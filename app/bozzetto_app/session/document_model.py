@@ -46,6 +46,8 @@ class DocumentModel(QObject):
         nothing to show of a value that is replaced in a moment.
     waiting_changed
         The waiting ink differs, or what is known about it.
+    taken : str, tuple of Stroke
+        Waiting ink is part of a model (id) now; before `applied`.
     applied : str
         A gesture or a command has produced this model (id).
     jumped : list of str
@@ -59,6 +61,7 @@ class DocumentModel(QObject):
     models_changed = Signal()
     changed = Signal()
     waiting_changed = Signal()
+    taken = Signal(str, object)
     applied = Signal(str)
     jumped = Signal(object)
     closing = Signal(object)
@@ -183,6 +186,8 @@ class DocumentModel(QObject):
         else:
             take(self.history, label, model, used)
         self._models_replaced()
+        if used:
+            self.taken.emit(model.id, used)
         self.applied.emit(model.id)
 
     def undo(self) -> None:

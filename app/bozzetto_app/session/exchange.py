@@ -5,9 +5,11 @@ No dialog is shown here: `bozzetto_app.dialogs` asks the person.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakSet
 
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from bozzetto_app.session.document_model import DocumentModel
     from bozzetto_app.session.drawing_input import DrawingInput
     from bozzetto_app.session.gesture_context import GestureContext
+    from bozzetto_app.session.object_clipboard import ObjectClipboard
     from bozzetto_app.session.pictures import PictureInput
     from bozzetto_app.session.toolbox import Toolbox
     from bozzetto_app.session.view_state import ViewState
@@ -67,6 +70,8 @@ class Exchange(QObject):
     ----------
     drawings : DrawingInput
         Adds drawings of files to the selected model.
+    clipboard : ObjectClipboard
+        Copies and pastes objects.
 
     Signals
     -------
@@ -95,6 +100,7 @@ class Exchange(QObject):
         context: GestureContext,
         pictures: PictureInput,
         drawings: DrawingInput,
+        clipboard: ObjectClipboard,
         notices: Notices,
         parent: QObject | None = None,
     ) -> None:
@@ -103,6 +109,7 @@ class Exchange(QObject):
         self._toolbox, self._context = toolbox, context
         self._pictures, self._notices = pictures, notices
         self.drawings = drawings
+        self.clipboard = clipboard
         # A channel of its own: a plugin that hangs over an import or an export must not come
         # between a person and their document.
         self._work = Channel("exchange", keep_all=True, is_patient=True, parent=self)
@@ -234,6 +241,10 @@ class Exchange(QObject):
 
         return work
 
+    def import_text(self, content: bytes) -> None:
+        """Bring a drawing in SVG onto the sheet that is in no file, as from the clipboard."""
+        self._import(Path(tr("Files", "Drawing") + ".svg"), "", content)
+
     def import_file(self, path: Path, title: str = "") -> None:
         """Bring a drawing, a mesh or a picture onto the sheet.
 
@@ -243,7 +254,10 @@ class Exchange(QObject):
 
         if is_picture(path):
             self._pictures.take_file(path)
-            return
+        else:
+            self._import(path, title)
+
+    def _import(self, path: Path, title: str, content: bytes | None = None) -> None:
         bench, drawing, active = self._workbench, self._drawing, self._toolbox.modeler
         context, history, document = self._context.now(), drawing.history, drawing.document
 
@@ -257,7 +271,8 @@ class Exchange(QObject):
                 mesh = read_mesh_file(path, checkpoint=reading)
                 model = bench.sources.from_mesh_file(MESH_MODELER, mesh, path.stem)
                 return model, False, None, _told_of(mesh)
-            ink = read_drawing(path, checkpoint=reading)
+            with _as_file(path, content) as place:
+                ink = read_drawing(place, checkpoint=reading)
             ink = replace(ink, name=title or ink.name)
             facts_only = not len(ink.strokes)
             modeler = (facts_only and bench.registry.told_by(ink.facts)) or active
@@ -291,6 +306,18 @@ class Exchange(QObject):
         """Stop reading for a document that is closed; what it hands over is still written."""
         for request in tuple(self._imports):
             request.abandon()
+
+
+@contextmanager
+def _as_file(path: Path, content: bytes | None) -> Iterator[Path]:
+    """Give the place of a file; content that is in none is in one of that name meanwhile."""
+    if content is None:
+        yield path
+        return
+    with TemporaryDirectory() as folder:
+        place = Path(folder, path.name)
+        place.write_bytes(content)
+        yield place
 
 
 def _told_of(mesh: MeshFile) -> Notice | None:

@@ -215,6 +215,7 @@ class Files(QObject):
 
             claim = self._claims.claim(path, known.lock)
             try:
+                job.checkpoint(0.0, tr("Files", "Opening {name}", name=path.name))
                 document, report = read_document(path, registry)
                 job.checkpoint(1.0, path.name)
                 return claim, document, report, still_there(known.recent, path)

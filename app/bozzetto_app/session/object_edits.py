@@ -151,17 +151,17 @@ class ObjectEdits:
 
     def duplicate(self, *model_ids: str) -> None:
         """Put copies of models beside them; a copy follows copies where there are any."""
+        self.edit(edit.duplicate_models, model_ids, self.relinked)
+
+    def relinked(self, model: Model, sources: tuple[str, ...]) -> Model:
+        """Return a model that is made from others instead, as many and in the same order."""
         registry = self._workbench.registry
-
-        def linked(model: Model, sources: tuple[str, ...]) -> Model:
-            return in_time(
-                registry.guard,
-                model.modeler,
-                "with_sources",
-                lambda: with_sources(registry, model, sources),
-            )
-
-        self.edit(edit.duplicate_models, model_ids, linked)
+        return in_time(
+            registry.guard,
+            model.modeler,
+            "with_sources",
+            lambda: with_sources(registry, model, sources),
+        )
 
     # -- links --
 

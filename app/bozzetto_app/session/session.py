@@ -34,6 +34,7 @@ from bozzetto_app.session.ink_readings import InkReadings
 from bozzetto_app.session.modeler_commands import ModelerCommands
 from bozzetto_app.session.motion import Motion
 from bozzetto_app.session.notices import Notices
+from bozzetto_app.session.object_clipboard import ObjectClipboard
 from bozzetto_app.session.object_edits import ObjectEdits
 from bozzetto_app.session.part_edits import ObjectParts
 from bozzetto_app.session.pictures import PictureInput
@@ -116,8 +117,18 @@ class Session(QObject):
             bench, drawing, selection, toolbox, objects, context, edits, tracing, notices, self
         )
         drawings = DrawingInput(bench, drawing, selection, context, edits, notices, self)
+        clipboard = ObjectClipboard(bench, drawing, selection, objects, notices, self)
         exchange = Exchange(
-            bench, drawing, view, toolbox, context, self.pictures, drawings, notices, self
+            bench,
+            drawing,
+            view,
+            toolbox,
+            context,
+            self.pictures,
+            drawings,
+            clipboard,
+            notices,
+            self,
         )
         self.files = Files(bench, drawing, view, scene, exchange, notices, self)
         self._was_busy = False
@@ -129,6 +140,7 @@ class Session(QObject):
             self.shapes.channel,
             self.pictures.channel,
             drawings.channel,
+            clipboard.channel,
             tracing.channel,
         )
         for work in self._shown_work:
@@ -194,6 +206,7 @@ class Session(QObject):
             self.shapes.channel,
             self.pictures.channel,
             self.files.exchange.drawings.channel,
+            self.files.exchange.clipboard.channel,
             self.pictures.tracing,
         ):
             part.cancel()

@@ -6,7 +6,7 @@ which the history keeps it. None of them changes anything; a locked object refus
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -122,6 +122,16 @@ def duplicate_models(
     models = [document.model(model_id) for model_id in model_ids]
     if not models:
         raise UserError("Choose an object to duplicate.")
+    for model, copy in zip(models, _copies(models, with_sources), strict=True):
+        named = replace(copy, name=document.unused_name(copy.name))
+        document = document.with_model(named, at=document.place_of(model.id) + 1)
+    return Edit(document, f"Duplicate {_named(models)}")
+
+
+def _copies(
+    models: Sequence[Model], with_sources: Callable[[Model, tuple[str, ...]], Model]
+) -> Iterator[Model]:
+    """Yield models with ids of their own, visible and unlocked; copies follow copies."""
     copies = {model.id: new_id() for model in models}
     for model in models:
         frozen = {source.id for source in model.frozen}
@@ -129,10 +139,39 @@ def duplicate_models(
             source if source in frozen else copies.get(source, source) for source in model.sources
         )
         changed = model if sources == model.sources else with_sources(model, sources)
-        name = document.unused_name(model.name)
-        copy = replace(changed, id=copies[model.id], name=name, visible=True, locked=False)
-        document = document.with_model(copy, at=document.place_of(model.id) + 1)
-    return Edit(document, f"Duplicate {_named(models)}")
+        yield replace(changed, id=copies[model.id], visible=True, locked=False)
+
+
+def copied_models(document: Document, model_ids: Iterable[str]) -> Document:
+    """Return a document of some objects alone, as a clipboard holds them.
+
+    What they follow and is not copied with them they keep frozen, as it is now.
+    """
+    wanted = {document.model(model_id).id for model_id in model_ids}
+    if not wanted:
+        raise UserError("Choose an object to copy.")
+    alone = without_sources(document, [model.id for model in document if model.id not in wanted])
+    return Document([model for model in alone if model.id in wanted])
+
+
+def paste_models(
+    document: Document,
+    copied: Document,
+    with_sources: Callable[[Model, tuple[str, ...]], Model],
+) -> Edit:
+    """Put copies of all objects of another document behind those that there are.
+
+    Parameters
+    ----------
+    document, copied : Document
+        Where they go, and what `copied_models` gave, of this document or of another one.
+    with_sources : callable
+        See `duplicate_models`.
+    """
+    models = tuple(copied)
+    for copy in _copies(models, with_sources):
+        document = document.with_model(replace(copy, name=document.unused_name(copy.name)))
+    return Edit(document, f"Paste {_named(models)}")
 
 
 # -- links ----------------------------------------------------------------------------------------

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal, get_args
 
-Color = tuple[int, int, int]
+from bozzetto.scene.contrast import Color, readable
+
+__all__ = ["DARK", "LIGHT", "ROLES", "Color", "Palette", "Role"]
+
 Role = Literal[
     "paper", "panel", "ink", "ghost", "accent", "second", "clay", "faint", "grid", "warning"
 ]
@@ -40,6 +44,15 @@ class Palette:
             resolved: Color = getattr(self, paint)
             return resolved
         return paint
+
+    def letters(self, paint: str | Color) -> Color:
+        """Resolve the colour of a text on the sheet, moved towards the ink until it is legible."""
+        return _letters(self.color(paint), self.ink, self.paper)
+
+
+@lru_cache(maxsize=64)  # asked for every text of every frame
+def _letters(color: Color, ink: Color, paper: Color) -> Color:
+    return readable(color, ink, paper)
 
 
 LIGHT = Palette(

@@ -91,7 +91,7 @@ def words_of(confidence: float) -> str:
         (SURE, "Perhaps"),
         (DOUBTFUL, "Doubtful"),
     )
-    return next((words for least, words in steps if confidence >= least), "Hardly")
+    return next((words for least, words in steps if confidence >= least), "Unlikely")
 
 
 def gallery_of(

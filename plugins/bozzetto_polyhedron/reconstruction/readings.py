@@ -45,6 +45,9 @@ MOST_WAYS: Final = 4
 UPRIGHT: Final = 8.0
 """Standard deviation from upright, degrees, of lines that are upright in space."""
 
+FLAT: Final = 0.03
+"""Slope of upright lines in depth, up to which it is a matter of the hand's tremor."""
+
 
 @dataclass(frozen=True, eq=False)
 class Reading:
@@ -162,6 +165,8 @@ def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
 def seen_from_above(drawing: Drawing, reading: Reading) -> Reading:
     """Return a reading, or its mirrored one, so that upright lines lean towards the eye.
 
+    Where these have no depth, as in a box with a flat front, lines recede upwards instead.
+
     Parameters
     ----------
     drawing : Drawing
@@ -171,9 +176,13 @@ def seen_from_above(drawing: Drawing, reading: Reading) -> Reading:
     """
     spans = drawing.spans * np.sign(drawing.spans[:, 1:] + 1e-12)
     tilts = np.degrees(np.arctan2(spans[:, 0], spans[:, 1]))
-    upright = drawing.lengths * np.exp(-0.5 * (tilts / UPRIGHT) ** 2)
+    share = np.exp(-0.5 * (tilts / UPRIGHT) ** 2)
+    upright = drawing.lengths * share
     rise = reading.depths[drawing.lines[:, 1]] - reading.depths[drawing.lines[:, 0]]
-    away = float(upright @ (rise * np.sign(drawing.spans[:, 1] + 1e-12)))
+    rise = rise * np.sign(drawing.spans[:, 1] + 1e-12)
+    away = float(upright @ rise)
+    if abs(away) <= FLAT * float(upright @ drawing.lengths):
+        away = -float(((1.0 - share) * spans[:, 1]) @ rise)
     return replace(reading, depths=-reading.depths) if away > 0.0 else reading
 
 

@@ -119,7 +119,7 @@ def _ink(points: Array, hidden: Hidden = "show", opacity: float = INK_OPACITY) -
 
 def _word(place: Array, finding: Finding) -> Label:
     x, y, z = (float(value) for value in place)
-    return Label((x, y, z), WORDS.get(finding.what, finding.what), color="warning", size=11.0)
+    return Label((x, y, z), WORDS.get(finding.what, finding.what), color="warning")
 
 
 def _facing(along: Array, forward: Array) -> Array | None:

@@ -80,7 +80,7 @@ def force_items(state: PolyhedronState, made: Moving) -> list[Item]:
         items.append(Lines(ends.astype(np.float32), color=color, width=width, hidden="show"))
         if len(found.newtons) <= MOST_LABELS and share >= LOADED:
             x, y, z = (float(value) for value in ends.mean(axis=0))
-            items.append(Label((x, y, z), f"{force:+.2g} N", color=color, size=11.0))
+            items.append(Label((x, y, z), f"{force:+.2g} N", color=color))
     return items
 
 
@@ -146,7 +146,7 @@ def _items(fitting: Fitting, ends: Array, side: Array, radius: float, chosen: bo
         )
     if isinstance(fitting, Driven) and fitting.drive != "no":
         x, y, z = (float(value) for value in points[-1])
-        items.append(Label((x, y, z), _drive(fitting), color=color, size=11.0))
+        items.append(Label((x, y, z), _drive(fitting), color=color))
     return items
 
 

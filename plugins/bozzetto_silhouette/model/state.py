@@ -338,6 +338,7 @@ class SilhouetteState(PartsState):
             256,
             step=16,
             unit="cells",
+            advanced=True,
             help="Cells along the longest side of a part; thin places are always refined.",
         ),
     ] = 128

@@ -85,7 +85,7 @@ def test_no_tilt_interrupts_a_view_on_its_way(session, canvas, qtbot):
 def test_the_ink_of_a_replay_is_shown_with_what_waits(session, canvas):
     stroke = Stroke([10.0, 60.0, 90.0], [10.0, 20.0, 70.0], camera=session.view.camera)
     canvas.waiting.follow(stroke)
-    (ink,) = canvas.overlay._pending_ink
+    ((ink,),) = (shown.lines for shown in canvas.overlay._pending_ink)
     assert np.allclose((ink[0][:2], ink[-1][:2]), ((10, 10), (90, 70)))
     canvas.waiting.follow(None)
     assert canvas.overlay._pending_ink == []

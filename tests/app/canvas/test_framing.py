@@ -14,6 +14,7 @@ from bozzetto.view.camera import Camera
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.canvas.framing import framed, is_in_view, points_to_frame
 from bozzetto_app.session.view_state import FIRST_VIEW
+from bozzetto_app.testing.stylus import Stylus
 
 FAR = Camera(eye=(900.0, -40.0, 700.0), target=(800.0, 0.0, 700.0))
 """A view that shows nothing of any drawing."""
@@ -236,24 +237,45 @@ def test_a_new_sheet_is_seen_from_where_the_modeler_draws_best(make_window, sett
     assert session.view.camera == chosen  # a person's own choice
 
 
-@pytest.mark.parametrize("looked_elsewhere", [False, True])
-def test_what_a_command_puts_on_a_new_sheet_is_in_view(make_window, settle, looked_elsewhere):
-    """A bottle is higher than the box that it takes the place of; the person's view stays."""
+@pytest.mark.parametrize("view", ["first", "turned", "away"])
+def test_what_a_command_puts_on_a_new_sheet_is_in_view(make_window, settle, view):
+    """A bottle is higher than the box that it takes the place of.
+
+    The person's view stays if the bottle is seen there; who looks at nothing is shown it.
+    """
     window = make_window("bozzetto.product")
     session = window.session
     settle(session, window.keeper)
-    if looked_elsewhere:
+    if view == "away":
         look_away(window)
+    elif view == "turned":
+        session.view.set_camera(navigation.orbit(session.view.camera, 40.0, 10.0))
     camera = session.view.camera
     session.commands.run("add-bottle")
     settle(session, window.keeper)
     (model,) = session.drawing.document.models
     assert [node.kind for node in model.state.nodes] == ["bottle"]
-    assert sees_all(window) is not looked_elsewhere
-    assert (session.view.camera == camera) is looked_elsewhere
+    assert sees_all(window) is not (view == "turned")
+    assert (session.view.camera == camera) is (view == "turned")
     settled = session.view.camera
     session.commands.run("add-cylinder")
     settle(session, window.keeper)
     (model,) = session.drawing.document.models
     assert [node.kind for node in model.state.nodes] == ["bottle", "cylinder"]
     assert session.view.camera == settled
+
+
+def test_a_car_that_a_command_puts_on_the_sheet_is_in_view_whatever_was_pressed(
+    make_window, settle
+):
+    """It is forty times as large as what the first view shows; a stroke was refused before."""
+    window = make_window("bozzetto.car")
+    session = window.session
+    settle(session, window.keeper)
+    Stylus(window.canvas).draw([(300, 300), (400, 340)])
+    settle(session, window.keeper)
+    assert not session.drawing.document.models
+    session.commands.run("new-car")
+    settle(session, window.keeper)
+    assert len(session.drawing.document.models) == 1
+    assert sees_all(window)

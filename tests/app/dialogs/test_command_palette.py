@@ -155,3 +155,15 @@ def test_tools_have_the_keys_of_the_rail(registry, fake_session):
     nothing = {"open_document": print, "focus_parameter": print}
     found = entries_of(registry, fake_session, recent=(), **nothing)
     assert [entry.key for entry in found if entry.id.startswith("tool ")] == [*"1234567890", ""]
+
+
+def test_what_comes_while_it_is_open_is_found_too(palette, registry, done):
+    """A modeler names its commands only after its plugin is imported."""
+    QTest.keyClicks(palette.field, "ave")
+    QTest.keyClick(palette.field, Qt.Key.Key_Down)
+    chosen = palette.list.currentItem().data(FOUND).entry.id
+    registry.register(Action("car.new", "Pave the road", lambda: done.append("road")))
+    registry.refresh()
+    assert "Pave the road" in titles(palette)
+    assert palette.list.currentItem().data(FOUND).entry.id == chosen
+    assert palette.field.text() == "ave"

@@ -206,7 +206,7 @@ def test_a_copied_picture_is_pasted(window, settle):
     QGuiApplication.clipboard().setText("words")
     window.actions_.run("edit.paste")
     settle(session)
-    assert "no picture to paste" in session.heard[-1].text
+    assert "nothing to paste" in session.heard[-1].text
 
 
 def drop(canvas, data, keys=Qt.KeyboardModifier.NoModifier):

@@ -12,9 +12,10 @@ import pytest
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QLabel
 
+from bozzetto.scene.contrast import contrast, readable
 from bozzetto.scene.palette import DARK, LIGHT
 from bozzetto_app.style import theme
-from bozzetto_app.style.colors import contrast, readable, tones_of
+from bozzetto_app.style.colors import tones_of
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for, style_sheet
 
 BOTH = pytest.mark.parametrize("palette", [LIGHT, DARK], ids=lambda p: p.name)

@@ -292,3 +292,17 @@ def test_a_modeler_that_cannot_say_its_sources_keeps_its_model_closed():
     assert json.dumps(sorted(report.warnings))
     again, _ = decode_document(encode_document(document), Registry())
     assert same_document(again, frozen_document())
+
+
+def test_a_copied_follower_keeps_what_is_not_copied_with_it():
+    document = Document((linked("b", "a"), linked("a")))
+    both = edit.copied_models(document, ["a", "b"])
+    assert both.model("b").followed == ("a",)
+    pasted = edit.paste_models(Document(), both, relinked).document
+    follower, source = pasted
+    assert follower.followed == (source.id,)
+    alone = edit.copied_models(document, ["b"])
+    (copy,) = edit.paste_models(document, alone, relinked).document.models[len(document.models) :]
+    assert (copy.followed, [model.id for model in copy.frozen]) == ((), ["a"])
+    with pytest.raises(UserError):
+        edit.copied_models(document, [])

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto.scene import LIGHT, Label, Layer, Scene
+from bozzetto.scene import DARK, LIGHT, Label, Layer, Scene
+from bozzetto.scene.contrast import LEGIBLE, contrast
+from bozzetto.scene.palette import ROLES
 from bozzetto.scene.renderer import render
 from bozzetto.view import Camera
 
@@ -38,3 +40,14 @@ def test_where_there_is_room_on_neither_side_it_begins_at_its_point():
     seen = columns(0.0, "A text that is much longer than the sheet is wide, whatever one does")
     assert seen.min() > 150
     assert seen.max() > SIZE[0] - 12
+
+
+@pytest.mark.parametrize("palette", [LIGHT, DARK], ids=lambda palette: palette.name)
+@pytest.mark.parametrize("paint", [*ROLES, (250, 240, 120), (40, 30, 90)])
+def test_a_text_is_legible_in_every_colour(palette, paint):
+    """The heart of a large letter is as far from the paper as text has to be (WCAG 1.4.3)."""
+    label = Label((-140.0, 0.0, -30.0), "███", color=paint, size=40.0)
+    picture = render(Scene((Layer("a", (label,)),)), FRONT, palette, size=SIZE)
+    drawn = {tuple(map(int, color)) for color in np.unique(picture[..., :3].reshape(-1, 3), axis=0)}
+    assert max(contrast(color, palette.paper) for color in drawn) >= LEGIBLE
+    assert palette.letters(paint) in drawn

@@ -26,6 +26,7 @@ from tests.plugins.polyhedron.objects import (
     made,
     newell,
     perspective_camera,
+    prism,
     view,
 )
 
@@ -129,6 +130,21 @@ def test_unmarked_drawings_are_seen_from_above_and_offer_the_mirrored_one() -> N
     off = [m - abs(in_eye_frame(answers[0].vertices, CAMERA)[:, 2].mean()) for m in mirrored]
     assert min(off) < 1e-6
     assert any("mirrored" in each for each in answers[0].warnings)
+
+
+@pytest.mark.parametrize("recedes", [(120, 90), (-120, 90), (100, 100), (150, 60), (40, 90)])
+def test_a_box_with_a_flat_front_that_recedes_upwards_is_seen_from_above(
+    recedes: tuple[int, int],
+) -> None:
+    """As most people draw a box: its upright lines have no depth, but for the hand's tremor."""
+    box = prism(((0, 0), (300, 0), (300, 250), (0, 250)), 1.0, "box")
+    far = box.vertices[:, 2] > box.vertices[:, 2].mean()
+    plane = box.vertices[:, :2] + far[:, None] * recedes
+    plane = (plane - plane.mean(0)) / np.linalg.norm(np.ptp(plane, axis=0))
+    for seed in range(5):
+        graph, _ = graph_of(View(box, box.vertices, plane), 0.0005 * seed, seed)
+        depths = in_eye_frame(answers_of(graph, CAMERA)[0].vertices, CAMERA)[:, 2]
+        assert depths[far].mean() > depths[~far].mean(), seed
 
 
 @pytest.mark.parametrize("turned", [False, True])

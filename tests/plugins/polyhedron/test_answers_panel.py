@@ -39,7 +39,7 @@ def house() -> PolyhedronState:
 
 def test_words_follow_confidence() -> None:
     words = [words_of(share) for share in np.linspace(0.0, 1.0, 201)]
-    order = ["Hardly", "Doubtful", "Perhaps", "Likely", "Almost certain"]
+    order = ["Unlikely", "Doubtful", "Perhaps", "Likely", "Almost certain"]
     assert list(dict.fromkeys(words)) == order
 
 

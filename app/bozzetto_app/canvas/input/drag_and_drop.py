@@ -16,6 +16,11 @@ if TYPE_CHECKING:
 
 __all__ = ["carries_something", "dropped_files", "take", "take_file"]
 
+SVG = "image/svg+xml"
+
+SVG_BEGINNING = 4000
+"""Characters in which a text that is an SVG file names its first element: notes may go before."""
+
 
 def dropped_files(data: QMimeData) -> list[Path]:
     """Return the files on this machine that a drag carries."""
@@ -26,6 +31,14 @@ def dropped_files(data: QMimeData) -> list[Path]:
 def carries_something(data: QMimeData) -> bool:
     """Whether there is a file or a picture in a drag, or on the clipboard."""
     return bool(dropped_files(data)) or data.hasImage()
+
+
+def drawing_in(data: QMimeData) -> bytes:
+    """Return the SVG that is carried as such, or as a text; b"" if there is none."""
+    if data.hasFormat(SVG):
+        return bytes(data.data(SVG).data())
+    words = data.text() if data.hasText() else ""
+    return words.encode() if "<svg" in words[:SVG_BEGINNING] else b""
 
 
 def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bool:
@@ -56,10 +69,19 @@ def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bo
             session.pictures.take_file(path, under=True)
         else:
             take_file(session, path)
-    image = data.imageData() if not paths and data.hasImage() else None
+    if paths:
+        return True
+    exchange = session.files.exchange
+    if not under and exchange.clipboard.paste(data):
+        return True
+    drawing = b"" if under else drawing_in(data)
+    if drawing:
+        exchange.import_text(drawing)
+        return True
+    image = data.imageData() if data.hasImage() else None
     if isinstance(image, QImage):
         session.pictures.take_image(image, tr("Session", "Picture"), under=under)
-    return bool(paths) or isinstance(image, QImage)
+    return isinstance(image, QImage)
 
 
 def take_file(session: Session, path: Path) -> None:

@@ -13,9 +13,10 @@ from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QFontMetrics, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QAbstractButton, QWidget
 
+from bozzetto.scene.contrast import mixed, readable
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto_app.i18n import tr
-from bozzetto_app.style.colors import mixed, readable, tones_of
+from bozzetto_app.style.colors import tones_of
 from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import qcolor, text_height
 

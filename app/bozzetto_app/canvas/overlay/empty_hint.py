@@ -8,8 +8,8 @@ from PySide6.QtCore import QEasingCurve, QPropertyAnimation, Qt
 from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QGraphicsOpacityEffect, QWidget
 
+from bozzetto.scene.contrast import readable
 from bozzetto.scene.palette import LIGHT, Palette
-from bozzetto_app.style.colors import readable
 from bozzetto_app.style.theme import qcolor
 
 __all__ = ["SheetHint"]

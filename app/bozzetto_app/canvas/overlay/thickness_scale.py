@@ -9,9 +9,10 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
+from bozzetto.scene.contrast import readable
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto_app.i18n import tr
-from bozzetto_app.style.colors import readable, tones_of
+from bozzetto_app.style.colors import tones_of
 from bozzetto_app.style.theme import qcolor
 
 if TYPE_CHECKING:

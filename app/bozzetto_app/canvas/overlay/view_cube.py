@@ -19,6 +19,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QAbstractButton, QWidget
 
+from bozzetto.scene.contrast import mixed
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.view.camera import Camera, Point
 from bozzetto.view.navigation import orbit
@@ -30,7 +31,7 @@ from bozzetto_app.canvas.overlay.cube_geometry import (
     seen_faces,
 )
 from bozzetto_app.i18n import tr
-from bozzetto_app.style.colors import mixed, tones_of
+from bozzetto_app.style.colors import tones_of
 from bozzetto_app.style.icons import paint_icon
 from bozzetto_app.style.theme import qcolor
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -17,6 +19,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt, QTimer
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPaintEvent, QPen, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
+from bozzetto.cached_properties import cached_property
 from bozzetto.ink.checked_points import is_seen, seen_through
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto_app.canvas.overlay.highlights import LitPlaces
@@ -78,6 +81,40 @@ PEN_TIP: Final = Tip()
 ERASER_TIP: Final = Tip(36.0, 0.3)
 
 
+@dataclass(frozen=True, eq=False)
+class PendingInk:
+    """A stroke that waits, as a camera sees it.
+
+    Parameters
+    ----------
+    stroke : Stroke
+    camera : Camera
+    lines : list of lists of (x, y, width)
+        What of it is near the sheet, pixels.
+    """
+
+    stroke: Stroke
+    camera: Camera
+    lines: list[list[InkPoint]]
+
+    @classmethod
+    def of(cls, stroke: Stroke, camera: Camera) -> PendingInk:
+        """Return a stroke as a camera sees it."""
+        places = seen_through(stroke.points, stroke.camera, camera)
+        seen = is_seen(places)
+        widths = PEN_TIP.width(1.0) * (
+            PEN_TIP.least + (1.0 - PEN_TIP.least) * stroke.pressure[seen].astype(float)
+        )
+        line = np.column_stack((places[seen], widths)).tolist()
+        runs = inside_runs(line)
+        return cls(stroke, camera, [smoothed((x, y, wide) for x, y, wide in run) for run in runs])
+
+    @cached_property
+    def paths(self) -> list[QPainterPath]:
+        """Its ribbons."""
+        return [ribbon_path(line) for line in self.lines]
+
+
 class InkOverlay(QWidget):
     """A transparent sheet over the viewport for wet ink, the hover ring and lit places."""
 
@@ -88,7 +125,7 @@ class InkOverlay(QWidget):
         self._palette: Palette = LIGHT
         self._wet = QImage()
         self._pending = QImage()
-        self._pending_ink: list[list[InkPoint]] = []
+        self._pending_ink: list[PendingInk] = []
         self._marked: tuple[MarkedLine, ...] = ()
         self._smoother = Smoother()
         self._loose: list[InkPoint] = []
@@ -169,22 +206,29 @@ class InkOverlay(QWidget):
     def set_pending(
         self, strokes: Sequence[Stroke], camera: Camera, marked: Sequence[MarkedLine] = ()
     ) -> None:
-        """Show ink that no modeler has taken yet: what is good so far, and what is marked."""
-        ink = []
-        for stroke in strokes:
-            if stroke.tool == "eraser":
-                continue
-            places = seen_through(stroke.points, stroke.camera, camera)
-            seen = is_seen(places)
-            widths = PEN_TIP.width(1.0) * (
-                PEN_TIP.least + (1.0 - PEN_TIP.least) * stroke.pressure[seen].astype(float)
-            )
-            line = np.column_stack((places[seen], widths)).tolist()
-            ink += [smoothed((x, y, width) for x, y, width in run) for run in inside_runs(line)]
-        marked = tuple(marked)
-        if ink or self._pending_ink or marked != self._marked:
-            self._pending_ink, self._marked = ink, marked
-            self._paint_pending()
+        """Show ink that no modeler has taken yet: what is good so far, and what is marked.
+
+        Every lift of the pen asks for it: only ink that is new, or seen from elsewhere, costs time.
+        """
+        before, marks = self._pending_ink, self._marked
+        known = {id(one.stroke): one for one in before if one.camera == camera}
+        ink = [
+            known.get(id(stroke)) or PendingInk.of(stroke, camera)
+            for stroke in strokes
+            if stroke.tool != "eraser"
+        ]
+        self._pending_ink, self._marked = ink, tuple(marked)
+        if not ink and not before and not self._marked and not marks:
+            return
+        kept = len(before)
+        if (
+            self._marked
+            or marks
+            or any(one is not other for one, other in zip_longest(before, ink[:kept]))
+        ):
+            kept = 0
+        if kept < len(ink) or not kept:
+            self._paint_pending(kept)
             self.update()
 
     # -- marks beside the ink -----------------------------------------------------------------
@@ -347,9 +391,12 @@ class InkOverlay(QWidget):
         self._paint_pending()
         self.update()
 
-    def _paint_pending(self) -> None:
-        self._pending = self._blank()
-        self._paint_into(self._pending, map(ribbon_path, self._pending_ink))
+    def _paint_pending(self, kept: int = 0) -> None:
+        """Paint the ink that waits; the first strokes are in the picture already."""
+        if not kept:
+            self._pending = self._blank()
+        new = self._pending_ink[kept:]
+        self._paint_into(self._pending, (path for one in new for path in one.paths))
         if self._marked and not self._pending.isNull():
             painter = QPainter(self._pending)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)

@@ -47,7 +47,7 @@ def _paint_label(painter: QPainter, label: Label, place: QPointF, palette: Palet
     halo = QPen(qcolor(palette.paper), 2.0 * HALO)
     halo.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
     painter.strokePath(letters, halo)
-    painter.fillPath(letters, qcolor(palette.color(label.color)))
+    painter.fillPath(letters, qcolor(palette.letters(label.color)))
 
 
 class MarksSheet(QWidget):

@@ -19,6 +19,7 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QImage, QMatrix4x4, QPainter, QResizeEvent, QSurfaceFormat
 from PySide6.QtWidgets import QWidget
 
+from bozzetto.scene.contrast import mixed
 from bozzetto.scene.display_list import EMPTY, Image, Layer, Lines, Points, Scene
 from bozzetto.scene.grid import GROUND as GROUND_LAYER
 from bozzetto.scene.grid import ground_grid, ground_height
@@ -37,7 +38,6 @@ from bozzetto_app.canvas.viewport.opengl_items import (
     Programs,
     SurfaceItem,
 )
-from bozzetto_app.style.colors import mixed
 
 if TYPE_CHECKING:
     from bozzetto_app.canvas.viewport.protocol import Shading

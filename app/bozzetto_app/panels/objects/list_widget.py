@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from PySide6.QtCore import (
+    QEvent,
     QItemSelectionModel,
     QKeyCombination,
     QModelIndex,
@@ -110,6 +111,17 @@ class ObjectList(QListWidget):
         self.selectionModel().setCurrentIndex(
             index, QItemSelectionModel.SelectionFlag.ClearAndSelect
         )
+
+    def selectionCommand(
+        self, index: Index, event: QEvent | None = None
+    ) -> QItemSelectionModel.SelectionFlag:
+        """Leave the rows chosen that are, where a press is beside all of them.
+
+        What is selected in the document stays selected then, too.
+        """
+        if not index.isValid():
+            return QItemSelectionModel.SelectionFlag.NoUpdate
+        return super().selectionCommand(index, event)
 
     def dropEvent(self, event: QDropEvent) -> None:
         source = self.currentRow()

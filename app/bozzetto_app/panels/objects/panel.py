@@ -203,6 +203,17 @@ class ObjectsPanel(QWidget):
         if entry.kind == "part":
             self._session.parts.ungroup(entry.model, entry.id)
 
+    def chosen_models(self) -> list[str]:
+        """Return the ids of the objects of the chosen rows, or that of the selected one."""
+        chosen = (
+            entry.model if entry.kind == "part" else entry.id
+            for entry in self._chosen_entries()
+            if entry.kind in ("model", "part")
+        )
+        models = list(dict.fromkeys(chosen))
+        selected = self._session.selection.id
+        return models if selected in models else [one for one in (selected,) if one]
+
     def use_chosen(self, modeler_id: str) -> None:
         """Let the chosen rows be the input of a modeler."""
         chosen = self._chosen_entries()

@@ -39,7 +39,7 @@ def draw_label(canvas: Canvas, item: Label, palette: Palette) -> None:
     rim, letters = (_mask(item.text[:LONGEST], size, width) for width in (halo, 0))
     x = beginning(x, letters[0].shape[1], canvas.sight.width, OFFSET[0] * canvas.scale)
     y += OFFSET[1] * canvas.scale
-    for (mask, left, top), color in ((rim, palette.paper), (letters, palette.color(item.color))):
+    for (mask, left, top), color in ((rim, palette.paper), (letters, palette.letters(item.color))):
         _cover(canvas, mask, round(x) + left, round(y) + top, np.array(color, float))
 
 

@@ -12,6 +12,8 @@ from bozzetto.ink.stroke import Stroke
 from bozzetto.scene import DARK, LIGHT
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import pan, zoom
+from bozzetto_app.canvas.overlay import wet_ink
+from bozzetto_app.canvas.overlay.ribbon import smoothed
 from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
 
 
@@ -131,6 +133,26 @@ def test_pending_ink_stays_dark_and_follows_the_view(overlay):
     assert np.abs(np.roll(still, (20, 50), (0, 1)) - moved).max() < 0.15
     overlay.set_pending([], camera)
     assert painted(overlay).sum() == 0
+
+
+def test_a_further_stroke_that_waits_costs_no_more_than_the_first(overlay, monkeypatch):
+    """Each lift shows all that waits: thirty quick strokes held the window for a second."""
+    camera = Camera(viewport=(600, 400))
+    strokes, made = [stroke(camera) for _ in range(6)], []
+    monkeypatch.setattr(wet_ink, "smoothed", lambda line: made.append(0) or smoothed(line))
+    for count in range(1, 7):
+        overlay.set_pending(strokes[:count], camera)
+    assert len(made) == 6
+    by_and_by = painted(overlay)
+    overlay.set_pending([], camera)
+    overlay.set_pending(strokes, camera)
+    np.testing.assert_array_equal(painted(overlay), by_and_by)
+    overlay.set_pending(strokes[1:3], camera)
+    made.clear()
+    overlay.set_pending(strokes[1:4], camera)
+    assert len(made) == 1
+    overlay.set_pending(strokes[1:4], pan(camera, 50, 20))
+    assert len(made) == 4
 
 
 def test_ink_lies_on_the_sheet_of_its_own_camera():

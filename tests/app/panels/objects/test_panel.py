@@ -56,6 +56,20 @@ def test_a_click_selects(panel, fake_session):
     assert fake_session.calls.named("selection.select") == [(("m2",), {})]
 
 
+def test_a_press_beside_all_rows_changes_nothing(panel, fake_session):
+    """The row must not look as if it were no longer chosen while its object is selected."""
+    panel.resize(264, 700)
+    listed = panel.list
+    chosen = [listed.row(item) for item in listed.selectedItems()]
+    assert chosen == [listed.currentRow()] == [0]
+    below = listed.visualItemRect(listed.item(listed.count() - 1)).bottomLeft() + QPoint(20, 20)
+    assert listed.itemAt(below) is None
+    for keys in (Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ControlModifier):
+        QTest.mouseClick(listed.viewport(), Qt.MouseButton.LeftButton, keys, below)
+        assert [listed.row(item) for item in listed.selectedItems()] == chosen
+    assert fake_session.calls.named("selection.select") == []
+
+
 def test_renaming_in_place(panel, fake_session):
     first = rows(panel, ModelRow)[0]
     QTest.mouseDClick(first.name, Qt.MouseButton.LeftButton)
