@@ -291,7 +291,7 @@ def _with_solids(shapes: Shapes, stem: str) -> Shapes:
 
 def _without_strays(part: Surface) -> Surface:
     """Return a part without the vertices that no face uses: they would count for its size."""
-    used = np.unique(part.mesh.faces)
+    used: Index = np.unique(part.mesh.faces).astype(np.intp)
     if len(used) == len(part.mesh.vertices):
         return part
     back = np.zeros(len(part.mesh.vertices), np.intp)

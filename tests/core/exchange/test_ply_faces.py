@@ -148,5 +148,5 @@ def test_pictures_lie_where_the_file_says(tmp_path, how):
 
 def test_points_alone_are_refused_with_what_to_do(tmp_path):
     (tmp_path / "a.ply").write_bytes(strips_file([]))
-    with pytest.raises(FormatError, match="only points.*MeshLab"):
+    with pytest.raises(FormatError, match=r"only points.*MeshLab"):
         read_mesh_file(tmp_path / "a.ply", trusted=True)

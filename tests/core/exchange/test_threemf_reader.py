@@ -141,7 +141,7 @@ def test_what_is_no_triangle_is_told(tmp_path):
     assert [said.split(": ")[1].split(" (")[0] for said in file.left_out] == [
         "a beam of a lattice", "the layers of a part",
     ]  # fmt: skip
-    with pytest.raises(FormatError, match="no faces.*a beam of a lattice"):
+    with pytest.raises(FormatError, match=r"no faces.*a beam of a lattice"):
         read(
             tmp_path, plain(f'<object id="1">{bare}{beams}</mesh></object>', '<item objectid="1"/>')
         )
