@@ -73,8 +73,8 @@ def plain_sketch(shell: Shell, pen: Pen) -> None:
     """Draw a circle with the first tool for ink, else open the first sample, else tap thrice.
 
     Where a circle is refused and there is no sample, a line is drawn, and then a line with an arc
-    beside it: an edge, a bar, an axis and its profile. A modeler that takes neither ink nor taps and
-    has no sample stays empty.
+    beside it: an edge, a bar, an axis and its profile. A modeler that takes neither ink nor taps
+    and has no sample stays empty.
     """
     info = shell.registry.info(shell.model.modeler)
     takes_ink = any(tool.gesture == "ink" for tool in shell.tools())
