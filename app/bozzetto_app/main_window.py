@@ -106,6 +106,19 @@ def _thumbnail_of(path: Path) -> QImage | None:
     return thumbnail_of(path)
 
 
+def top_row(menus: QMenuBar, modelers: QWidget) -> QWidget:
+    """Return a bar with menus on the left, and modelers in the room that they leave."""
+    top = QWidget()
+    top.setObjectName("top")
+    menus.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
+    row = QHBoxLayout(top)
+    row.setContentsMargins(4, 0, 0, 0)
+    row.setSpacing(16)
+    row.addWidget(menus, 0, Qt.AlignmentFlag.AlignVCenter)
+    row.addWidget(modelers, 1)
+    return top
+
+
 class Window(QMainWindow):
     """The one window of the program.
 
@@ -206,19 +219,10 @@ class Window(QMainWindow):
 
     def _top(self) -> QWidget:
         """Return the bar with the menus on the left and the modelers on the right."""
-        top = QWidget()
-        top.setObjectName("top")
-        menus = QMenuBar(top)
+        menus = QMenuBar()
         menus.setObjectName("menus")
         self.actions_.attach(menus)
-        menus.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
-        row = QHBoxLayout(top)
-        row.setContentsMargins(4, 0, 0, 0)
-        row.setSpacing(16)
-        row.addWidget(menus, 0, Qt.AlignmentFlag.AlignVCenter)
-        row.addStretch(1)
-        row.addWidget(self.modelers)
-        return top
+        return top_row(menus, self.modelers)
 
     def _middle(self) -> QWidget:
         """Return the tool rail and the sheet, side by side."""

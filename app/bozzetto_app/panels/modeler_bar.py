@@ -82,7 +82,8 @@ class ModelerBar(QWidget):
         self.setWindowTitle(tr("ModelerBar", "Modelers"))
         self.setAccessibleName(self.windowTitle())
         self.setFixedHeight(text_height(HEIGHT))
-        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        # It takes what the menus beside it leave, and not a share of their room.
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(4, 0, 4, 0)
         self._row.setSpacing(0)
@@ -97,7 +98,7 @@ class ModelerBar(QWidget):
             button.hide()
             button.deleteLater()
         self._buttons = {}
-        for place, info in enumerate(self._session.toolbox.modelers):
+        for place, info in enumerate(self._session.toolbox.modelers, start=1):
             button = _ModelerButton(info.icon, info.title, info.hint)
             button.clicked.connect(lambda _, name=info.id: self._take(name))
             self._row.insertWidget(place, button)

@@ -257,6 +257,7 @@ def _mesh_file(chosen: Format, data: bytes, path: Path) -> MeshFile:
     read = function(chosen, "read_shapes")
     shapes: Shapes = read(data, reading) if chosen.links else read(data)
     frame = frame_said(data)
+    shapes = replace(shapes, surfaces=tuple(map(_without_strays, shapes.surfaces)))
     guess = None
     if frame is not None:
         shapes = shapes.placed(frame.placement.inverse())
@@ -288,6 +289,16 @@ def _with_solids(shapes: Shapes, stem: str) -> Shapes:
     return Shapes(tuple(solids), tuple(surfaces))
 
 
+def _without_strays(part: Surface) -> Surface:
+    """Return a part without the vertices that no face uses: they would count for its size."""
+    used: Index = np.unique(part.mesh.faces).astype(np.intp)
+    if len(used) == len(part.mesh.vertices):
+        return part
+    back = np.zeros(len(part.mesh.vertices), np.intp)
+    back[used] = np.arange(len(used))
+    return replace(part, mesh=_welded(part.mesh, used, back), skin=_skin_of(part.skin, used, back))
+
+
 def _as_closed(part: Surface) -> Surface | None:
     """Return a surface that bounds a volume, its doubled vertices one where it takes that."""
     if bounds_volume(part.mesh):
@@ -314,10 +325,18 @@ def _joined(part: Surface, kept: Index, faces: Faces) -> Surface | None:
         same = (skin.joints[kept][back] == skin.joints) & (skin.weights[kept][back] == skin.weights)
         if not same[np.unique(mesh.faces)].all():
             return None  # what lies at one place goes its own ways
-        rest_kept = None if skin.rest is None else _welded(skin.rest, kept, back)
-        skin = Skin(skin.rig, skin.joints[kept], skin.weights[kept], rest_kept, skin.clips)
     joined = _welded(mesh, kept, back)
-    return replace(part, mesh=joined, skin=skin) if bounds_volume(joined) else None
+    if not bounds_volume(joined):
+        return None
+    return replace(part, mesh=joined, skin=_skin_of(skin, kept, back))
+
+
+def _skin_of(skin: Skin | None, kept: Index, back: Index) -> Skin | None:
+    """Return the skin of some of a mesh's vertices."""
+    if skin is None:
+        return None
+    rest = None if skin.rest is None else _welded(skin.rest, kept, back)
+    return Skin(skin.rig, skin.joints[kept], skin.weights[kept], rest, skin.clips)
 
 
 def _welded(mesh: Mesh, kept: Index, back: Index) -> Mesh:

@@ -26,7 +26,8 @@ def library(name: str, extra: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
+        package = name.partition(".")[0]
         raise UserError(
-            f"This format needs the library {name}, which is not installed. "
+            f"This format needs the library {package}, which is not installed. "
             f"Install it into Bozzetto's Python with: pip install 'bozzetto[{extra}]'"
         ) from None

@@ -72,17 +72,22 @@ class Subject:
 def plain_sketch(shell: Shell, pen: Pen) -> None:
     """Draw a circle with the first tool for ink, else open the first sample, else tap thrice.
 
-    A modeler that takes neither ink nor taps and has no sample stays empty.
+    Where a circle is refused and there is no sample, a line is drawn, and then a line with an arc
+    beside it: an edge, a bar, an axis and its profile. A modeler that takes neither ink nor taps
+    and has no sample stays empty.
     """
     info = shell.registry.info(shell.model.modeler)
     takes_ink = any(tool.gesture == "ink" for tool in shell.tools())
     if takes_ink:
-        try:
-            shell.draw(pen.circle())
-            return
-        except UserError:
-            if not info.samples:
-                raise
+        refused: UserError | None = None
+        for strokes in _plain_drawings(pen)[: 1 if info.samples else None]:
+            try:
+                shell.draw(*strokes)
+                return
+            except UserError as error:
+                refused = refused or error
+        if refused is not None and not info.samples:
+            raise refused
     if info.samples:
         from bozzetto.exchange.import_file import read_drawing
 
@@ -92,6 +97,12 @@ def plain_sketch(shell: Shell, pen: Pen) -> None:
         for x, y in TAPS:
             touch = pen.along([(x, y), (x + 1.0, y)])
             shell.tap(float(touch.x[0]), float(touch.y[0]))
+
+
+def _plain_drawings(pen: Pen) -> tuple[tuple[Stroke, ...], ...]:
+    line = pen.along([(600.0, 250.0), (600.0, 650.0)])
+    arc = pen.along([(620.0, 260.0), (720.0, 350.0), (740.0, 450.0), (640.0, 640.0)])
+    return (pen.circle(),), (line,), (line, arc)
 
 
 def odd_gestures(shell: Shell, tool: Tool[object]) -> Iterator[tuple[str, Gesture]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,7 +11,7 @@ import pytest
 from PySide6.QtCore import QPoint, QSize, Qt
 from PySide6.QtGui import QColor, QContextMenuEvent, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLabel, QMenu, QPushButton, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QMenu, QMenuBar, QPushButton, QWidget
 
 from bozzetto.document.model import Document
 from bozzetto.plugin import NextStep
@@ -229,6 +230,28 @@ def test_names_give_way_where_there_is_no_room(shown, fake_session):
     bar.resize(full // 2, bar.height())
     assert all(b.compact for b in buttons(bar))
     assert bar.sizeHint().width() == full, "it would never grow back"
+
+
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_many_modelers_leave_the_menus_their_room(shown, fake_session, times):
+    """With eight modelers of strangers the menus were folded to two, beside an empty half line."""
+    from bozzetto_app.main_window import top_row
+
+    own = fake_session.toolbox.modelers
+    fake_session.toolbox.modelers = tuple(
+        dataclasses.replace(info, id=f"{info.id}{k}") for k in range(times) for info in own
+    )
+    menus = QMenuBar()
+    for title in ("File", "Edit", "Object", "View", "Go", "Help"):
+        menus.addMenu(title)
+    bar = ModelerBar(fake_session)
+    top = shown(top_row(menus, bar))
+    room = menus.sizeHint().width() + 44 * len(buttons(bar)) + 60
+    top.resize(max(room, 900), top.sizeHint().height())
+    assert menus.width() >= menus.sizeHint().width()
+    last = max(buttons(bar), key=lambda one: one.x())
+    assert bar.x() + last.geometry().right() <= top.width()
+    assert bar.width() - last.geometry().right() <= 8, "they stand on the right"
 
 
 # -- history --

@@ -242,3 +242,41 @@ def test_more_entities_than_the_budget_allows_are_counted_before_the_library_beg
     for many, said in ((count - 2, AssertionError), (count + 2, FormatError)):
         with pytest.raises(said, match="lines" if said is FormatError else "ezdxf"):
             read_drawing(ending.join([*head, *line * many, "0", "ENDSEC", ""]).encode(), "a")
+
+
+OLD = (
+    "999\nDXF from OpenSCAD\n0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1006\n0\nENDSEC\n"
+    "0\nSECTION\n2\nENTITIES\n{}0\nENDSEC\n0\nEOF\n"
+)
+
+
+def test_polylines_of_a_newer_release_in_an_older_file_are_read():
+    """As OpenSCAD writes: no mark of a class, no handle."""
+    corners = "".join(f"10\n{x}\n20\n{y}\n" for x, y in ((0, 0), (30, 0), (30, 20), (0, 20)))
+    line = "0\nLINE\n8\n0\n10\n40\n20\n0\n11\n50\n21\n0\n"
+    content = OLD.format(f"0\nLWPOLYLINE\n8\n0\n90\n4\n70\n1\n{corners}{line}").encode()
+    one, other = lines_of(read_drawing(content, "a"))
+    assert np.ptp(one, axis=0) == pytest.approx([30.0, 20.0], abs=1e-3)
+    assert np.ptp(other, axis=0) == pytest.approx([10.0, 0.0], abs=1e-3)
+
+
+def test_a_drawing_that_lies_on_a_sheet_alone_is_read():
+    """As SolidWorks writes."""
+    import ezdxf
+
+    document = ezdxf.new("R2010", units=4)
+    square(document.layout("Layout1"))
+    text = io.StringIO()
+    document.write(text)
+    (line,) = lines_of(read_drawing(document.encode(text.getvalue()), "a"))
+    assert np.ptp(line, axis=0) == pytest.approx([40.0, 40.0], abs=1e-3)
+
+
+def test_an_entity_that_is_damaged_is_told():
+    def bad(space):
+        square(space)
+        spline = space.add_open_spline([(0, 0), (9, 0), (9, 9), (0, 9)])
+        spline.knots = [0.0, 0.0, 1.0]
+
+    (said,) = read_drawing(drawn(bad), "a").left_out
+    assert "1 damaged SPLINE" in said

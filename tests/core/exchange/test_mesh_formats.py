@@ -325,6 +325,26 @@ def test_glb_corners_split_by_normals_make_one_solid(tmp_path):
     assert (solid.name, len(solid.mesh.vertices)) == ("cube", 8)
 
 
+@pytest.mark.parametrize("ending", ["glb", "off", "ply"])
+def test_a_vertex_that_no_face_uses_counts_for_nothing(tmp_path, ending):
+    """Scanners leave stray points, and primitives of one buffer use some of it each."""
+    document, blob = tetrahedron_document()
+    document["accessors"][1] |= {"byteOffset": 6, "count": 3}
+    places, face = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", "3 0 1 3\n"
+    files = {
+        "glb": glb(document, blob),
+        "off": f"OFF\n4 1 0\n{places}{face}".encode(),
+        "ply": (
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+            "property float z\nelement face 1\nproperty list uchar int vertex_index\n"
+            f"end_header\n{places}{face}"
+        ).encode(),
+    }
+    (part,) = written(tmp_path, f"a.{ending}", files[ending]).surfaces
+    assert len(part.mesh.vertices) == 3
+    assert np.ptp(part.mesh.bounds, axis=0).min() == 0.0
+
+
 @pytest.mark.parametrize("mode", [5, 6])
 def test_glb_strips_and_fans(tmp_path, mode):
     document, blob = tetrahedron_document()

@@ -115,3 +115,10 @@ def test_trimesh_and_we_mean_the_same(tmp_path):
         assert np.sort(mine.sum(axis=(1, 2))) == pytest.approx(
             np.sort(wanted.sum(axis=(1, 2))), abs=1e-4
         )
+
+
+def test_words_of_materials_may_stand_behind_tabs(tmp_path):
+    text = TETRA + "vt 0 0\nvt 1 0\nvt 0 1\nusemtl a b\nf 1/1 3/2 2/3\n"
+    materials = "newmtl\ta b\t\t\n\tKd\t0 0 1\nmap_Kd\t\ta.png \n"
+    (part,) = foreign(tmp_path, text, materials, a=checker()).shapes.surfaces
+    assert part.texture is not None

@@ -1,10 +1,12 @@
-"""Colours of faces in PLY files, as other programs write them."""
+"""Faces of PLY files, as other programs write them: colours, strips, pictures."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from PIL import Image
 
+from bozzetto.errors import FormatError
 from bozzetto.exchange.import_file import read_mesh_file
 
 HEAD = """ply
@@ -75,3 +77,76 @@ def test_trimesh_and_we_mean_the_same(tmp_path):
     found = colors_at(solid)
     for middle, color in zip(box.triangles_center, wanted.tolist(), strict=True):
         assert found[tuple(middle.round().tolist())] == tuple(color[:3])
+
+
+# -- as scanners' programs write them ----------------------------------------------------------
+
+POINTS = [(x, y, 0.0) for x in (0, 1, 2) for y in (0, 1)] + [(0.0, 0.0, 1.0), (1.0, 0.0, 1.0)]
+
+
+def strips_file(strips, points=POINTS):
+    """A binary file as of the Stanford models."""
+    head = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element tristrips {len(strips)}\nproperty list int int vertex_indices\nend_header\n"
+    )
+    rows = [np.array([len(strip), *strip], "<i4").tobytes() for strip in strips]
+    return head.encode() + np.array(points, "<f4").tobytes() + b"".join(rows)
+
+
+@pytest.mark.parametrize(
+    "strips", [[[0, 1, 2, 3, 4, 5, -1, 0, 2, 6, 7, -1]], [[0, 1, 2, 3, 4, 5], [-1, 0, 2, 6, 7]]]
+)
+def test_strips_are_triangles_that_all_turn_one_way(tmp_path, strips):
+    (tmp_path / "a.ply").write_bytes(strips_file(strips))
+    (part,) = read_mesh_file(tmp_path / "a.ply", trusted=True).shapes.surfaces
+    a, b, c = (part.mesh.vertices[part.mesh.faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    flat, upright = normals[:4], normals[4:]
+    assert len(normals) == 6
+    assert (flat == [0, 0, flat[0, 2]]).all()
+    assert (upright == [0, upright[0, 1], 0]).all()
+    assert np.abs(normals).max(axis=1).tolist() == [1.0] * 6
+
+
+def test_rows_longer_than_the_header_says_lose_no_face(tmp_path):
+    """As old MeshLab wrote colours of the corners of faces."""
+    content = HEAD.format(count=3) + "".join(
+        f"3 {row} 9 1 1 1 1 1 1 1 1 1\n" for row in ("0 1 4", "1 2 4", "2 3 4")
+    )
+    (tmp_path / "a.ply").write_text(content)
+    read = read_mesh_file(tmp_path / "a.ply", trusted=True)
+    assert len(read.shapes.surfaces[0].mesh.faces) == 3
+    assert any("not in its header" in said for said in read.left_out)
+    (tmp_path / "a.ply").write_text(content.replace("3 2 3 4", "3 2"))
+    with pytest.raises(FormatError):
+        read_mesh_file(tmp_path / "a.ply", trusted=True)
+
+
+@pytest.mark.parametrize("how", ["vertices", "corners"])
+def test_pictures_lie_where_the_file_says(tmp_path, how):
+    Image.new("RGB", (4, 4), "red").save(tmp_path / "two words.png")
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    vertex = "property float s\nproperty float t\n" if how == "vertices" else ""
+    face = "property list uchar float texcoord\n" if how == "corners" else ""
+    rows = [f"{9 * x} {9 * y} 0" + (f" {x} {y}" if vertex else "") for x, y in square]
+    corners = " 8 " + " ".join(f"{x} {y}" for x, y in square) if face else ""
+    (tmp_path / "a.ply").write_text(
+        "ply\nformat ascii 1.0\ncomment TextureFile two words.png\n"
+        f"element vertex 5\nproperty float x\nproperty float y\nproperty float z\n{vertex}"
+        f"element face 1\nproperty list uchar int vertex_indices\n{face}end_header\n"
+        + "\n".join([*rows, "500 500 500" + (" 0 0" if vertex else ""), f"4 0 1 2 3{corners}"])
+    )
+    read = read_mesh_file(tmp_path / "a.ply", trusted=True)
+    (part,) = read.shapes.surfaces
+    assert (part.name, part.texture.pixels.shape, read.left_out) == ("a", (4, 4, 4), ())
+    places = part.mesh.vertices[part.mesh.faces][..., :2] / 9.0
+    assert part.texture.corners == pytest.approx(places * [1, -1] + [0, 1])
+    assert part.mesh.bounds[1].tolist() == [9, 9, 0]  # the stray point counts for nothing
+
+
+def test_points_alone_are_refused_with_what_to_do(tmp_path):
+    (tmp_path / "a.ply").write_bytes(strips_file([]))
+    with pytest.raises(FormatError, match=r"only points.*MeshLab"):
+        read_mesh_file(tmp_path / "a.ply", trusted=True)

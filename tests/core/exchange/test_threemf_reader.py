@@ -118,12 +118,33 @@ def test_parts_of_parts_in_other_models_lie_at_their_places(tmp_path):
         'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>'
     )
     data = package(**{"_rels/.rels": rels, "3D/top.model": top, "3D/Objects/one.model": inner})
-    shifted, mirrored = read(tmp_path, data).shapes.solids
+    file = read(tmp_path, data)
+    shifted, mirrored = file.shapes.solids
     # The inner model is in millimetres; a quarter turn takes x to y, then 100, 200, 300 mm.
     np.testing.assert_allclose(shifted.mesh.bounds, [(99, 250, 300), (100, 251, 301)])
     np.testing.assert_allclose(mirrored.mesh.bounds, [(98, 198, 300), (100, 200, 302)])
     assert volume(mirrored.mesh) == pytest.approx(8 / 6)  # right side out
     assert (shifted.name, mirrored.name) == ("pair", "pair")
+    (said,) = file.left_out
+    assert "a support or helper of a slicer" in said
+
+
+def test_what_is_no_triangle_is_told(tmp_path):
+    beams = (
+        '<beamlattice radius="1" minlength="0"><beams><beam v1="0" v2="1"/></beams></beamlattice>'
+    )
+    bare = TETRA[: TETRA.index("<triangles>")]
+    file = read(tmp_path, plain(
+        f'<slicestack id="2"/><object id="1" slicestackid="2">{TETRA[:-7]}{beams}</mesh></object>',
+        '<item objectid="1"/>',
+    ))  # fmt: skip
+    assert [said.split(": ")[1].split(" (")[0] for said in file.left_out] == [
+        "a beam of a lattice", "the layers of a part",
+    ]  # fmt: skip
+    with pytest.raises(FormatError, match=r"no faces.*a beam of a lattice"):
+        read(
+            tmp_path, plain(f'<object id="1">{bare}{beams}</mesh></object>', '<item objectid="1"/>')
+        )
 
 
 def group(number):

@@ -403,3 +403,58 @@ def test_taps_are_a_plain_sketch(make_package):
     with subject.drawn() as one, subject.drawn(1) as other:
         assert len(one.state.places) == 3
         assert not same(one.state.places, other.state.places)
+
+
+DRAWN = """
+    from dataclasses import dataclass, replace
+
+    from bozzetto.geometry import Shapes
+    from bozzetto.ink import Strokes, is_closed_gesture
+    from bozzetto.plugin import Modeler, Tool, UserError, hookimpl
+    from bozzetto.scene import Scene
+
+    @dataclass(frozen=True)
+    class State:
+        strokes: Strokes = Strokes()
+
+    class Draw(Tool):
+        id = title = "draw"
+        hint = "Draw."
+
+        def draw(self, state, ink, context):
+            open_ones = [not is_closed_gesture(stroke.points) for stroke in ink.strokes]
+            if not all(open_ones) or len(open_ones) < {least}:
+                raise UserError("Draw an axis, and a profile beside it.")
+            return replace(state, strokes=state.strokes.extended(ink.strokes))
+
+    class Made(Modeler):
+        id, state_type = __name__ + ".modeler", State
+
+        def tools(self):
+            return (Draw(),)
+
+        def solve(self, state, job):
+            return None
+
+        def scene(self, state, result):
+            return Scene()
+
+        def shapes(self, state, result):
+            return Shapes()
+
+    @hookimpl
+    def bozzetto_modelers():
+        return [Made()]
+"""
+
+
+@pytest.mark.parametrize("least", [1, 2, 3])
+def test_what_refuses_a_circle_is_tried_with_open_lines(make_package, least):
+    package = make_package(DRAWN.replace("{least}", str(least)))
+    subject = Subject(f"{package}.modeler", (package,))
+    if least == 3:
+        with pytest.raises(UserError, match="an axis"), subject.drawn():
+            pass
+    else:
+        with subject.drawn() as shell:
+            assert len(shell.state.strokes) == least

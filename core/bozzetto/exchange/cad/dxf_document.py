@@ -45,6 +45,23 @@ POLYLINE_HEAD: Final = 600
 PIECE: Final = 1 << 20
 """Bytes that are searched at a time: meanwhile no other thread runs, 30 ms at worst."""
 
+CLASSES: Final = {
+    b"LWPOLYLINE": b"AcDbPolyline", b"SPLINE": b"AcDbSpline", b"ELLIPSE": b"AcDbEllipse",
+}  # fmt: skip
+"""Classes of lines that came with release 13."""
+
+REMOVED: Final = re.compile(
+    r"Removed (3DFACE|MESH|POLYLINE|LINE|LWPOLYLINE|ARC|CIRCLE|ELLIPSE|SPLINE|HELIX)\("
+)
+"""What the library says of an entity that it takes out of a file."""
+
+VERSION: Final = re.compile(rb"(\$ACADVER\s+1\s+)AC10(?:0\d|1[0-4])")
+"""A release before 2000, the first of which the library reads such entities."""
+
+COMMON: Final = frozenset((b"5", b"102", b"330", b"360", b"67", b"410", b"8", b"6", b"62", b"370",
+                           b"48", b"60", b"420", b"430", b"440", b"347", b"390"))  # fmt: skip
+"""Groups that every entity has, before those of its class."""
+
 MESH_FLAGS: Final = 16 | 64
 """Flags of a POLYLINE that is a grid or a set of faces."""
 
@@ -71,8 +88,8 @@ def mostly_faces(data: bytes) -> bool:
     return faces > lines
 
 
-def opened(data: bytes) -> Any:
-    """Return the document that ezdxf makes of a file.
+def opened(data: bytes) -> tuple[Any, Counter[str]]:
+    """Return the document that ezdxf makes of a file, and what is damaged and not in it.
 
     Raises
     ------
@@ -90,14 +107,56 @@ def opened(data: bytes) -> Any:
     # It logs what it mends with the file's own bytes: no sentence for anybody, and no text for all.
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
     try:
-        document, _ = recover.read(io.BytesIO(data))
+        try:
+            document, audit = recover.read(io.BytesIO(data))
+        except library("ezdxf", "dxf").DXFStructureError:
+            document, audit = recover.read(io.BytesIO(_with_classes(data)))
     except (MemoryError, RecursionError):
         raise
     except Exception as problem:  # whatever the library makes of a damaged file
         raise FormatError(
             "It is damaged, or not what its name says. Save it again where it was made."
         ) from problem
-    return document
+    removed = (REMOVED.match(fix.message) for fix in audit.fixes)
+    return document, Counter(f"damaged {found[1]}" for found in removed if found)
+
+
+def _with_classes(data: bytes) -> bytes:
+    """Return a file whose newer entities name their classes.
+
+    OpenSCAD and others write polylines and splines of release 13 into files that say to be older,
+    without the marks (group 100) by which a reader finds what belongs to which class.
+    """
+    lines = VERSION.sub(rb"\1AC1015", data, count=1).splitlines()
+    count = len(lines) // 2 * 2
+    marked: list[bytes] = []
+    name, begun, plain = b"", 0, False
+    for at in range(0, count, 2):
+        code, value = lines[at].strip(), lines[at + 1].strip()
+        if code == b"0":
+            name, begun, plain = CLASSES.get(value, b""), at, True
+        elif code == b"100":
+            plain = False
+        if name and plain and at > begun and code not in COMMON:
+            marked += (b"100", name)
+            name = b""
+        marked += (lines[at], lines[at + 1])
+        if name and at == begun and not _names_class(lines, at + 2, count):
+            marked += (b"100", b"AcDbEntity")
+        elif at == begun:
+            name = b""
+    return b"\n".join(marked) + b"\n"
+
+
+def _names_class(lines: list[bytes], at: int, count: int) -> bool:
+    """Whether an entity whose tags begin at a line has a mark of a class at its beginning."""
+    for begin in range(at, min(at + 2 * len(COMMON), count), 2):
+        code = lines[begin].strip()
+        if code == b"100":
+            return True
+        if code == b"0" or code not in COMMON:
+            return False
+    return False
 
 
 def _check_count(data: bytes) -> None:
@@ -111,12 +170,17 @@ def _check_count(data: bytes) -> None:
 
 
 def entities_of(document: Any, wanted: Callable[[Any], bool]) -> tuple[list[Any], Counter[str]]:
-    """Return the entities that are wanted and can be seen, blocks taken apart; and other kinds."""
+    """Return the entities that are wanted and can be seen, blocks taken apart; and other kinds.
+
+    Where the model space is empty they are those of the first sheet that is not: drawings of
+    SolidWorks and others lie there, in the units of the paper.
+    """
     hidden = {layer.dxf.name.lower() for layer in document.layers
               if layer.is_off() or layer.is_frozen()}  # fmt: skip
     found: list[Any] = []
     others: Counter[str] = Counter()
-    waiting = [(entity, 0) for entity in reversed(list(document.modelspace()))]
+    space = next((one for one in document.layouts if len(one)), ())
+    waiting = [(entity, 0) for entity in reversed(list(space))]
     seen = 0
     while waiting:
         at_most(seen + len(waiting), MAX_STROKES, "lines")

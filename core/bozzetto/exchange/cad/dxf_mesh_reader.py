@@ -68,11 +68,12 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         If it is no DXF, is damaged or too large, or holds no faces.
     """
     reading = reading or Reading()
-    document = opened(data)
+    document, damaged = opened(data)
     unit = MM_PER.get(int(document.units or 0))
     if unit is None:
         reading.tell("Read as millimetres: the file does not say its unit.")
     entities, others = entities_of(document, _is_face)
+    others.update(damaged)
     bodies = sum(count for kind, count in others.items() if kind in KERNEL)
     if bodies:
         reading.tell(

@@ -58,12 +58,13 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     FormatError
         If it is no DXF, is damaged or too large, or holds no line.
     """
-    document = opened(data)
+    document, damaged = opened(data)
     unit = MM_PER.get(int(document.units or 0))
     told: list[str] = []
     if unit is None:
         told.append("Read as millimetres: the file does not say its unit.")
     entities, others = entities_of(document, _is_line)
+    others.update(damaged)
     if others:
         named = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
         told.append(f"Left out of the DXF file: {named}; only lines and curves are read.")

@@ -54,8 +54,8 @@ FAN: Final = 6
 HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform", "KHR_technique", "KHR_lights_")
 """Beginnings of extensions that change the looks only, never the geometry."""
 
-MAX_BUFFERS: Final = 64
-"""Buffers of one file; most have one."""
+MAX_BUFFERS: Final = 10_000
+"""Buffers of one file; most have one, some have one for each accessor, within the file."""
 
 _Part = tuple[Surface, Primitive]
 
@@ -90,7 +90,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         surfaces += [_together(gltf, alike) for alike in _alike(gltf, parts)]
     _tell(gltf, reading, bodies)
     if not surfaces:
-        raise FormatError("There are no faces in this file.")
+        raise FormatError(" ".join(("There are no faces in this file.", *reading.left_out)))
     return Shapes(surfaces=tuple(surfaces))
 
 

@@ -117,6 +117,11 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     at_most(len(corners), 4 * MAX_FACES, "corners")
     places, colors = _columns(vertices)
     if not corners:
+        if thin:
+            raise FormatError(
+                "There are no faces in this file, only lines, points or free-form curves. Save "
+                "curves as SVG to draw with them, and surfaces as polygons."
+            )
         raise FormatError("There are no faces in this file.")
     try:
         rings = np.array(corners, np.int64)

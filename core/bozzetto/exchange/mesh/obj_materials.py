@@ -67,7 +67,7 @@ def _looks(data: bytes, folder: str, reading: Reading) -> dict[str, Look]:
     pictures: dict[str, str] = {}
     name = ""
     for line in data.decode("utf-8", "replace").splitlines():
-        word, _, rest = line.strip().partition(" ")
+        word, rest = (*line.split(None, 1), "", "")[:2]
         if word == "newmtl":
             name = rest.strip()
             own = said.setdefault(name, {})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -12,11 +13,10 @@ from bozzetto.errors import FormatError
 from bozzetto.exchange.color import vertex_colors
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
-from bozzetto.exchange.mesh.colored_faces import colored_part
-from bozzetto.exchange.mesh.polygons import check_places
+from bozzetto.exchange.mesh.ply_faces import Columns, ply_shapes
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.exchange.reading import Reading
-from bozzetto.geometry.shapes import Color, Shapes
+from bozzetto.geometry.shapes import Shapes
 
 TYPES: Final = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -37,7 +37,10 @@ MAX_HEADER: Final = 1 << 16
 MAX_PROPERTIES: Final = 256
 """Most properties of one element."""
 
-Columns = dict[str, NDArray[Any]]
+STRIPS: Final = "tristrips"
+"""Element in which scanners' programs, such as those of the Stanford models, keep triangles."""
+
+PICTURE: Final = "TextureFile"
 
 
 # -- writing -------------------------------------------------------------------------------
@@ -111,23 +114,77 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     reading : Reading, optional
         Where it is told what is left out.
     """
-    order, elements, body = _header(data)
-    if not order:
+    reading = reading or Reading()
+    order, elements, pictures, body = _header(data)
+    if order:
+        found = _found(elements, lambda element, at: _binary(element, body, at, order))[0]
+    else:
         check_words(body)
-    words = [] if order else body.split()
+        found = _of_text(elements, body, reading)
+    vertex, face, strips = (found.get(name, {}) for name in ("vertex", "face", STRIPS))
+    return ply_shapes(vertex, face, strips, pictures, reading)
+
+
+def _found(
+    elements: Sequence[_Element], read: Callable[[_Element, int], tuple[Columns, int]]
+) -> tuple[dict[str, Columns], int]:
+    """Read elements until vertices and faces are there; return where the reading ended, too."""
     found: dict[str, Columns] = {}
     at = 0
     for element in elements:
-        found[element.name], at = (
-            _binary(element, body, at, order) if order else _text(element, words, at)
-        )
-        if {"vertex", "face"} <= found.keys():
+        found[element.name], at = read(element, at)
+        if {"vertex", "face"} <= found.keys() or {"vertex", STRIPS} <= found.keys():
             break
-    return _shapes(found.get("vertex", {}), found.get("face", {}), reading or Reading())
+    return found, at
 
 
-def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
-    """Return byte order, elements and what follows the header."""
+def _of_text(elements: Sequence[_Element], body: bytes, reading: Reading) -> dict[str, Columns]:
+    """Read the rows of a text file.
+
+    A row goes over as many lines as it likes. Some programs write more into a row than their
+    header says (old MeshLab: three colours for each face); then every line is a row.
+    """
+    words = body.split()
+    problem: FormatError | None = None
+    try:
+        found, at = _found(elements, lambda element, at: _text(element, words, at))
+        if at == len(words) or len(found) < len(elements):
+            return found
+    except FormatError as error:
+        problem = error
+    rows = [row for line in body.splitlines() if (row := line.split())]
+    if len(rows) != sum(element.count for element in elements if element.properties):
+        if problem is not None:
+            raise problem
+        return found
+    try:
+        fitted = _fitted(elements, rows)
+    except (FormatError, IndexError, ValueError):
+        raise problem or FormatError("Its rows are not as its header says.") from None
+    reading.tell(
+        "Left out of the PLY file: what stands at the ends of its rows and not in its header. "
+        "Save it again in the program that made it if something is missing."
+    )
+    return _found(elements, lambda element, at: _text(element, fitted, at))[0]
+
+
+def _fitted(elements: Sequence[_Element], rows: list[list[bytes]]) -> list[bytes]:
+    """Return the words that the header knows of lines that are one row each."""
+    words: list[bytes] = []
+    lines = iter(rows)
+    for element in elements:
+        for _ in range(element.count if element.properties else 0):
+            row, end = next(lines), 0
+            for p in element.properties:
+                end += 1 + (_length(float(row[end])) if p.counts else 0)
+            if end > len(row):
+                raise _short()
+            words += row[:end]
+    return words
+
+
+def _header(data: bytes) -> tuple[str, list[_Element], list[str], bytes]:
+    """Return byte order, elements, pictures that it names, and what follows the header."""
     end = data.find(b"end_header", 0, MAX_HEADER)
     # Rhino ends its lines with a carriage return alone, and the numbers may begin with a 10.
     line_end = data.find(b"\n" if b"\n" in data[: max(end, 0)] else b"\r", end)
@@ -135,7 +192,11 @@ def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
         raise FormatError("This is not a PLY file, or it is cut short.")
     order: str | None = None
     elements: list[_Element] = []
-    for line in data[:end].decode("latin-1").splitlines():
+    pictures: list[str] = []
+    for line in data[:end].decode("utf-8", "replace").splitlines():
+        match line.split(None, 2):
+            case ["comment", kind, name] if kind == PICTURE:
+                pictures.append(name.strip().replace("\\", "/"))
         match line.split():
             case ["format", name, *_]:
                 order = ORDERS.get(name)
@@ -154,7 +215,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
         raise FormatError("The header does not say how the numbers are stored.")
     if any(len(element.properties) > MAX_PROPERTIES for element in elements):
         raise FormatError("The header names more properties than can be read.")
-    return order, elements, data[line_end + 1 :]
+    return order, elements, pictures, data[line_end + 1 :]
 
 
 def _type(name: str) -> str:
@@ -309,40 +370,3 @@ def _typed(words: list[bytes], kind: str) -> NDArray[Any]:
     if not np.isfinite(values).all():
         raise ValueError
     return np.asarray(np.clip(values, -(2.0**40), 2.0**40), np.int64)
-
-
-def _shapes(vertex: Columns, face: Columns, reading: Reading) -> Shapes:
-    if not {"x", "y", "z"} <= vertex.keys():
-        raise FormatError("The vertices of this file have no x, y and z.")
-    name = next((n for n in ("vertex_indices", "vertex_index") if n in face), None)
-    if name is None or f"{name} length" not in face or not len(face[name]):
-        raise FormatError("There are no faces in this file.")
-    with np.errstate(invalid="ignore"):  # signalling NaNs; refused below
-        places = np.column_stack([np.asarray(vertex[axis], float) for axis in "xyz"])
-        at_most(len(places), MAX_VERTICES, "vertices")
-        sane = bool(((face[name] >= 0) & (face[name] < len(places))).all())
-    if not sane:
-        raise FormatError("A face names a vertex that the file does not hold.")
-    corners = np.asarray(face[name]).astype(np.int64)
-    colors = _colors(vertex)
-    check_places(places)
-    sizes = np.asarray(face[f"{name} length"]).astype(np.int64)
-    shades = _colors(face) if colors is None else None
-    of_faces: list[Color | None] = [None] * len(sizes)
-    if shades is not None:
-        of_faces = [(red, green, blue) for red, green, blue, _ in shades.tolist()]
-    part = colored_part(places, corners, sizes, of_faces, colors, "PLY", reading)
-    return Shapes(surfaces=(part,))
-
-
-def _colors(vertex: Columns) -> NDArray[np.uint8] | None:
-    """Return RGBA of vertices or faces, from bytes or from numbers 0 … 1 as the types say."""
-    if not {"red", "green", "blue"} <= vertex.keys():
-        return None
-    share = vertex["red"].dtype.kind == "f"
-    opaque = np.full(len(vertex["red"]), 1.0 if share else 255.0)
-    channels = [*(vertex[name] for name in ("red", "green", "blue")), vertex.get("alpha", opaque)]
-    with np.errstate(invalid="ignore", over="ignore"):
-        rgba = np.column_stack([np.asarray(channel, float) for channel in channels])
-        rgba = np.nan_to_num(rgba * (255.0 if share else 1.0))
-    return np.asarray(np.rint(np.clip(rgba, 0, 255)), np.uint8)

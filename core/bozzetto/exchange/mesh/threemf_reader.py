@@ -91,6 +91,8 @@ class _Package:
     palette: list[Color] = field(default_factory=list)
     groups: dict[Key, list[int]] = field(default_factory=dict)  # of the palette, or of texels
     items: list[tuple[Key, Array]] = field(default_factory=list)
+    lattices: int = 0
+    layered: int = 0
     pictures: dict[Key, str] = field(default_factory=dict)  # where they are
     shown: list[Key] = field(default_factory=list)  # pictures in which places are named
     texels: array[float] = field(default_factory=lambda: array("d"))  # u, v, number of the picture
@@ -137,10 +139,26 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         pictures = Pictures("3MF", reading)
         for path in package.paths():
             pictures.add(path, partial(_picture, zipped, names, path))
-    parts = list(_parts(package, pictures))
+    helpers: set[Key] = set()
+    parts = list(_parts(package, pictures, helpers))
+    _tell(package, len(helpers), reading)
     if not parts:
-        raise FormatError("There are no faces in this file.")
+        raise FormatError(" ".join(("There are no faces in this file.", *reading.left_out)))
     return Shapes(surfaces=tuple(parts))
+
+
+def _tell(package: _Package, helpers: int, reading: Reading) -> None:
+    for count, what, many, why in (
+        (helpers, "a support or helper of a slicer", "{} supports or helpers of a slicer",
+         "they are no part of the shape"),
+        (package.lattices, "a beam of a lattice", "{} beams of a lattice",
+         "save it as triangles in the program that made it"),
+        (package.layered, "the layers of a part", "the layers of {} parts",
+         "its triangles are read, which may be no more than a box around it"),
+    ):  # fmt: skip
+        if count:
+            words = what if count == 1 else many.format(count)
+            reading.tell(f"Left out of the 3MF file: {words} ({why}).")
 
 
 @contextmanager
@@ -250,6 +268,10 @@ class _ModelReader:
                 self._color(attributes.get("displaycolor", ""))
             case "color":
                 self._color(attributes.get("color", ""))
+            case "beam":
+                self._package.lattices += 1
+            case "slicestack":
+                self._package.layered += 1
             case "texture2d":
                 path = posixpath.normpath("/" + attributes["path"].lstrip("/"))
                 self._package.pictures[self._path, attributes["id"]] = path
@@ -308,8 +330,11 @@ class _ModelReader:
             at_most(len(one.corners) // 3, MAX_FACES, "triangles")
 
 
-def _parts(package: _Package, pictures: Pictures) -> Iterator[Surface]:
-    """Yield what lies on the plate, each mesh at its place; one without a name has its group's."""
+def _parts(package: _Package, pictures: Pictures, helpers: set[Key]) -> Iterator[Surface]:
+    """Yield what lies on the plate, each mesh at its place; one without a name has its group's.
+
+    What is no shape is noted in `helpers`.
+    """
     visits = triangles = 0
     waiting = [(key, matrix, "", 1) for key, matrix in reversed(package.items)]
     while waiting:
@@ -323,6 +348,7 @@ def _parts(package: _Package, pictures: Pictures) -> Iterator[Surface]:
         if depth > len(package.objects):
             raise FormatError("One of its parts is a part of itself.")
         if one.kind not in PLACED:
+            helpers.add(key)
             continue
         if one.corners:
             triangles += len(one.corners) // 3

@@ -19,6 +19,7 @@ from bozzetto.plugin.guard.checked_values import (
     Unsound,
     check_number,
     check_text,
+    check_words,
     expect,
     expect_tuple,
 )
@@ -44,6 +45,9 @@ LARGEST_CONTENT: Final = 64 << 20
 MOST_SOURCES: Final = 1_000
 """Models that one model is made from."""
 
+
+MOST_LEVELS: Final = 50
+"""Levels of lists in a report."""
 
 MOST_DIGITS: Final = 9
 """Digits behind the decimal point of a figure."""
@@ -104,7 +108,7 @@ def sound_next_step(step: Any) -> NextStep:
     if type(step) is not NextStep:
         raise Unsound(f"{type(step).__name__} where a NextStep belongs")
     for name in ("sentence", "tool"):
-        expect(isinstance(getattr(step, name), str), f"NextStep.{name}")
+        check_words(getattr(step, name), f"NextStep.{name}")
     if step.place is not None:
         place = np.asarray(step.place, np.float64)
         expect(place.shape == (3,) and bool(np.isfinite(place).all()), "NextStep.place")
@@ -210,7 +214,8 @@ def sound_cautions(cautions: Any) -> tuple[Caution, ...]:
     for caution in cautions:
         if type(caution) is not Caution:
             raise Unsound(f"{type(caution).__name__} where a Caution belongs")
-        if not isinstance(caution.message, str) or not caution.message.strip():
+        check_words(caution.message, "the message of a caution")
+        if not caution.message.strip():
             raise Unsound("a caution needs words")
         expect(isinstance(caution.baseless, bool), "Caution.baseless")
     return tuple(cautions)
@@ -242,7 +247,22 @@ def sound_report(report: Any) -> dict[str, Any]:
     """
     if not isinstance(report, Mapping):
         raise Unsound(f"{type(report).__name__} where a mapping belongs")
+    _check_reported(report, MOST_LEVELS)
     return dict(report)
+
+
+def _check_reported(value: Any, levels: int) -> None:
+    """Raise `Unsound` where a report holds a text that no file can hold, or has no end."""
+    if isinstance(value, str):
+        check_words(value, "a text of the report")
+    elif isinstance(value, Mapping | list | tuple):
+        expect(levels > 0, "the depth of the report")
+        if isinstance(value, Mapping):
+            for key in value:
+                check_words(str(key), "a key of the report")
+            value = value.values()
+        for each in value:
+            _check_reported(each, levels - 1)
 
 
 def sound_figures(figures: Any) -> dict[str, Figure]:

@@ -50,9 +50,20 @@ def check_point(value: Any, what: str) -> None:
     check_finite(np.asarray(value, float), what)
 
 
+def check_words(value: Any, what: str) -> None:
+    """Raise `Unsound` where a value is no text, or one that no file can hold."""
+    expect(isinstance(value, str), what)
+    if not value.isascii():
+        try:
+            value.encode()
+        except UnicodeEncodeError:
+            raise Unsound(f"{what} has half a character in it") from None
+
+
 def check_text(value: Any, what: str) -> None:
     """Raise `Unsound` where a value is no text, or too long to be shown."""
-    expect(isinstance(value, str) and len(value) <= LONGEST_LABEL, what)
+    check_words(value, what)
+    expect(len(value) <= LONGEST_LABEL, what)
 
 
 def check_mesh(mesh: Any) -> None:

@@ -13,6 +13,7 @@ from bozzetto.plugin.guard.checked_values import (
     Unsound,
     check_finite,
     check_mesh,
+    check_words,
     expect,
     expect_tuple,
 )
@@ -47,14 +48,15 @@ def sound_shapes(shapes: Any) -> Shapes:
 
 
 def _check_part(part: Any) -> None:
-    expect(isinstance(part.name, str), "the name of a part")
+    check_words(part.name, "the name of a part")
     if not isinstance(part, Skeleton):
         _check_color(part.color, "a part")
     if isinstance(part, Solid | Surface):
         check_mesh(part.mesh)
         expect_tuple(part.groups, "the groups of a part")
         for group in part.groups:
-            expect(type(group) is FaceGroup and isinstance(group.name, str), "a group of triangles")
+            expect(type(group) is FaceGroup, "a group of triangles")
+            check_words(group.name, "the name of a group of triangles")
             expect(group.finish in get_args(Finish), "the finish of a group of triangles")
             _check_color(group.color, "a group of triangles")
         if part.exact is not None:
@@ -98,7 +100,7 @@ def _brep(part: Brep) -> None:
         _curve(edge, "an edge")
     for face in part.faces:
         expect(type(face) is Face, "a face of a brep")
-        expect(isinstance(face.name, str), "the name of a face")
+        check_words(face.name, "the name of a face")
         expect(face.finish in get_args(Finish), "the finish of a face")
         _check_color(face.color, "a face")
         surface = face.surface

@@ -188,6 +188,14 @@ class Registry:
             return found[0]
         if found:
             raise UserError(f"{name!r} can be {' or '.join(found)}. Write out which.")
+        with self._lock:
+            announced = [
+                entry.id for plugin in self._plugins.values() if plugin.manifest
+                for entry in plugin.manifest.modelers
+            ]  # fmt: skip
+        for known in announced:
+            if name in (known, known.rpartition(".")[2]):
+                self.modeler(known)  # says why it cannot be used
         raise self._absent(name)
 
     def told_by(self, facts: Mapping[str, object]) -> str:

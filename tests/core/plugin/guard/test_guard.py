@@ -153,6 +153,7 @@ WRONG_SCENES = {
     "a label on the plane": scene_of(Label((0.0, 0.0), "x")),
     "a label without text": scene_of(Label((0.0, 0.0, 0.0), None)),
     "a long label": scene_of(Label((0.0, 0.0, 0.0), "x" * 100_000)),
+    "half a character": scene_of(Label((0.0, 0.0, 0.0), "a\udcff")),
     "a handle without id": scene_of(Handle("", (0.0, 0.0, 0.0))),
     "too many labels": scene_of(*[Label((0.0, 0.0, 0.0), "x")] * 5000),
     "too many items": scene_of(*[Lines(np.zeros((2, 3)))] * 50_000),
@@ -167,6 +168,7 @@ WRONG_SHAPES = {
     "a surface as a solid": Shapes(solids=(Surface(TRIANGLE),)),
     "a list of surfaces": Shapes(surfaces=[Surface(TRIANGLE)]),
     "a name that is none": Shapes(surfaces=(Surface(TRIANGLE, name=3),)),
+    "half a character": Shapes(surfaces=(Surface(TRIANGLE, name="a\udcff"),)),
     "not finite": Shapes(
         surfaces=(Surface(crooked(Mesh, vertices=NAN_POINTS, faces=None, normals=None)),)
     ),
@@ -238,7 +240,15 @@ def test_two_tools_of_one_id(drawn, faulty):
         drawn.tools()
 
 
-@pytest.mark.parametrize("report", [None, 3, ["a"], "text"])
+ENDLESS: list[object] = []
+ENDLESS.append(ENDLESS)
+
+
+@pytest.mark.parametrize(
+    "report",
+    [None, 3, ["a"], "text", {"a": ["\udcff"]}, {"\udcff": 1}, {"a": ENDLESS}],
+    ids=["none", "number", "list", "text", "half a character", "half a key", "endless"],
+)
 def test_wrong_reports(drawn, faulty, report):
     faulty.misdeeds["report"] = lambda *_: report
     with pytest.raises(PluginFault, match="cannot be used"):

@@ -248,6 +248,21 @@ def test_an_upgrade_may_change_the_stored_form_that_it_gets(make_package):
     assert status(registry, package) == "loaded"
 
 
+@pytest.mark.parametrize("why", ["the contract", "switched off"])
+def test_a_modeler_that_is_installed_and_cannot_be_used_says_why(make_package, why):
+    api = ">=1,<2" if why == "the contract" else ">=2"
+    package = make_package(
+        WORKING,
+        f'id = "{{author}}.plugin"\ntitle = "P"\nversion = "1"\napi = "{api}"\n[[modeler]]\n'
+        'id = "{author}.modeler"\ntitle = "M"\nicon = "icon.svg"\nhint = "H"',
+    )
+    registry = Registry(extra=[package])
+    (info,) = [one for one in registry.plugins() if one.package == package]
+    registry.set_disabled(info.id, why == "switched off")
+    with pytest.raises(UserError, match="disabled" if why == "switched off" else "written for"):
+        registry.resolve("modeler")
+
+
 def test_names_are_resolved(make_package):
     one, two = make_package(WORKING), make_package(WORKING)
     registry = Registry(extra=[one, two])
