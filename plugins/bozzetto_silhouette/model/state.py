@@ -338,7 +338,8 @@ class SilhouetteState(PartsState):
             256,
             step=16,
             unit="cells",
-            help="Cells along the longest side of a part; thin places are always refined.",
+            help="Cells along the longest side of the largest part; those of small parts are up to "
+            "twice as fine, and thin places are always refined.",
         ),
     ] = 128
     inner: Annotated[
