@@ -42,7 +42,8 @@ class Context:
     camera : Camera
         The view now (a gesture carries its own).
     scene : Scene
-        All that is visible, in world coordinates.
+        All that is visible, in world coordinates. Where steps of an ink file are taken it is made
+        when a tool first looks at it: who needs no surface under the pen does not wait for one.
     pen : PenSettings
     symmetry_point, symmetry_normal : (x, y, z)
         The plane of bilateral symmetry, mm.

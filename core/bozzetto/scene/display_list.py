@@ -7,10 +7,10 @@ positions are mm in the model's own frame.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import count
-from typing import TYPE_CHECKING, Final, Literal, get_args
+from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -223,7 +223,36 @@ class Layer:
 class Scene:
     """Layers, drawn in order where depth does not decide."""
 
-    layers: tuple[Layer, ...] = ()
+    layers: tuple[Layer, ...] = field(default_factory=tuple)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Make the layers of a scene that was put off; nothing else is ever missing."""
+            make = self.__dict__.get("_make") if name == "layers" else None
+            if make is None:
+                raise AttributeError(name)
+            layers = make().layers
+            object.__setattr__(self, "layers", layers)
+            return layers
+
+    @classmethod
+    def put_off(cls, make: Callable[[], Scene]) -> Scene:
+        """Return a scene whose layers are made when they are first looked at, and then kept.
+
+        Parameters
+        ----------
+        make : callable
+            Gives the scene; what it raises reaches who looks, and who looks again asks again.
+        """
+        scene = cls.__new__(cls)
+        scene.__dict__["_make"] = make
+        return scene
+
+    @property
+    def is_made(self) -> bool:
+        """Whether the layers are there; False while they are put off."""
+        return "layers" in self.__dict__
 
     def __add__(self, other: Scene) -> Scene:
         return Scene(self.layers + other.layers)
@@ -251,6 +280,8 @@ class Scene:
         """Return the scene moved by a placement; itself where nothing moves."""
         if placement.is_identity:
             return self
+        if not self.is_made:
+            return Scene.put_off(lambda: Scene(self.layers).placed(placement))
         return Scene(
             tuple(
                 Layer(

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto.plugin.overrides import overrides
 from bozzetto.workbench.placed import shapes_in_world
 
 if TYPE_CHECKING:
@@ -46,6 +47,10 @@ class KnownCurves:
         self._kept: OrderedDict[tuple[int, str], _Known] = OrderedDict()
         self._failed: set[str] = set()
         self._lock = threading.Lock()
+
+    def are_offered(self, model: Model) -> bool:
+        """Whether the modeler of a model may offer curves at all; asks no plugin."""
+        return overrides(self._registry.modeler(model.modeler), "curves")
 
     def learn(self, model: Model, result: Any) -> None:
         """Remember the curves of a result.

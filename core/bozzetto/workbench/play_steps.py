@@ -27,13 +27,13 @@ from bozzetto.ink.steps import (
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.job import Job
+from bozzetto.scene.display_list import Scene
 from bozzetto.workbench.part_edits import PartEdit
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
     from bozzetto.ink.drawing import Drawing
     from bozzetto.plugin.context import Context
-    from bozzetto.scene.display_list import Scene
     from bozzetto.view.camera import Camera
     from bozzetto.workbench.workbench import Workbench
 
@@ -71,7 +71,7 @@ def steps_taken(
         The strokes and the steps.
     context : Context
         The world around; what the model itself shows is added before every gesture, in
-        preview quality.
+        preview quality, and made only if the gesture looks at it.
     job : Job, optional
         Is told of each step, and stops in the middle of one when nobody waits any more.
     first : int
@@ -108,7 +108,9 @@ def _after(
     strokes = drawing.strokes
 
     def seen(camera: Camera) -> Context:
-        scene = context.scene + _scene(bench, model, job)
+        scene = Scene.put_off(lambda: context.scene + _scene(bench, model, job))
+        if bench.curves.are_offered(model):  # told when the model is solved: it cannot wait
+            scene = Scene(scene.layers)
         curves = context.curves + bench.curves.of((model,))
         return replace(context, camera=camera, scene=scene, curves=curves)
 

@@ -27,6 +27,9 @@ of the shorter line."""
 BESIDE: Final = 0.05
 """Ink that overlaps without crossing runs side by side no farther apart than this."""
 
+FOLDED_BESIDE: Final = 0.1
+"""The same where the way from one to the other would go back against both: nobody means a fold."""
+
 ALIKE: Final = float(np.cos(np.deg2rad(40.0)))
 """Lines side by side run in one direction, up to this angle."""
 
@@ -75,6 +78,15 @@ WIDEST_STEP: Final = 0.012
 
 RUNS_ON: Final = float(np.cos(np.deg2rad(35.0)))
 """The way over a gap leads on as the ink does, up to this angle; else it is a step."""
+
+BESIDE_SAMPLES: Final = 4
+"""Samples at each end that tell whether ink of few samples runs on."""
+
+MOST_STEPS: Final = 4.0
+"""Widest gap, in steps from sample to sample, over which such ink is brought together."""
+
+SHARED: Final = 0.4
+"""Share of the move of an end that its neighbour makes."""
 
 SAMPLES: Final = 24
 """Points on each side of a smooth joint."""
@@ -129,7 +141,7 @@ def self_joint(line: Array) -> tuple[Array, Array]:
             before, after = line[half:], line[: half + 1]
             smooth = _smooth(before, after, halves=True)
             if smooth is None:
-                smooth = Joint(*_without_step(before, after), _NOTHING)
+                smooth = Joint(*_brought_together(before, after), _NOTHING)
             return np.concatenate([smooth.after[:-1], smooth.before]), smooth.between
     tail, head, between = joint(line[half:], line[: half + 1], halves=True)
     return np.concatenate([head[:-1], tail]), between
@@ -154,14 +166,63 @@ def joint(before: Array, after: Array, *, halves: bool = False) -> Joint:
     corner = _corner(before, after)
     if len(corner):
         return Joint(before, after, corner)
-    return Joint(*_without_step(before, after), _NOTHING)
+    return Joint(*_brought_together(before, after), _NOTHING)
+
+
+def _brought_together(a: Array, b: Array) -> tuple[Array, Array]:
+    """Move or drop samples at the ends of lines that run on, where they miss each other.
+
+    Ink is too short there, or too near a corner, for a smooth joint.
+    """
+    if len(a) + len(b) <= FEW:  # with the sample that halves share, a polygon by its vertices
+        return a, b
+    moved = _without_step(a, b)
+    return moved if moved[0] is not a else _without_overlap(a, b)
+
+
+def _without_overlap(a: Array, b: Array) -> tuple[Array, Array]:
+    """Let lines of few samples run into each other: what overlaps goes, the last two become one.
+
+    A small shape has few samples, an eye thirty, so that hardly one lies in the ink that a smooth
+    joint is fitted to. Left alone, the way back from an end that ran on would be a fold. Lines that
+    bend near their ends, as polygons do, stay as they are.
+    """
+    one, other = a[-BESIDE_SAMPLES:], b[:BESIDE_SAMPLES]
+    steps = np.concatenate([np.diff(one, axis=0), np.diff(other, axis=0)])
+    step = float(np.median(np.hypot(*steps.T)))
+    if len(one) + len(other) < 2 * BESIDE_SAMPLES or _gap(a, b) > MOST_STEPS * step:
+        return a, b
+    if min(_straightness(one), _straightness(other)) < np.cos(CORNER):
+        return a, b
+    leave, arrive = (way / np.hypot(*way) for way in (one[-1] - one[-2], other[1] - other[0]))
+    ahead = 0.5 * (leave + arrive)
+    if float(np.hypot(*ahead)) < np.cos(0.5 * CORNER):
+        return a, b
+    ahead /= np.hypot(*ahead)
+    while len(a) > BESIDE_SAMPLES and float((b[0] - a[-1]) @ ahead) < -0.5 * step:
+        a = a[:-1]
+    if float((b[0] - a[-1]) @ ahead) > 0.5 * step:
+        return a, b
+    away = 0.5 * (b[0] - a[-1])
+    a, b = a[:-1].copy(), b.copy()
+    b[0] -= away
+    a[-1] += SHARED * away
+    b[1] -= SHARED * away
+    return a, b
+
+
+def _straightness(line: Array) -> float:
+    """Return the least cosine of the turns of a line."""
+    way = np.diff(line, axis=0)
+    way /= np.maximum(np.hypot(*way.T), 1e-300)[:, None]
+    return float((way[1:] * way[:-1]).sum(axis=1).min())
 
 
 def _without_step(a: Array, b: Array) -> tuple[Array, Array]:
     """Move the ends of lines that run on but miss each other sideways until the step is none.
 
-    Ink is too short there, or too near a corner, for a smooth joint. Its samples stay: to cut them
-    off would leave an edge so long that the corner beside it is taken for jitter.
+    Their samples stay: to cut them off would leave an edge so long that the corner beside it is
+    taken for jitter.
     """
     gap = _gap(a, b)
     arc_a, arc_b = arc_length(a), arc_length(b)
@@ -220,13 +281,15 @@ def _trimmed(a: Array, b: Array) -> tuple[Array, Array, bool]:
     end, start = shapely.Point(a[-1]), shapely.Point(b[0])
     on_b, beside_b = float(line_b.project(end)), float(line_b.distance(end))
     on_a, beside_a = float(line_a.project(start)), float(line_a.distance(start))
-    if min(beside_a, beside_b) >= min(0.35 * gap, BESIDE):
+    folded = _is_fold(tail, head)
+    beside = FOLDED_BESIDE if folded else BESIDE
+    if min(beside_a, beside_b) >= min(np.inf if folded else 0.35 * gap, beside):
         return a, b, False
     if beside_b <= beside_a and 0.0 < on_b < 0.98 * line_b.length:
-        if _alike(tail, head, on_b):
+        if _alike(tail, head, on_b, beside):
             b = _from(b, arc_b, on_b + 1.5 * beside_b)
     elif 0.02 * line_a.length < on_a < line_a.length:
-        if _alike(tail, head, line_a.length - on_a):
+        if _alike(tail, head, line_a.length - on_a, beside):
             a = _upto(a, arc_a, arc_a[first] + on_a - 1.5 * beside_a)
     return a, b, False
 
@@ -239,7 +302,16 @@ def _from(line: Array, arc: Array, cut: float) -> Array:
     return line[min(int(np.searchsorted(arc, cut, side="right")), len(line) - 2) :]
 
 
-def _alike(tail: Array, head: Array, length: float) -> bool:
+def _is_fold(tail: Array, head: Array) -> bool:
+    """Whether the way from one line to the next goes back against both."""
+    arc_a, arc_b = arc_length(tail), arc_length(head)
+    leave = tail[-1] - points_along(tail, arc_a, max(arc_a[-1] - NARROW, 0.0))
+    arrive = points_along(head, arc_b, min(NARROW, arc_b[-1])) - head[0]
+    way = head[0] - tail[-1]
+    return bool(way @ leave < 0.0 and way @ arrive < 0.0)
+
+
+def _alike(tail: Array, head: Array, length: float, beside: float) -> bool:
     """Whether the end of one line runs side by side with the start of another all the way."""
     import shapely
 
@@ -248,7 +320,7 @@ def _alike(tail: Array, head: Array, length: float) -> bool:
     one, two = over[-1] - over[0], points_along(head, arc_b, min(length, arc_b[-1])) - head[0]
     if float(one @ two) <= float(ALIKE * np.hypot(*one) * np.hypot(*two)):
         return False
-    return float(shapely.LineString(head).distance(shapely.points(over)).max()) < BESIDE
+    return float(shapely.LineString(head).distance(shapely.points(over)).max()) < beside
 
 
 def _smooth(a: Array, b: Array, *, halves: bool) -> Joint | None:

@@ -85,6 +85,8 @@ def sheet_under(stroke: Stroke, context: Context) -> Sheet:
     parallel to the screen through what is under the stroke's first point; where nothing is,
     through the point about which the view turns.
     """
+    if _is_front(stroke.camera):
+        return Sheet()  # whatever is under it: nobody needs to solve for that
     return sheet_at(float(stroke.x[0]), float(stroke.y[0]), stroke.camera, context)[0]
 
 
@@ -93,12 +95,18 @@ def sheet_at(x: float, y: float, camera: Camera, context: Context) -> tuple[Shee
     right, up, forward = camera.axes
     hits = context.surface_hit(camera.rays([(x, y)]))
     landed = bool(hits.hit[0])
-    if abs(forward[1] - 1.0) < FRONT_TOLERANCE and abs(up[2] - 1.0) < FRONT_TOLERANCE:
+    if _is_front(camera):
         return Sheet(), landed
     through = hits.points[0] if landed else np.asarray(camera.target)
     depth = float((through - camera.eye) @ forward)
     origin = np.asarray(camera.eye) + depth * forward
     return Sheet(_point(origin), _point(right), _point(up)), landed
+
+
+def _is_front(camera: Camera) -> bool:
+    """Whether a view is that from the front, upright."""
+    _, up, forward = camera.axes
+    return bool(abs(forward[1] - 1.0) < FRONT_TOLERANCE and abs(up[2] - 1.0) < FRONT_TOLERANCE)
 
 
 def _point(values: Array) -> Point:

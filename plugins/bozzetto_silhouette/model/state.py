@@ -339,7 +339,8 @@ class SilhouetteState(PartsState):
             step=16,
             unit="cells",
             advanced=True,
-            help="Cells along the longest side of a part; thin places are always refined.",
+            help="Cells along the longest side of the largest part; those of small parts are up to "
+            "twice as fine, and thin places are always refined.",
         ),
     ] = 128
     inner: Annotated[

@@ -8,16 +8,13 @@ costs what it touches, however large the tree is.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
-from math import ceil
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite
@@ -28,13 +25,13 @@ from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore
 from bozzetto_silhouette.model.state import Group, Operation, Part, SilhouetteState
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
-from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
 from bozzetto_silhouette.solids.fillet import Fillet, common_box, fillets_between
 from bozzetto_silhouette.solids.lump import Held, Lump, Remainder
+from bozzetto_silhouette.solids.part_cells import FEWEST_IN_DRAFTS, cells_of
 from bozzetto_silhouette.solids.part_solid import body_of
-from bozzetto_silhouette.solids.placements import carried, groups_around, outlined_parts
+from bozzetto_silhouette.solids.placements import groups_around
 from bozzetto_silhouette.solids.polygonize import Surface
 from bozzetto_silhouette.solids.traversal import put_together
 from bozzetto_silhouette.solids.union_mesh import UnionMesh, found, mesh_of
@@ -42,16 +39,6 @@ from bozzetto_silhouette.solids.union_mesh import UnionMesh, found, mesh_of
 FILLETED = 2
 """Fillets that may change with the chosen part and still be shown while it does: each takes 20 to
 30 ms."""
-
-COARSEST = 24
-"""Cells along the longest side of a small part, at least."""
-
-CLASSES = 8
-"""Steps between that and the resolution asked for: a part that grows seldom needs another mesh."""
-
-FINER = 2.0
-"""How much finer than the largest part's the cells of the others are at most: on the screen
-nobody sees more, and thirty limbs would have ten times the triangles."""
 
 FELT = 6.0
 """Distance from a crease, in reaches, up to which a part may tell on its fillet: the promise of
@@ -278,20 +265,7 @@ class _Making:
 
     @cached_property
     def _cells(self) -> dict[str, int]:
-        """The cells along the longest side of each part, by its size beside the largest one."""
-        sizes: dict[str, float] = {}
-        for part in outlined_parts(self.state):
-            with suppress(UserError):  # told when it is to be made
-                low, high = outline_of(part).bounds
-                sizes[part.id] = float((high - low).max()) * carried(self.state, part).scale
-        largest = max(sizes.values(), default=1.0)
-        return {
-            name: max(
-                min(COARSEST, self.resolution),
-                self.resolution * min(CLASSES, ceil(CLASSES * FINER * size / largest)) // CLASSES,
-            )
-            for name, size in sizes.items()
-        }
+        return cells_of(self.state, self.resolution, FEWEST_IN_DRAFTS)
 
     def _is_chosen(self, body: Body) -> bool:
         return body.sources[0] in self._chosen

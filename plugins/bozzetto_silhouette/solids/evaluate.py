@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import joined, meshed
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
+from bozzetto_silhouette.solids.part_cells import cells_of
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.solids.traversal import put_together
 
@@ -48,7 +50,7 @@ def assembly_of(state: SilhouetteState, resolution: int) -> Assembly | None:
     UserError
         As `evaluated`.
     """
-    making = _Making(max(1, len(state.parts)), resolution, ignore)
+    making = _making(state, resolution, ignore)
     return put_together(state, making.part, making.moved, making.joined)
 
 
@@ -60,7 +62,7 @@ def evaluated(state: SilhouetteState, resolution: int, checkpoint: Checkpoint = 
     UserError
         If a part's ink is no outline; the message begins with the name of the part.
     """
-    making = _Making(max(1, len(state.parts)), resolution, checkpoint)
+    making = _making(state, resolution, checkpoint)
     whole = put_together(state, making.part, making.moved, making.joined)
     return Tree(None if whole is None else _meshed(whole, making.step), making.solids)
 
@@ -95,12 +97,18 @@ def _moved(whole: Assembly, pose: Placement) -> Assembly:
     return Assembly.of(_meshed(whole, ignore).placed(pose))
 
 
+def _making(state: SilhouetteState, resolution: int, checkpoint: Checkpoint) -> _Making:
+    cells = cells_of(state, resolution)
+    return _Making(max(1, len(state.parts)), resolution, cells, checkpoint)
+
+
 @dataclass
 class _Making:
     """One pass over the tree, and how far it has come."""
 
     parts: int
     resolution: int
+    cells: Mapping[str, int]
     checkpoint: Checkpoint
     begun: int = 0
     shown: float = 0.0
@@ -110,7 +118,7 @@ class _Making:
         self.begun += 1
         if before is not None and acts_on(part):
             return _alone(straight_body(part, before.box, self.resolution))
-        body = body_of(part, self.resolution, self.step)
+        body = body_of(part, self.cells.get(part.id, self.resolution), self.step)
         if body.solid is not None:
             # Held from here on: the bodies of a large tree may push it out of the memory.
             self.solids[part.id] = body.solid

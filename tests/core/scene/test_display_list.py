@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from bozzetto.errors import UserError
+from bozzetto.geometry import Placement
 from bozzetto.scene import Image, Layer, Lines, Points, Scene
 
 
@@ -23,3 +26,27 @@ def test_lines_may_be_none_at_all():
     nothing = Lines(np.zeros((0, 3), np.float32), np.zeros(0, np.int32))
     assert list(nothing.pieces()) == []
     assert list(Lines(np.zeros((0, 3), np.float32)).pieces()) == []
+
+
+def test_a_scene_that_is_put_off_is_made_once_and_only_if_it_is_looked_at():
+    made = []
+
+    def make():
+        made.append(len(made))
+        if len(made) == 1:
+            raise UserError("Not yet.")
+        return Scene((Layer("ink", (Lines(np.array([[0, 0, 0], [10, 0, 5]], np.float32)),)),))
+
+    scene = Scene.put_off(make)
+    moved = scene.placed(Placement(offset=(5.0, 0.0, 0.0)))
+    assert not made
+    assert not scene.is_made
+    with pytest.raises(UserError):
+        scene.items().__next__()
+    assert moved.bounds()[:, 0].tolist() == [5.0, 15.0]
+    assert scene.is_made
+    assert scene.bounds()[:, 0].tolist() == [0.0, 10.0]
+    assert [layer.name for layer in (scene + moved).layers] == ["ink", "ink"]
+    assert len(made) == 2, "once in vain, and once"
+    with pytest.raises(AttributeError):
+        scene.nothing  # noqa: B018

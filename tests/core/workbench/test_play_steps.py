@@ -27,6 +27,7 @@ from bozzetto.ink.steps import (
     TapStep,
 )
 from bozzetto.plugin import Job
+from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen, Shell
 from bozzetto.view import Camera
@@ -86,6 +87,61 @@ def test_ink_is_laid_on_what_earlier_steps_made(shell):
     through = made.state.bands[1].through
     assert abs(through[1]) < 1e-6, "the ribbon's plane is y = 0"
     assert np.abs(through[2]) > 1.0, "and not the target of the view"
+
+
+def counted(modeler, monkeypatch):
+    """Let a modeler's solves be counted; return the states that it was asked for."""
+    asked, solve = [], modeler.solve
+
+    def counting(state, job):
+        asked.append(state)
+        return solve(state, job)
+
+    monkeypatch.setattr(modeler, "solve", counting)
+    return asked
+
+
+def test_nothing_is_solved_for_steps_that_look_at_nothing(shell, monkeypatch):
+    asked = counted(shell.workbench.registry.modeler("example.ribbon"), monkeypatch)
+    steps = GESTURES[1:], (DrawStep("draw", (0, 1)),)
+    # The pen of a ribbon looks at what is under it; moving and taking away do not.
+    shell.workbench.sources.from_drawing("example.ribbon", drawing(LINES, *steps[1], *steps[0]), {})
+    assert len(asked) == 1
+
+
+def test_a_modeler_that_offers_curves_is_solved_before_every_gesture(shell, monkeypatch):
+    """Else the next gesture could not snap to them."""
+    modeler = shell.workbench.registry.modeler("example.ribbon")
+    monkeypatch.setattr(
+        type(modeler), "curves", lambda self, state, result: self.shapes(state, result).curves,
+        raising=False,
+    )  # fmt: skip
+    asked = counted(modeler, monkeypatch)
+    tool = type(next(tool for tool in modeler.tools() if tool.id == "erase"))
+    snapped, tap = [], tool.tap
+
+    def looking(self, state, gesture, context):
+        snapped.append(len(context.curves))
+        return tap(self, state, gesture, context)
+
+    monkeypatch.setattr(tool, "tap", looking)
+    shell.workbench.sources.from_drawing("example.ribbon", drawing(LINES, *GESTURES), {})
+    assert snapped == [2]
+    assert len(asked) == 3, "once for every state that a gesture met"
+
+
+def test_a_fault_of_a_scene_that_a_tool_looks_at_is_one_fault(shell, monkeypatch):
+    registry = shell.workbench.registry
+    modeler = registry.modeler("example.ribbon")
+
+    def failing(state, job):
+        raise ZeroDivisionError("ribbons")
+
+    monkeypatch.setattr(modeler, "solve", failing)
+    steps = DrawStep("draw", (0,)), DrawStep("draw", (1,))
+    with pytest.raises(PluginFault, match=r"solve failed \(ZeroDivisionError: ribbons\)"):
+        shell.workbench.sources.from_drawing("example.ribbon", drawing(LINES, *steps), {})
+    assert registry.guard.faults("example.ribbon") == 1
 
 
 @pytest.mark.parametrize(

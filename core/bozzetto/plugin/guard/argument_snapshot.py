@@ -16,6 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from bozzetto.ink.stroke import Stroke
+from bozzetto.scene.display_list import Scene
 
 MOST_OBJECTS: Final = 4096
 """Objects looked at before one call: some milliseconds at most."""
@@ -47,6 +48,8 @@ class ArgumentSnapshot:
         for value in waiting:
             if isinstance(value, LEAVES) or id(value) in seen:
                 continue
+            if isinstance(value, Scene) and not value.is_made:
+                continue  # nobody else has what the plugin may make of it
             if len(seen) == MOST_OBJECTS:
                 return
             seen.add(id(value))

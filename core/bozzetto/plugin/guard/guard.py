@@ -118,6 +118,9 @@ class Guard:
         except (UserError, Unfinished, Cancelled, KeyboardInterrupt):
             self._put_back(plugin, what, before)
             raise
+        except PluginFault:  # of a scene that was made inside this call: told and counted there
+            before.restore()
+            raise
         except Overrun as overrun:
             # Not counted here: the one who waited for the answer says so (`blame`).
             before.restore()

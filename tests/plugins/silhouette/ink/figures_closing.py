@@ -61,7 +61,7 @@ def main() -> None:
             f"tremor 0.3 px, back over itself at its {place}",
             lambda r, start=start: with_folded_end(r, ellipse(r, 0.3), start=start),
         ))  # fmt: skip
-    for spacing, jitter in ((3.0, 0.5), (7.0, 1.4), (15.0, 3.0)):
+    for spacing, jitter in ((3.0, 0.5), (7.0, 1.4), (15.0, 3.0), (24.0, 1.0)):
         print(row(
             f"a sample every {spacing:g} px, off by {jitter:g} px",
             lambda r, s=spacing, j=jitter: by_a_fast_pen(r, ellipse(r, 0.0), s, j),

@@ -79,6 +79,35 @@ def test_ink_of_few_samples_is_calm(spacing, jitter):
     assert np.mean(np.array(sharpest) > 30.0) <= 0.1
 
 
+@pytest.mark.parametrize("spacing", [12.0, 18.0, 24.0])
+def test_a_small_shape_closes_without_a_fold(spacing):
+    """Thirty samples, as an eye has that is drawn 30 px long: hardly one lies in the joint."""
+    sharpest = []
+    for seed in range(75_000, 75_060):
+        random = np.random.default_rng(seed)
+        line = by_a_fast_pen(random, ellipse(random, 0.0), spacing, 1.0)
+        drift = random.normal(0.0, 6.0, 2) * np.linspace(0.0, 1.0, len(line))[:, None]
+        sharpest.append(turns(ring_of(line + drift))[0].max())
+    assert max(sharpest) < 65.0
+    assert np.mean(np.array(sharpest) > 30.0) <= 0.1
+
+
+@pytest.mark.parametrize("first", range(4))
+def test_the_missing_side_between_two_sharp_corners_stays(first):
+    """It goes back against both, as the end of ink does that ran on beside its start."""
+    angle = np.pi * np.arange(16) / 8
+    radius = np.where(np.arange(16) % 2, 45.0, 150.0)
+    star = radius[:, None] * np.column_stack((np.cos(angle), np.sin(angle)))
+    bolt = np.array(
+        ((60, 200), (0, 90), (50, 100), (20, 0), (110, 120), (60, 110), (110, 200)), float
+    )
+    for corners in (star, resample(bolt, spacing=30.0, closed=True), bolt):
+        corners = np.roll(corners, first, axis=0)
+        assert shapely.Polygon(ring_of(corners)).area == pytest.approx(
+            shapely.Polygon(corners).area, rel=1e-12
+        )
+
+
 @pytest.mark.parametrize("samples", [32, 45, 60])
 def test_a_hasty_circle_has_no_facets(samples):
     angle = 2.0 * np.pi * (np.arange(samples) + 0.3) / samples
