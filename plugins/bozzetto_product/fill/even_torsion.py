@@ -1,0 +1,287 @@
+"""What torsions at corners leave open, chosen so that curvature changes least along the edges.
+
+Along an edge the surface's second fundamental form has three entries in the frame of the unit
+tangent t and b = n x t: the normal curvature κ and the geodesic torsion τ, which the normals tell,
+and the curvature γ across the edge, which is between those of its ends. With the geodesic curvature
+g its covariant derivative along the edge is
+
+    (κ' - 2 g τ,   τ' + g (κ - γ),   γ' + 2 g τ),
+
+0 on planes, spheres and cylinders. Two curves through a corner leave its torsion open, and so the
+normals in the middle of its edges: least is the integral of the squares over all edges, as in
+minimum variation surfaces (Moreton & Séquin 1992, "Functional optimization for fair surface
+design"), by two Gauss-Newton steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Index
+from bozzetto.plugin import remembered
+from bozzetto_product.fill.normal_field import NormalField, unit_tangents
+
+PLACES: Final = 17
+"""Places along an edge at which curvatures are compared."""
+
+ROUNDS: Final = 2
+"""Gauss-Newton steps."""
+
+AGREEMENT: Final = 20.0
+"""Weight of the curvatures of edges at their corners against their change along edges."""
+
+LOOSENESS: Final = 0.1
+"""Weight of a mean curvature as that of the edges, where no corner tells one."""
+
+STAY: Final = 0.5
+"""Weight of a change of a torsion."""
+
+STEP: Final = 1e-3
+"""What changes are multiples of, radians by the mean length of edges at a corner: what is far from
+an edit stays the very same surface."""
+
+EdgeEnd = tuple[int, int]
+"""An edge and one of its ends: 0 where it starts, 1 where it ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class OpenFan:
+    """Corners round a node that edges with normals link, and what their torsions leave open.
+
+    Parameters
+    ----------
+    senses : mapping of EdgeEnd to float
+        Shares of a change of the torsions at its ends that keeps them in agreement; 0 where there
+        is none.
+    normal : (3,) float
+        Unit.
+    corners : sequence of (EdgeEnd, EdgeEnd, float, float)
+        Two ends that meet, cosine and sine from the first to the second about the normal.
+    """
+
+    senses: Mapping[EdgeEnd, float]
+    normal: Array
+    corners: Sequence[tuple[EdgeEnd, EdgeEnd, float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class _Bends:
+    """Curvatures along an edge, at places an even length apart, (17,) each."""
+
+    length: float
+    normal: Array
+    geodesic: Array
+    torsion: Array
+
+
+@remembered(limit=4000, key=lambda field: field)
+def _bends_of(field: NormalField) -> _Bends:
+    spline = field.spline
+    fine = np.linspace(*spline.range, 8 * PLACES)
+    steps = np.linalg.norm(np.diff(spline.value(fine), axis=0), axis=1)
+    arc = np.concatenate(((0.0,), np.cumsum(steps)))
+    length = max(float(arc[-1]), 1e-300)
+    at = np.interp(np.linspace(0.0, arc[-1], PLACES), arc, fine)
+    way, bend = spline.derivative(at), spline.derivative(at, 2)
+    square = np.maximum((way * way).sum(axis=1, keepdims=True), 1e-300)
+    curvature = (bend - (bend * way).sum(axis=1, keepdims=True) / square * way) / square
+    tangents, normals = unit_tangents(spline, at), field.value(at)
+    sides = np.cross(normals, tangents)
+    rates = _SLOPES @ normals * ((PLACES - 1) / length)
+    return _Bends(
+        length,
+        (curvature * normals).sum(axis=1),
+        (curvature * sides).sum(axis=1),
+        -(rates * sides).sum(axis=1),
+    )
+
+
+def _slopes() -> Array:
+    """Return the matrix of derivatives by the number of a place, of second order."""
+    return np.asarray(np.gradient(np.eye(PLACES), axis=0, edge_order=2))
+
+
+_SLOPES: Final = _slopes()
+
+
+def even_torsions(
+    fields: Mapping[int, NormalField],
+    changes: Mapping[int, Array],
+    fans: Sequence[OpenFan],
+) -> dict[int, Array]:
+    """Return further changes of the torsions at both ends of edges.
+
+    Parameters
+    ----------
+    fields : mapping of int to NormalField
+        Of each edge.
+    changes : mapping of int to (2,) array
+        Of their torsions, by which corners agree.
+    fans : sequence of OpenFan
+        Round all nodes.
+    """
+    edges = sorted(fields)
+    made = {edge: np.zeros(2) for edge in edges}
+    if not any(any(fan.senses.values()) for fan in fans):
+        return made
+    problem = _Problem.of(edges, fields, changes, fans)
+    for _ in range(ROUNDS):
+        problem.improve()
+    for number, fan in enumerate(fans):
+        amount = STEP * np.round(problem.amounts[number] / STEP) / problem.lengths[number]
+        for (edge, end), sense in fan.senses.items():
+            made[edge][end] = sense * amount
+    return made
+
+
+class _Problem:
+    """The least squares problem of all edges and fans.
+
+    Unknown are the amount by which each fan's torsions change, radians, and the sum of its
+    principal curvatures.
+    """
+
+    def __init__(self, bends: Sequence[_Bends], lengths: Array) -> None:
+        self.arcs = np.array([bend.length for bend in bends])
+        self.first = np.array([bend.normal for bend in bends])
+        self.geodesic = np.array([bend.geodesic for bend in bends])
+        self.torsion = np.array([bend.torsion for bend in bends])
+        self.lengths = lengths
+        self.amounts = np.zeros(len(lengths))
+        self.sums = np.zeros(len(lengths))
+        shape = (len(bends), 2)
+        self.fan_of: Index = np.full(shape, -1, np.intp)
+        self.shares = np.zeros(shape)
+        self.signs = np.ones(shape)
+        self.agreed = np.zeros(shape)
+        self.pairs: list[tuple[int, tuple[int, int], tuple[int, int], float, float]] = []
+
+    @classmethod
+    def of(
+        cls,
+        edges: Sequence[int],
+        fields: Mapping[int, NormalField],
+        changes: Mapping[int, Array],
+        fans: Sequence[OpenFan],
+    ) -> _Problem:
+        """Give numbers to edges and fans; an end without a fan gets one of its own."""
+        row = {edge: number for number, edge in enumerate(edges)}
+        bends = [_bends_of(fields[edge]) for edge in edges]
+        lengths = [
+            float(np.mean([bends[row[edge]].length for edge, _ in fan.senses])) for fan in fans
+        ]
+        held = {end for fan in fans for end in fan.senses}
+        loose = [(edge, end) for edge in edges for end in (0, 1) if (edge, end) not in held]
+        lengths += [bends[row[edge]].length for edge, _ in loose]
+        made = cls(bends, np.array(lengths))
+        made.agreed[:] = [changes[edge] for edge in edges]
+        for number, fan in enumerate(fans):
+            for (edge, end), share in fan.senses.items():
+                here = row[edge], end
+                made.fan_of[here], made.shares[here] = number, share / lengths[number]
+                made.signs[here] = np.sign(fields[edge].normals[-end] @ fan.normal) or 1.0
+            for one, other, cosine, sine in fan.corners:
+                ends = (row[one[0]], one[1]), (row[other[0]], other[1])
+                made.pairs.append((number, *ends, cosine, sine))
+        for number, (edge, end) in enumerate(loose, len(fans)):
+            made.fan_of[row[edge], end] = number
+        return made
+
+    def improve(self) -> None:
+        """Take one Gauss-Newton step."""
+        from scipy.sparse import coo_matrix
+        from scipy.sparse.linalg import spsolve
+
+        count = len(self.lengths)
+        numbers, rows, rest = self._along()
+        square = np.einsum("eri,erj->eij", rows, rows)
+        i, j = np.broadcast_arrays(numbers[:, :, None], numbers[:, None, :])
+        right = np.zeros(2 * count)
+        np.add.at(right, numbers, -np.einsum("eri,er->ei", rows, rest))
+        entries = [(i.ravel(), j.ravel(), square.ravel())]
+        for columns, values, lack in self._at_corners():
+            a, b = np.meshgrid(columns, columns, indexing="ij")
+            entries.append((a.ravel(), b.ravel(), np.outer(values, values).ravel()))
+            np.add.at(right, columns, -lack * values)
+        weights = self.lengths**-1.5 * STAY, self.lengths**-0.5 * LOOSENESS
+        expected = np.zeros(count)
+        uses = np.zeros(count)
+        ends = self.signs * self.first[:, [0, -1]]
+        np.add.at(expected, self.fan_of, 2.0 * ends)
+        np.add.at(uses, self.fan_of, 1.0)
+        expected /= np.maximum(uses, 1.0)
+        every = np.arange(2 * count)
+        entries.append((every, every, np.concatenate(weights) ** 2))
+        right[:count] -= weights[0] ** 2 * self.amounts
+        right[count:] -= weights[1] ** 2 * (self.sums - expected)
+        rows_, columns_, values_ = (np.concatenate(part) for part in zip(*entries, strict=True))
+        matrix: Any = coo_matrix((values_, (rows_, columns_)), shape=(2 * count, 2 * count))
+        step = spsolve(matrix.tocsc(), right)
+        self.amounts += step[:count]
+        self.sums += step[count:]
+
+    def _along(self) -> tuple[Index, Array, Array]:
+        """Return unknowns (m, 4), derivatives (m, 51, 4) and values (m, 51) of what changes."""
+        share = np.linspace(0.0, 1.0, PLACES)
+        back = 1.0 - share
+        arc = self.arcs[:, None]
+        rise = arc[:, :, None] * np.stack((share * back**2, -(share**2) * back))
+        own = self.shares * self.amounts[self.fan_of]
+        turn = ((own + self.agreed)[:, :, None] * rise).sum(axis=1)
+        cosine, sine = np.cos(turn), np.sin(turn)
+        kappa = cosine * self.first - sine * self.geodesic
+        g = cosine * self.geodesic + sine * self.first
+        by_length = _SLOPES.T * (PLACES - 1) / self.arcs[:, None, None]
+
+        def slope(values: Array) -> Array:
+            return np.asarray(np.matmul(values[..., None, :], by_length).squeeze(-2))
+
+        tau = self.torsion + slope(turn)
+        ends = self.signs * self.sums[self.fan_of] - self.first[:, [0, -1]]
+        gamma = ends[:, :1] * back + ends[:, 1:] * share
+        rest = np.stack(
+            (
+                slope(kappa) - 2 * g * tau,
+                np.sqrt(2.0) * (slope(tau) + g * (kappa - gamma)),
+                slope(gamma) + 2 * g * tau,
+            ),
+            axis=1,
+        )
+        columns = []
+        for end, fade in ((0, back), (1, share)):
+            bump = self.shares[:, end, None] * rise[:, end]
+            twist = slope(bump)
+            first = slope(-g * bump) - 2 * (kappa * tau * bump + g * twist)
+            second = slope(twist) + kappa * bump * (kappa - gamma) - g * g * bump
+            third = 2 * (kappa * tau * bump + g * twist)
+            columns.append(np.stack((first, np.sqrt(2.0) * second, third), axis=1))
+            across = self.signs[:, end, None] * fade
+            columns.append(
+                np.stack((0.0 * across, -np.sqrt(2.0) * g * across, slope(across)), axis=1)
+            )
+        weight = np.sqrt(arc / (PLACES - 1) * np.where((share == 0) | (share == 1), 0.5, 1.0))
+        rows = np.stack([column * weight[:, None] for column in columns], axis=-1)
+        count = len(self.lengths)
+        fans = self.fan_of
+        numbers = np.stack((fans[:, 0], count + fans[:, 0], fans[:, 1], count + fans[:, 1]), axis=1)
+        flat = rows.reshape(len(rows), 3 * PLACES, 4)
+        return numbers, flat, (rest * weight[:, None]).reshape(len(rows), -1)
+
+    def _at_corners(self) -> list[tuple[Index, Array, float]]:
+        """Return unknowns, derivatives and value of what curvatures lack at each corner."""
+        made = []
+        count = len(self.lengths)
+        for fan, one, other, cosine, sine in self.pairs:
+            weight = AGREEMENT / np.sqrt(self.lengths[fan])
+            curvature = [self.signs[end] * self.first[end[0], -end[1]] for end in (one, other)]
+            torsion = self.torsion[one[0], -one[1]] + self.agreed[one]
+            torsion += self.shares[one] * self.amounts[fan]
+            lack = curvature[0] * (cosine**2 - sine**2) + 2 * torsion * cosine * sine
+            lack += self.sums[fan] * sine**2 - curvature[1]
+            slopes = np.array((2 * self.shares[one] * cosine * sine, sine**2))
+            made.append((np.array((fan, count + fan)), weight * slopes, weight * float(lack)))
+        return made
