@@ -38,7 +38,14 @@ LOOSENESS: Final = 0.1
 """Weight of a mean curvature as that of the edges, where no corner tells one."""
 
 STAY: Final = 0.5
-"""Weight of a change of a torsion."""
+"""Weight of a change of a torsion, and of a turn."""
+
+DOUBT: Final = 0.1
+"""How far curvatures round a node lack one second fundamental form, as share of the largest, at
+which they tell half as much."""
+
+FLAT: Final = 0.05
+"""Bend of edges of mean length, radians, below which curvatures are not compared."""
 
 STEP: Final = 1e-3
 """What changes are multiples of, radians by the mean length of edges at a corner: what is far from
@@ -108,12 +115,17 @@ def _slopes() -> Array:
 _SLOPES: Final = _slopes()
 
 
+def middle_turn(share: Array) -> Array:
+    """Return how far normals turn along an edge whose middle turns by one; its ends stay."""
+    return np.asarray(16.0 * (share * (1.0 - share)) ** 2)
+
+
 def even_torsions(
     fields: Mapping[int, NormalField],
     changes: Mapping[int, Array],
     fans: Sequence[OpenFan],
 ) -> dict[int, Array]:
-    """Return further changes of the torsions at both ends of edges.
+    """Return further changes of the torsions at both ends of edges, and the turns of their middles.
 
     Parameters
     ----------
@@ -123,10 +135,15 @@ def even_torsions(
         Of their torsions, by which corners agree.
     fans : sequence of OpenFan
         Round all nodes.
+
+    Returns
+    -------
+    dict of int to (3,) array
+        Radians by mm at start and end, and radians.
     """
     edges = sorted(fields)
-    made = {edge: np.zeros(2) for edge in edges}
-    if not any(any(fan.senses.values()) for fan in fans):
+    made = {edge: np.zeros(3) for edge in edges}
+    if not edges:
         return made
     problem = _Problem.of(edges, fields, changes, fans)
     for _ in range(ROUNDS):
@@ -135,14 +152,16 @@ def even_torsions(
         amount = STEP * np.round(problem.amounts[number] / STEP) / problem.lengths[number]
         for (edge, end), sense in fan.senses.items():
             made[edge][end] = sense * amount
+    for number, edge in enumerate(edges):
+        made[edge][2] = STEP * np.round(problem.turns[number] / STEP)
     return made
 
 
 class _Problem:
     """The least squares problem of all edges and fans.
 
-    Unknown are the amount by which each fan's torsions change, radians, and the sum of its
-    principal curvatures.
+    Unknown are the amount by which each fan's torsions change, radians, the sum of its principal
+    curvatures, and the turn of each edge's middle, radians.
     """
 
     def __init__(self, bends: Sequence[_Bends], lengths: Array) -> None:
@@ -153,12 +172,14 @@ class _Problem:
         self.lengths = lengths
         self.amounts = np.zeros(len(lengths))
         self.sums = np.zeros(len(lengths))
+        self.turns = np.zeros(len(bends))
         shape = (len(bends), 2)
         self.fan_of: Index = np.full(shape, -1, np.intp)
         self.shares = np.zeros(shape)
         self.signs = np.ones(shape)
         self.agreed = np.zeros(shape)
         self.pairs: list[tuple[int, tuple[int, int], tuple[int, int], float, float]] = []
+        self.belief = np.ones(len(lengths))
 
     @classmethod
     def of(
@@ -189,49 +210,68 @@ class _Problem:
                 made.pairs.append((number, *ends, cosine, sine))
         for number, (edge, end) in enumerate(loose, len(fans)):
             made.fan_of[row[edge], end] = number
+        made._doubt()
         return made
+
+    def _doubt(self) -> None:
+        """Believe a fan less, the less its curvatures are those of one surface."""
+        lacks: dict[int, list[tuple[float, float]]] = {}
+        for columns, values, lack in self._at_corners():
+            lacks.setdefault(int(columns[0]), []).append((float(values[1]), lack))
+        largest = FLAT / self.lengths
+        np.maximum.at(largest, self.fan_of, np.abs(self.first[:, [0, -1]]))
+        for fan, rows in lacks.items():
+            by_sum, lack = np.array(rows).T
+            rest = lack - by_sum * (by_sum @ lack) / max(float(by_sum @ by_sum), 1e-300)
+            worst = float(np.abs(rest).max()) / (AGREEMENT * self.lengths[fan] * largest[fan])
+            self.belief[fan] = 1.0 / (1.0 + (worst / DOUBT) ** 2)
 
     def improve(self) -> None:
         """Take one Gauss-Newton step."""
         from scipy.sparse import coo_matrix
         from scipy.sparse.linalg import spsolve
 
-        count = len(self.lengths)
+        count, edges = len(self.lengths), len(self.arcs)
         numbers, rows, rest = self._along()
         square = np.einsum("eri,erj->eij", rows, rows)
         i, j = np.broadcast_arrays(numbers[:, :, None], numbers[:, None, :])
-        right = np.zeros(2 * count)
+        right = np.zeros(2 * count + edges)
         np.add.at(right, numbers, -np.einsum("eri,er->ei", rows, rest))
         entries = [(i.ravel(), j.ravel(), square.ravel())]
         for columns, values, lack in self._at_corners():
             a, b = np.meshgrid(columns, columns, indexing="ij")
             entries.append((a.ravel(), b.ravel(), np.outer(values, values).ravel()))
             np.add.at(right, columns, -lack * values)
-        weights = self.lengths**-1.5 * STAY, self.lengths**-0.5 * LOOSENESS
+        lengths = self.lengths
+        weights = STAY / self.belief, lengths * LOOSENESS, np.full(edges, STAY)
         expected = np.zeros(count)
         uses = np.zeros(count)
         ends = self.signs * self.first[:, [0, -1]]
         np.add.at(expected, self.fan_of, 2.0 * ends)
         np.add.at(uses, self.fan_of, 1.0)
         expected /= np.maximum(uses, 1.0)
-        every = np.arange(2 * count)
+        every = np.arange(len(right))
         entries.append((every, every, np.concatenate(weights) ** 2))
         right[:count] -= weights[0] ** 2 * self.amounts
-        right[count:] -= weights[1] ** 2 * (self.sums - expected)
+        right[count : 2 * count] -= weights[1] ** 2 * (self.sums - expected)
+        right[2 * count :] -= weights[2] ** 2 * self.turns
         rows_, columns_, values_ = (np.concatenate(part) for part in zip(*entries, strict=True))
-        matrix: Any = coo_matrix((values_, (rows_, columns_)), shape=(2 * count, 2 * count))
+        matrix: Any = coo_matrix((values_, (rows_, columns_)), shape=(len(right),) * 2)
         step = spsolve(matrix.tocsc(), right)
         self.amounts += step[:count]
-        self.sums += step[count:]
+        self.sums += step[count : 2 * count]
+        self.turns += step[2 * count :]
 
     def _along(self) -> tuple[Index, Array, Array]:
-        """Return unknowns (m, 4), derivatives (m, 51, 4) and values (m, 51) of what changes."""
+        """Return unknowns (m, 5), derivatives (m, 51, 5) and values (m, 51) of what changes."""
         share = np.linspace(0.0, 1.0, PLACES)
         back = 1.0 - share
         arc = self.arcs[:, None]
         rise = arc[:, :, None] * np.stack((share * back**2, -(share**2) * back))
         own = self.shares * self.amounts[self.fan_of]
+        middle = np.broadcast_to(middle_turn(share), self.first.shape)
         turn = ((own + self.agreed)[:, :, None] * rise).sum(axis=1)
+        turn = turn + self.turns[:, None] * middle
         cosine, sine = np.cos(turn), np.sin(turn)
         kappa = cosine * self.first - sine * self.geodesic
         g = cosine * self.geodesic + sine * self.first
@@ -251,24 +291,29 @@ class _Problem:
             ),
             axis=1,
         )
-        columns = []
-        for end, fade in ((0, back), (1, share)):
-            bump = self.shares[:, end, None] * rise[:, end]
+
+        def turned(bump: Array) -> Array:
             twist = slope(bump)
             first = slope(-g * bump) - 2 * (kappa * tau * bump + g * twist)
             second = slope(twist) + kappa * bump * (kappa - gamma) - g * g * bump
             third = 2 * (kappa * tau * bump + g * twist)
-            columns.append(np.stack((first, np.sqrt(2.0) * second, third), axis=1))
+            return np.stack((first, np.sqrt(2.0) * second, third), axis=1)
+
+        columns = []
+        for end, fade in ((0, back), (1, share)):
+            columns.append(turned(self.shares[:, end, None] * rise[:, end]))
             across = self.signs[:, end, None] * fade
             columns.append(
                 np.stack((0.0 * across, -np.sqrt(2.0) * g * across, slope(across)), axis=1)
             )
-        weight = np.sqrt(arc / (PLACES - 1) * np.where((share == 0) | (share == 1), 0.5, 1.0))
+        columns.append(turned(middle))
+        weight = arc**1.5 * np.sqrt(np.where((share == 0) | (share == 1), 0.5, 1.0) / (PLACES - 1))
         rows = np.stack([column * weight[:, None] for column in columns], axis=-1)
         count = len(self.lengths)
         fans = self.fan_of
-        numbers = np.stack((fans[:, 0], count + fans[:, 0], fans[:, 1], count + fans[:, 1]), axis=1)
-        flat = rows.reshape(len(rows), 3 * PLACES, 4)
+        both = [number for end in fans.T for number in (end, count + end)]
+        numbers = np.stack((*both, 2 * count + np.arange(len(fans))), axis=1)
+        flat = rows.reshape(len(rows), 3 * PLACES, len(columns))
         return numbers, flat, (rest * weight[:, None]).reshape(len(rows), -1)
 
     def _at_corners(self) -> list[tuple[Index, Array, float]]:
@@ -276,7 +321,7 @@ class _Problem:
         made = []
         count = len(self.lengths)
         for fan, one, other, cosine, sine in self.pairs:
-            weight = AGREEMENT / np.sqrt(self.lengths[fan])
+            weight = AGREEMENT * self.lengths[fan] * self.belief[fan]
             curvature = [self.signs[end] * self.first[end[0], -end[1]] for end in (one, other)]
             torsion = self.torsion[one[0], -one[1]] + self.agreed[one]
             torsion += self.shares[one] * self.amounts[fan]

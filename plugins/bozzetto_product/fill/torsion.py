@@ -20,7 +20,12 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.plugin import remembered
-from bozzetto_product.fill.even_torsion import EdgeEnd, OpenFan, even_torsions
+from bozzetto_product.fill.even_torsion import (
+    EdgeEnd,
+    OpenFan,
+    even_torsions,
+    middle_turn,
+)
 from bozzetto_product.fill.normal_field import NormalField
 
 MOST_CHANGE: Final = 1.5
@@ -63,19 +68,21 @@ class TwistCorner:
         return (bends[1] - bends[0]) * cosine / sine
 
 
-@remembered(limit=4000, key=lambda field, changes: (field, changes.tobytes()))
-def with_torsions(field: NormalField, changes: Array) -> NormalField:
+@remembered(limit=4000, key=lambda field, changes, turn=0.0: (field, changes.tobytes(), turn))
+def with_torsions(field: NormalField, changes: Array, turn: float = 0.0) -> NormalField:
     """Return a field whose torsions at start and end are changed, (2,); its end normals stay.
 
-    In between it turns about its curve by the cubic polynomial of the length of these slopes.
+    In between it turns about its curve by the cubic polynomial of the length of these slopes, and
+    by `turn` radians more in the middle.
     """
-    if not changes.any():
+    if not changes.any() and turn == 0.0:
         return field
     length = field.length
 
     def angles(share: Array) -> Array:
         rest = 1.0 - share
-        return np.asarray(length * share * rest * (changes[0] * rest - changes[1] * share))
+        cubic = length * share * rest * (changes[0] * rest - changes[1] * share)
+        return np.asarray(cubic + turn * middle_turn(share))
 
     return field.turned(angles)
 
@@ -124,7 +131,9 @@ def agreeing(
         ]
     further = even_torsions(fields, changes, left_open)
     return {
-        edge: with_torsions(field, _at_most(changes[edge] + further[edge], field))
+        edge: with_torsions(
+            field, _at_most(changes[edge] + further[edge][:2], field), float(further[edge][2])
+        )
         for edge, field in fields.items()
     }
 
