@@ -37,7 +37,7 @@ AGREEMENT: Final = 20.0
 LOOSENESS: Final = 0.1
 """Weight of a mean curvature as that of the edges, where no corner tells one."""
 
-STAY: Final = 0.5
+STAY: Final = 1.0
 """Weight of a change of a torsion, and of a turn."""
 
 DOUBT: Final = 0.1
@@ -47,9 +47,15 @@ which they tell half as much."""
 FLAT: Final = 0.05
 """Bend of edges of mean length, radians, below which curvatures are not compared."""
 
+MOST_TURN: Final = 0.05
+"""Most that normals turn by it, radians: where more would be even, little is known."""
+
 STEP: Final = 1e-3
 """What changes are multiples of, radians by the mean length of edges at a corner: what is far from
 an edit stays the very same surface."""
+
+HUMP: Final = 4.0 / 27.0
+"""Largest turn along an edge of length one by a change of the torsion of one of its ends."""
 
 EdgeEnd = tuple[int, int]
 """An edge and one of its ends: 0 where it starts, 1 where it ends."""
@@ -149,11 +155,14 @@ def even_torsions(
     for _ in range(ROUNDS):
         problem.improve()
     for number, fan in enumerate(fans):
-        amount = STEP * np.round(problem.amounts[number] / STEP) / problem.lengths[number]
+        own = problem.lengths[number]
+        most = MOST_TURN * own / (HUMP * max(fields[edge].length for edge, _ in fan.senses))
+        amount = np.clip(STEP * np.round(problem.amounts[number] / STEP), -most, most) / own
         for (edge, end), sense in fan.senses.items():
             made[edge][end] = sense * amount
     for number, edge in enumerate(edges):
-        made[edge][2] = STEP * np.round(problem.turns[number] / STEP)
+        turn = STEP * np.round(problem.turns[number] / STEP)
+        made[edge][2] = np.clip(turn, -MOST_TURN, MOST_TURN)
     return made
 
 
