@@ -348,7 +348,8 @@ def _laid_together(
                 if which == number or any(one.curve == end.curve for one in other.meetings):
                     continue
                 place = meeting_place(splines, near, state.symmetry)
-                found = nearest_inside(state, place, width, set(splines) - {end.curve}, False)
+                others = set(splines) - {end.curve}
+                found = nearest_inside(state, place, ASKED * width, others, False)
                 if found is None or found[0].mirrored != end.mirrored:
                     continue
                 if abs(found[0].at - end.at) < TAIL:
