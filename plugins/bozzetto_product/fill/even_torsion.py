@@ -44,6 +44,9 @@ DOUBT: Final = 0.1
 """How far curvatures round a node lack one second fundamental form, as share of the largest, at
 which they tell half as much."""
 
+SHARPEST: Final = 1e3
+"""Largest curvature that counts, in radians by the length of an edge."""
+
 FLAT: Final = 0.05
 """Bend of edges of mean length, radians, below which curvatures are not compared."""
 
@@ -100,17 +103,15 @@ def _bends_of(field: NormalField) -> _Bends:
     length = max(float(arc[-1]), 1e-300)
     at = np.interp(np.linspace(0.0, arc[-1], PLACES), arc, fine)
     way, bend = spline.derivative(at), spline.derivative(at, 2)
-    square = np.maximum((way * way).sum(axis=1, keepdims=True), 1e-300)
+    square = (way * way).sum(axis=1, keepdims=True)
+    square = np.where(square > 0.0, square, np.inf)
     curvature = (bend - (bend * way).sum(axis=1, keepdims=True) / square * way) / square
     tangents, normals = unit_tangents(spline, at), field.value(at)
     sides = np.cross(normals, tangents)
     rates = _SLOPES @ normals * ((PLACES - 1) / length)
-    return _Bends(
-        length,
-        (curvature * normals).sum(axis=1),
-        (curvature * sides).sum(axis=1),
-        -(rates * sides).sum(axis=1),
-    )
+    told = ((curvature * normals), (curvature * sides), -(rates * sides))
+    most = SHARPEST / length
+    return _Bends(length, *(np.clip(one.sum(axis=1), -most, most) for one in told))
 
 
 def _slopes() -> Array:
