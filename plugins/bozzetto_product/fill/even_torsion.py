@@ -7,10 +7,11 @@ g its covariant derivative along the edge is
 
     (κ' - 2 g τ,   τ' + g (κ - γ),   γ' + 2 g τ),
 
-0 on planes, spheres and cylinders. Two curves through a corner leave its torsion open, and so the
-normals in the middle of its edges: least is the integral of the squares over all edges, as in
-minimum variation surfaces (Moreton & Séquin 1992, "Functional optimization for fair surface
-design"), by two Gauss-Newton steps.
+0 on planes, spheres and cylinders; along the parallels of a body of revolution only the second is
+not 0, but constant. Two curves through a corner leave its torsion open, and so the normals in the
+middle of its edges: least is the integral of the squares over all edges, of the second without its
+mean, as in minimum variation surfaces (Moreton & Séquin 1992, "Functional optimization for fair
+surface design"), by two Gauss-Newton steps.
 """
 
 from __future__ import annotations
@@ -317,7 +318,10 @@ class _Problem:
                 np.stack((0.0 * across, -np.sqrt(2.0) * g * across, slope(across)), axis=1)
             )
         columns.append(turned(middle))
-        weight = arc**1.5 * np.sqrt(np.where((share == 0) | (share == 1), 0.5, 1.0) / (PLACES - 1))
+        stretches = np.where((share == 0) | (share == 1), 0.5, 1.0) / (PLACES - 1)
+        for part in (rest, *columns):
+            part[:, 1] -= (part[:, 1] @ stretches)[:, None]
+        weight = arc**1.5 * np.sqrt(stretches)
         rows = np.stack([column * weight[:, None] for column in columns], axis=-1)
         count = len(self.lengths)
         fans = self.fan_of
