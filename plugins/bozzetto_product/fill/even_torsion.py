@@ -55,8 +55,8 @@ MOST_TURN: Final = 0.05
 """Most that normals turn by it, radians: where more would be even, little is known."""
 
 STEP: Final = 1e-3
-"""What changes are multiples of, radians by the mean length of edges at a corner: what is far from
-an edit stays the very same surface."""
+"""What turns of normals are multiples of, radians: what is far from an edit stays the very same
+surface."""
 
 HUMP: Final = 4.0 / 27.0
 """Largest turn along an edge of length one by a change of the torsion of one of its ends."""
@@ -156,10 +156,11 @@ def even_torsions(
     problem = _Problem.of(edges, fields, changes, fans)
     for _ in range(ROUNDS):
         problem.improve()
+    step = STEP / HUMP
     for number, fan in enumerate(fans):
         own = problem.lengths[number]
         most = MOST_TURN * own / (HUMP * max(fields[edge].length for edge, _ in fan.senses))
-        amount = np.clip(STEP * np.round(problem.amounts[number] / STEP), -most, most) / own
+        amount = np.clip(step * np.round(problem.amounts[number] / step), -most, most) / own
         for (edge, end), sense in fan.senses.items():
             made[edge][end] = sense * amount
     for number, edge in enumerate(edges):
