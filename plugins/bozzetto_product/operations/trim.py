@@ -7,6 +7,7 @@ outcome does not depend on the order of the curves. What is farther apart is pro
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -293,29 +294,30 @@ def _without_overlaps(
     """
     splines = splines_of(state)
     held = {joint.id: set(joint.meetings) for joint in state.joints}
-    laid: dict[tuple[str, str], tuple[int, Meeting, float]] = {}
+    laid: dict[frozenset[str], list[tuple[int, Meeting, Meeting]]] = {}
     for number, (joint, _) in enumerate(made):
-        fresh = [meet for meet in joint.meetings if meet not in held.get(joint.id, ())]
         inner = [meet for meet in joint.meetings if not is_end(splines, meet)]
-        for end in fresh:
-            if is_end(splines, end):
+        for end in joint.meetings:
+            if is_end(splines, end) and end not in held.get(joint.id, ()):
                 for meet in inner:
-                    beyond = min(meet.at, 1.0 - meet.at) * chord_length(splines[meet.curve])
-                    laid[end.curve, meet.curve] = number, end, beyond
+                    both = frozenset((end.curve, meet.curve))
+                    laid.setdefault(both, []).append((number, end, meet))
+
+    def worth(one: tuple[int, Meeting, Meeting]) -> tuple[int, float, list[list[float]]]:
+        number, end, meet = one
+        beyond = min(meet.at, 1.0 - meet.at) * chord_length(splines[meet.curve])
+        points: list[list[float]] = splines[end.curve].control_points.tolist()
+        return -len(made[number][0].meetings), beyond, points
+
     gone: dict[int, set[Meeting]] = {}
-    for (curve, other), (number, end, beyond) in laid.items():
-        back = laid.get((other, curve))
-        if back is None or curve > other or number == back[0]:
-            continue
-        mine = next(meet for meet in made[back[0]][0].meetings if meet.curve == curve)
-        theirs = next(meet for meet in made[number][0].meetings if meet.curve == other)
-        if abs(mine.at - end.at) >= TAIL or abs(theirs.at - back[1].at) >= TAIL:
-            continue
-        _, _, _, which, worse = max(
-            (-len(made[k][0].meetings), tail, splines[meet.curve].control_points.tolist(), k, meet)
-            for k, meet, tail in ((number, end, beyond), back)
-        )
-        gone.setdefault(which, set()).add(worse)
+    pairs = (itertools.combinations(rows, 2) for rows in laid.values())
+    for one, other in itertools.chain.from_iterable(pairs):
+        ends = ((one[1], other[2]), (other[1], one[2]))
+        if one[0] != other[0] and all(
+            end.curve == meet.curve and abs(end.at - meet.at) < TAIL for end, meet in ends
+        ):
+            number, end, _ = max(one, other, key=worth)
+            gone.setdefault(number, set()).add(end)
     kept = []
     for number, (joint, place) in enumerate(made):
         meetings = tuple(meet for meet in joint.meetings if meet not in gone.get(number, ()))
