@@ -45,6 +45,12 @@ GAIN: Final = 0.3
 """Share of the variation of curvature below which an evened surface is believed: profiles like
 an S lose their shape where less is gained."""
 
+BOTH_GAIN: Final = (0.8, 0.7)
+"""The same share for the rate of bending and for a plate, where both gain..."""
+
+SAME: Final = 1e-3
+"""...and become one surface: root mean square distance as share of the size."""
+
 EVEN: Final = 0.1
 """Variation of curvature below which an evened surface is believed rather than a sweep: of
 spheres, tori and saddles it was 0.02 at most."""
@@ -239,11 +245,12 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
 
     Where two sides are swept into one another, that sweep takes their place, unless the tangent
     planes along all sides tell a surface of even curvature, such as a sphere, or the sides are no
-    nearer to the sweep than it is to the surface of least energy. What folds is taken only if all
-    do.
+    nearer to the sweep than it is to the surface of least energy. An evened surface that gains less
+    is believed if those of both energies gain and are the same. What folds is taken only if all do.
     """
-    start = started(space, loop, BENDING_RATE)
-    best = _evened_or(scored(start))
+    start = scored(started(space, loop, BENDING_RATE))
+    even = _evened_or(start)
+    best = even if even.score < GAIN * start.score else start
     if not (best.evened and best.score < EVEN and np.isfinite(loop.normals).all()):
         sweep = sweep_of(loop.sides, loop.origin, loop.size)
         if sweep is not None:
@@ -252,7 +259,18 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
                 return swept
     if best.evened:
         return best
-    plate = _evened_or(scored(started(space, loop, PLATE)))
+    plate = scored(started(space, loop, PLATE))
+    even_plate = _evened_or(plate)
+    if (
+        even.evened
+        and even_plate.evened
+        and even.score < BOTH_GAIN[0] * start.score
+        and even_plate.score < BOTH_GAIN[1] * plate.score
+        and _apart(even, even_plate) < SAME
+    ):
+        return even
+    if even_plate.score < GAIN * plate.score:
+        plate = even_plate
     judged = [
         (is_folded(made.nets), handicap * made.score)
         for made, handicap in ((best, 1.0), (plate, PLATE_HANDICAP))
@@ -270,11 +288,11 @@ def _apart(one: FairSolution, other: FairSolution) -> float:
 
 
 def _evened_or(start: FairSolution) -> FairSolution:
-    """Return the surface with evened curvature if it gains enough by it, else the start."""
+    """Return the surface with evened curvature; the start if that folds or has rough sides."""
     if start.loop.rest >= ROUGH:
         return start
     even = scored(evened(start))
-    return even if even.score < GAIN * start.score and not is_folded(even.nets) else start
+    return start if is_folded(even.nets) else even
 
 
 def scored(solution: FairSolution) -> FairSolution:

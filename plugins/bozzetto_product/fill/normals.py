@@ -45,6 +45,7 @@ class LoopNormals:
     fields: tuple[NormalField | None, ...]
 
 
+@remembered(limit=8, key=lambda net, loops: (net, tuple(loops)))
 def edge_normals(net: Net, loops: Sequence[Loop]) -> tuple[LoopNormals, ...]:
     """Return for each loop the normals along its edges.
 

@@ -20,14 +20,17 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.plugin import remembered
+from bozzetto_product.fill.even_torsion import (
+    EdgeEnd,
+    OpenFan,
+    even_torsions,
+    middle_turn,
+)
 from bozzetto_product.fill.normal_field import NormalField
 
 MOST_CHANGE: Final = 1.5
 """Most that the torsion at an end changes, in radians by the edge's length: drawn curves may be
 hooked at their ends, and tell curvatures there that no one meant."""
-
-EdgeEnd = tuple[int, int]
-"""An edge and one of its ends: 0 where it starts, 1 where it ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,10 @@ class TwistCorner:
     back: Array
     normal: Array
 
+    def angle_about(self, normal: Array) -> tuple[float, float]:
+        """Return cosine and sine of the angle from `out` to `back` about a normal."""
+        return float(self.out @ self.back), float(np.cross(self.out, self.back) @ normal)
+
     def wanted(self, fields: Mapping[int, NormalField]) -> float:
         """Return the sum of both torsions that agrees with both curvatures, radians by mm."""
         cosine = float(self.out @ self.back)
@@ -61,19 +68,21 @@ class TwistCorner:
         return (bends[1] - bends[0]) * cosine / sine
 
 
-@remembered(limit=4000, key=lambda field, changes: (field, changes.tobytes()))
-def with_torsions(field: NormalField, changes: Array) -> NormalField:
+@remembered(limit=4000, key=lambda field, changes, turn=0.0: (field, changes.tobytes(), turn))
+def with_torsions(field: NormalField, changes: Array, turn: float = 0.0) -> NormalField:
     """Return a field whose torsions at start and end are changed, (2,); its end normals stay.
 
-    In between it turns about its curve by the cubic polynomial of the length of these slopes.
+    In between it turns about its curve by the cubic polynomial of the length of these slopes, and
+    by `turn` radians more in the middle.
     """
-    if not changes.any():
+    if not changes.any() and turn == 0.0:
         return field
     length = field.length
 
     def angles(share: Array) -> Array:
         rest = 1.0 - share
-        return np.asarray(length * share * rest * (changes[0] * rest - changes[1] * share))
+        cubic = length * share * rest * (changes[0] * rest - changes[1] * share)
+        return np.asarray(cubic + turn * middle_turn(share))
 
     return field.turned(angles)
 
@@ -82,6 +91,8 @@ def agreeing(
     fields: Mapping[int, NormalField], fans: Iterable[list[TwistCorner]]
 ) -> dict[int, NormalField]:
     """Return fields of edges of which the torsions agree at corners, with least changes.
+
+    What that leaves open is chosen by `even_torsions`.
 
     Parameters
     ----------
@@ -92,6 +103,7 @@ def agreeing(
     """
     torsions = {edge: field.end_torsions for edge, field in fields.items()}
     changes = {edge: np.zeros(2) for edge in fields}
+    left_open = []
     for fan in fans:
         ends = sorted({end for corner in fan for end in (corner.leave, corner.enter)})
         column = {end: number for number, end in enumerate(ends)}
@@ -102,7 +114,61 @@ def agreeing(
             rows[number, column[corner.enter]] += 1.0
             held = sum(torsions[edge][end] for edge, end in (corner.leave, corner.enter))
             lacks[number] = corner.wanted(fields) - held
-        for (edge, end), change in zip(ends, np.linalg.pinv(rows, rcond=1e-9) @ lacks, strict=True):
-            most = MOST_CHANGE / max(fields[edge].length, 1e-300)
-            changes[edge][end] = np.clip(change, -most, most)
-    return {edge: with_torsions(field, changes[edge]) for edge, field in fields.items()}
+        inverse = np.linalg.pinv(rows, rcond=1e-9)
+        for (edge, end), change in zip(ends, inverse @ lacks, strict=True):
+            changes[edge][end] = _at_most(change, fields[edge])
+        left_open += [
+            OpenFan(
+                dict(zip(part, senses, strict=True)),
+                fan[0].normal,
+                [
+                    (corner.leave, corner.enter, *corner.angle_about(fan[0].normal))
+                    for corner in fan
+                    if corner.leave in part
+                ],
+            )
+            for part, senses in _open_senses(fan, ends)
+        ]
+    further = even_torsions(fields, changes, left_open)
+    return {
+        edge: with_torsions(
+            field, _at_most(changes[edge] + further[edge][:2], field), float(further[edge][2])
+        )
+        for edge, field in fields.items()
+    }
+
+
+def _at_most(change: Array, field: NormalField) -> Array:
+    most = MOST_CHANGE / max(field.length, 1e-300)
+    return np.clip(change, -most, most)
+
+
+def _open_senses(
+    fan: list[TwistCorner], ends: list[EdgeEnd]
+) -> list[tuple[list[EdgeEnd], list[float]]]:
+    """Return ends that corners link, and the change of their torsions that no corner feels.
+
+    Along a row of corners the signs take turns. Round a node with an odd number of corners there is
+    no such change: three curvatures tell the torsion.
+    """
+    links: dict[EdgeEnd, list[EdgeEnd]] = {end: [] for end in ends}
+    for corner in fan:
+        links[corner.leave].append(corner.enter)
+        links[corner.enter].append(corner.leave)
+    made = []
+    seen: set[EdgeEnd] = set()
+    for start in ends:
+        if start in seen:
+            continue
+        senses = {start: 1.0}
+        waiting, is_open = [start], True
+        while waiting:
+            here = waiting.pop()
+            for other in links[here]:
+                if other not in senses:
+                    senses[other] = -senses[here]
+                    waiting.append(other)
+                is_open &= senses[other] == -senses[here]
+        seen.update(senses)
+        made.append((list(senses), [sense if is_open else 0.0 for sense in senses.values()]))
+    return made

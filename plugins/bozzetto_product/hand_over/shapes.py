@@ -136,8 +136,19 @@ def _groups_of(result: ProductResult, body: WalledBody, wall: Wall) -> tuple[Fac
     return tuple(made)
 
 
-def _sewn(part: Sequence[SolvedPatch]) -> Brep:
-    """Return the exact faces of patches as one shell, each face with the name of its patch."""
+def _sewn(part: Sequence[SolvedPatch]) -> Brep | None:
+    """Return the exact faces of patches as one shell, each face with the name of its patch.
+
+    None where a surface misses its own edges by more than exact shapes allow: a sliver a thousand
+    times as long as wide.
+    """
+    try:
+        return _exact(part)
+    except ValueError:
+        return None
+
+
+def _exact(part: Sequence[SolvedPatch]) -> Brep:
     breps = []
     for one in part:
         if one.fill is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import Final
 
 import numpy as np
 
@@ -15,13 +16,16 @@ from bozzetto_product.operations.meetings import place_at, share_at
 from bozzetto_product.operations.plane_crossings import lies_in, plane_crossings
 from bozzetto_product.projection.planes import mirror_image
 
+BESIDE: Final = 2.0
+"""Distance of the end of a curve, in that of its nearest place, below which the end is meant."""
+
 
 def nearest_inside(
     state: ProductState, place: Array, reach: float, busy: Collection[str], flat: bool
 ) -> tuple[Meeting, float] | None:
     """Return the nearest place inside a curve, or its mirror image, within a distance.
 
-    Curves of which an end is within that distance do not count.
+    Curves of which an end is within that distance, or nearly as near, do not count.
 
     Parameters
     ----------
@@ -58,7 +62,8 @@ def nearest_inside(
             for share in shares:
                 foot = place_at(spline, share)
                 distance = float(np.linalg.norm(foot - here))
-                if distance > reach or not (spline.closed or 0.0 < share < 1.0):
+                beside_end = not spline.closed and ends.min() <= BESIDE * distance
+                if distance > reach or beside_end or not (spline.closed or 0.0 < share < 1.0):
                     continue
                 found = (distance, tuple(foot.tolist()), Meeting(curve.id, share, mirrored))
                 if best is None or found[:2] < best[:2]:

@@ -7,6 +7,7 @@ outcome does not depend on the order of the curves. What is farther apart is pro
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -124,6 +125,7 @@ def ends_joined(
     old = {joint.id: joint for joint in state.joints}
     for cluster in clusters_of(ends, state.symmetry):
         made.extend(_joints_of(cluster, ends, state, old))
+    made = _laid_together(_without_overlaps(made, state), state, width)
     if only is not None:
         made = [one for one in made if any(meet.curve in only for meet in one[0].meetings)]
     if not made:
@@ -281,6 +283,90 @@ def _joints_of(
     return _sided(free, ends, state, target, joint, side, carrier)
 
 
+def _without_overlaps(
+    made: list[tuple[Joint, Array | None]], state: ProductState
+) -> list[tuple[Joint, Array | None]]:
+    """Return joints without one of each two by which the ends of two curves lie on one another.
+
+    A ring drawn in two strokes that overlap meets once: the tail of one of them stays free, for
+    between two joints there would be a sliver. The joint of more curves is kept, else the one with
+    the shorter tail.
+    """
+    splines = splines_of(state)
+    held = {joint.id: set(joint.meetings) for joint in state.joints}
+    laid: dict[frozenset[str], list[tuple[int, Meeting, Meeting]]] = {}
+    for number, (joint, _) in enumerate(made):
+        inner = [meet for meet in joint.meetings if not is_end(splines, meet)]
+        for end in joint.meetings:
+            if is_end(splines, end) and end not in held.get(joint.id, ()):
+                for meet in inner:
+                    both = frozenset((end.curve, meet.curve))
+                    laid.setdefault(both, []).append((number, end, meet))
+
+    def worth(one: tuple[int, Meeting, Meeting]) -> tuple[int, float, list[list[float]]]:
+        number, end, meet = one
+        beyond = min(meet.at, 1.0 - meet.at) * chord_length(splines[meet.curve])
+        points: list[list[float]] = splines[end.curve].control_points.tolist()
+        return -len(made[number][0].meetings), beyond, points
+
+    gone: dict[int, set[Meeting]] = {}
+    pairs = (itertools.combinations(rows, 2) for rows in laid.values())
+    for one, other in itertools.chain.from_iterable(pairs):
+        ends = ((one[1], other[2]), (other[1], one[2]))
+        if one[0] != other[0] and all(
+            end.curve == meet.curve and abs(end.at - meet.at) < TAIL for end, meet in ends
+        ):
+            number, end, _ = max(one, other, key=worth)
+            gone.setdefault(number, set()).add(end)
+    kept = []
+    for number, (joint, place) in enumerate(made):
+        meetings = tuple(meet for meet in joint.meetings if meet not in gone.get(number, ()))
+        if len(meetings) > 1 or number not in gone:
+            kept.append((replace(joint, meetings=meetings), place))
+    return kept
+
+
+def _laid_together(
+    made: list[tuple[Joint, Array | None]], state: ProductState, width: float
+) -> list[tuple[Joint, Array | None]]:
+    """Return joints where a curve that runs past a joint of another one's end is joined to that.
+
+    Its end, which lies farther on along the other one, is a tail then and stays free.
+    """
+    splines = splines_of(state)
+    held = {joint.id: set(joint.meetings) for joint in state.joints}
+    changed = {joint.id for joint, _ in made}
+    known = [joint for joint in state.joints if joint.id not in changed]
+    pool: list[tuple[Joint, Array | None]] = [*made, *((joint, None) for joint in known)]
+    larger: set[int] = set()
+    for number, (joint, _) in enumerate(made):
+        fresh = [meet for meet in joint.meetings if meet not in held.get(joint.id, ())]
+        inner = [meet for meet in joint.meetings if not is_end(splines, meet)]
+        for end in (meet for meet in fresh if is_end(splines, meet)):
+            for meet in inner:
+                near = Meeting(meet.curve, float(round(meet.at)), meet.mirrored)
+                which = next((k for k, one in enumerate(pool) if near in one[0].meetings), number)
+                other = pool[which][0]
+                if which == number or any(one.curve == end.curve for one in other.meetings):
+                    continue
+                place = meeting_place(splines, near, state.symmetry)
+                others = set(splines) - {end.curve}
+                found = nearest_inside(state, place, ASKED * width, others, False)
+                if found is None or found[0].mirrored != end.mirrored:
+                    continue
+                if abs(found[0].at - end.at) < TAIL:
+                    rest = tuple(one for one in pool[number][0].meetings if one != end)
+                    pool[number] = replace(pool[number][0], meetings=rest), pool[number][1]
+                    more = replace(other, meetings=(*other.meetings, found[0]))
+                    pool[which] = more, place
+                    larger |= {number, which}
+    return [
+        one
+        for number, one in enumerate(pool)
+        if (number < len(made) or number in larger) and len(one[0].meetings) > 1 - one[0].in_plane
+    ]
+
+
 def _beside_tail(state: ProductState, end: End) -> set[str]:
     """Return the curves that meet in the joint behind which a free end is the tail of a curve.
 
@@ -372,7 +458,8 @@ def nearest_gap(end: End, ends: Sequence[End], state: ProductState) -> Proposal 
                 meet = Meeting(other.curve, other.at, mirrored)
                 share = other.weight / max(other.weight + end.weight, 1e-300)
                 found.append((distance, (mine, meet), end.place + share * (place - end.place)))
-    inside = nearest_inside(state, end.place, end.gap, {end.curve}, end.flat)
+    busy = {end.curve} | _beside_tail(state, end)
+    inside = nearest_inside(state, end.place, end.gap, busy, end.flat)
     if inside is not None:
         found.append(
             (inside[1], (mine, inside[0]), meeting_place(splines, inside[0], state.symmetry))

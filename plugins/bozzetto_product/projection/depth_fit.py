@@ -60,6 +60,10 @@ moves them along the curve."""
 STEP: Final = 0.02
 """Longest step of a place along the curve in one round, as a share of the range."""
 
+ENDS: Final = 1e4
+"""Weight of the depths of both ends, by the fourth power of the cosine of incidence: a curve that
+is rounded over an edge of a surface begins and ends where others are met that end there."""
+
 FLAT: Final = 1e-6
 """Distance of places from one plane, as share of their extent, at which a surface is flat there."""
 
@@ -211,7 +215,10 @@ def _depths(sight: Sight, closed: bool) -> tuple[Array, Array, Array]:
     cosine = np.einsum("nk,nk->n", normals, directions)
     goals = origins + along[nearest][:, None] * directions
     axes = np.where(sight.on[:, None], normals, directions)
-    return goals, axes, np.where(sight.on, np.abs(cosine) ** (STEEPNESS - 2.0), BESIDE)
+    weight = np.where(sight.on, np.abs(cosine) ** (STEEPNESS - 2.0), BESIDE)
+    if not closed:
+        weight[[0, -1]] *= 1.0 + ENDS * cosine[[0, -1]] ** 4
+    return goals, axes, weight
 
 
 def _across(directions: Array) -> Array:

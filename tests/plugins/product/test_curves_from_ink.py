@@ -144,6 +144,15 @@ def test_an_edge_under_the_ink_is_told() -> None:
     assert np.linalg.norm(seen - seen_at(EYE, [(0.0, -40.0, 30.0)])[0]) <= 4.0
 
 
+@pytest.mark.parametrize("beyond", [2.0, 6.0, 15.0])
+def test_a_curve_over_an_edge_begins_and_ends_on_the_faces(beyond: float) -> None:
+    """However little of the ink is on one of them: curves that end there are to be met."""
+    ends = np.array([(-10.0, -40.0 + beyond, 30.0), (-12.0, -40.0, -20.0)])
+    ink = seen_at(EYE, [ends[0], (-11.0, -40.0, 30.0), ends[1]])
+    got = curve_from_ink([one_stroke(ink, EYE)], on_canvas(rough("box")))
+    assert np.linalg.norm(got.spline.sampled(2) - ends, axis=1).max() <= 1.5
+
+
 def test_a_curve_on_a_plane_is_in_it_to_the_last_bit() -> None:
     plane = Plane((0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     ink = _swing((400, 400), (800, 500))

@@ -294,3 +294,29 @@ def test_a_name_with_blanks_is_told_with_one_that_goes(name, told):
         product_of_network(facts)
     assert name in str(problem.value)
     assert f"Call the curve {told}" in str(problem.value)
+
+
+@pytest.mark.parametrize("over", [0.02, 0.06, 0.15])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_ring_of_two_strokes_that_overlap_meets_once_on_each_side(over, turned):
+    """Tails that lie along the other stroke stay free; curves stay where they were drawn."""
+    high = np.linspace(0.0, 60.0, 21)
+    curves = [
+        {"name": f"rib{k}", "points": np.column_stack((40 * c + 0 * high, 40 * s + 0 * high, high))}
+        for k, (c, s) in enumerate(((1, 0), (0, 1), (-1, 0), (0, -1)))
+    ]
+    for level in (0.0, 60.0):
+        for half in (0, 1):
+            at = np.linspace(np.pi * half, np.pi * (half + 1) + over, 40)
+            rows = np.column_stack(
+                (40.1 * np.cos(at), 40.1 * np.sin(at), level + 0.05 * half + 0 * at)
+            )
+            rows = rows[::-1] if turned and half else rows
+            curves.append({"name": f"ring{level:.0f}-{half}", "points": rows})
+    curves = [{**curve, "points": curve["points"].tolist()} for curve in curves]
+    state = product_of_network({"network": {"curves": curves}})
+    assert sorted(len(patch.boundary) for patch in state.of_kind(Patch)) == [2, 2, 4, 4, 4, 4]
+    given = {curve["name"]: np.array(curve["points"]) for curve in curves}
+    for curve in state.of_kind(Curve):
+        assert curve.spline is not None
+        assert curve.spline.least_distances(given[curve.name]).max() < 1.0
