@@ -55,8 +55,8 @@ __all__ = ["Gestures"]
 APPLY_LIMIT = 15.0
 """Seconds a tool may take over one gesture before it counts as hung."""
 
-PREVIEW_LIMIT = 10.0
-"""Seconds a live preview may take before it counts as hung."""
+PREVIEW_LIMIT = 60.0
+"""Seconds a live preview may take before it counts as hung; see `hints.HINT_LIMIT`."""
 
 
 ERASER_REACH = 18.0

@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Hints"]
 
-HINT_LIMIT = 10.0
-"""Seconds a modeler may take to say what is next before it counts as hung."""
+HINT_LIMIT = 60.0
+"""Seconds a modeler may take to say what is next before it counts as hung. Nobody waits for it, and
+on a crowded machine it waits behind a solve."""
 
 Question = tuple[Model, str] | None
 """The model that the next gesture changes, and the active tool; None for nothing to ask."""

@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 
 __all__ = ["ModelerCommands"]
 
-COMMANDS_LIMIT = 20.0
-"""Seconds a plugin may take to name its commands: it may have to be imported first."""
+COMMANDS_LIMIT = 60.0
+"""Seconds a plugin may take to name its commands: it may have to be imported first; see
+`hints.HINT_LIMIT`."""
 
 
 class _Outcome(NamedTuple):

@@ -43,8 +43,8 @@ MOST_PINNED = 32
 """Earlier states of a model that are remembered as seen: a hand that drags a mark and lets it
 go, or takes a few steps back, passes through no more before the view has followed."""
 
-ADVICE_LIMIT = 10.0
-"""Seconds a modeler may think about a view before it counts as hung."""
+ADVICE_LIMIT = 60.0
+"""Seconds a modeler may think about a view before it counts as hung; see `hints.HINT_LIMIT`."""
 
 
 Question = tuple[str, Model | None, Camera, Any] | None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -16,6 +16,9 @@ from bozzetto_product.network.net import Loop, Net
 FLAT_VOLUME: Final = 1e-3
 """Volume, per area to the power 1.5, below which loops count as flat: a cap as high as a hundredth
 of its width has more."""
+
+LEAN: Final = 0.2
+"""Sine of the angle to what they were drawn on, beyond which flat loops have a side outward."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,9 @@ class OrientedLoops:
     one_sided: bool
 
 
-def orient_loops(net: Net, loops: Sequence[Loop]) -> OrientedLoops:
+def orient_loops(
+    net: Net, loops: Sequence[Loop], outward_at: Callable[[Array], Array] | None = None
+) -> OrientedLoops:
     """Turn loops so that neighbours agree, and those of a part so that they face outward.
 
     Parameters
@@ -55,13 +60,16 @@ def orient_loops(net: Net, loops: Sequence[Loop]) -> OrientedLoops:
         Where the loops are.
     loops : sequence of Loop
         In any sense.
+    outward_at : callable, optional
+        Gives the way outward (3,) of what points (n, 3) were drawn on; 0 where that is not known.
 
     Returns
     -------
     OrientedLoops
         Seen from outside a loop runs counter-clockwise. Outside is where the signed volume of
         a part's loops, each as a cone over its own centre, is positive: exactly so where the part
-        is closed; of an open one, the side that it bulges to, and up where it is flat.
+        is closed; of an open one, the side that it bulges to. A flat one faces away from what it
+        was drawn on, or else up.
     """
     turned = [tuple(loop) for loop in loops]
     at_edge: dict[int, list[int]] = {}
@@ -76,7 +84,7 @@ def orient_loops(net: Net, loops: Sequence[Loop]) -> OrientedLoops:
             seen.update(parts[-1])
     sampled = SampledNet.of(net)
     for part in parts:
-        if _faces_inward([_points(sampled, turned[number]) for number in part]):
+        if _faces_inward([_points(sampled, turned[number]) for number in part], outward_at):
             for number in part:
                 turned[number] = reversed_loop(turned[number])
     disagreeing = {edge for edge, here in at_edge.items() if _disagree(edge, here, turned)}
@@ -126,7 +134,9 @@ def _points(sampled: SampledNet, loop: Loop) -> Array:
     return np.vstack(lines)
 
 
-def _faces_inward(rings: Sequence[Array]) -> bool:
+def _faces_inward(
+    rings: Sequence[Array], outward_at: Callable[[Array], Array] | None = None
+) -> bool:
     """Tell whether the signed volume of rings, each closed by a cone, is negative."""
     centre = np.vstack(rings).mean(axis=0)
     volume, area, size = 0.0, np.zeros(3), 0.0
@@ -139,5 +149,10 @@ def _faces_inward(rings: Sequence[Array]) -> bool:
         size += float(np.linalg.norm(areas, axis=1).sum())
     if abs(volume) > FLAT_VOLUME * size**1.5:
         return volume < 0
+    if outward_at is not None:
+        outward = outward_at(np.vstack(rings))
+        rise = float(area @ outward)
+        if abs(rise) > LEAN * np.linalg.norm(area) * np.linalg.norm(outward):
+            return rise < 0
     main = int(np.argmax(np.abs(area[::-1]) > 0.5 * np.abs(area).max()))
     return bool(area[::-1][main] < 0)

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.geometry import Mesh, Shapes, meshed
+from bozzetto.geometry import Mesh, Shapes, closest_on_mesh, face_normals, meshed
 from bozzetto.plugin import remembered
 from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.rough_shapes.shapes import rough_mesh
+
+LYING: Final = 0.02
+"""Distance, as share of the size of what was drawn, within which it lies on a canvas."""
+
+LOOKS: Final = 24
+"""Points of it that are looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +55,18 @@ def canvases_of(state: ProductState, sources: Mapping[str, Shapes]) -> tuple[Can
         elif isinstance(part, FollowedShape) and part.source in sources:
             made.append(Canvas(part, mesh_of_shapes(sources[part.source])))
     return tuple(made)
+
+
+def outward_at(canvases: Sequence[Canvas], points: Array) -> Array:
+    """Return the way outward (3,) of the canvases on which points (n, 3) lie; 0 if they do not."""
+    few = points[:: max(1, len(points) // LOOKS)]
+    reach = LYING * float(np.linalg.norm(np.ptp(points, axis=0)))
+    found = np.zeros(3)
+    for canvas in canvases:
+        if len(canvas.mesh.faces):
+            places = closest_on_mesh(canvas.mesh, few)
+            found += face_normals(canvas.mesh, places.faces)[places.distances <= reach].sum(axis=0)
+    return found
 
 
 @remembered(

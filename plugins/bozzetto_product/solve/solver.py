@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Final
 
 from bozzetto.ink import Stroke
@@ -28,7 +29,7 @@ from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.shaping.pressure import inflated, volume_of_pressure
 from bozzetto_product.shaping.pull import Pulled, pulled
 from bozzetto_product.solve.bodies import walled_bodies
-from bozzetto_product.solve.canvas import canvases_of
+from bozzetto_product.solve.canvas import canvases_of, outward_at
 from bozzetto_product.solve.following import followed_curves
 from bozzetto_product.solve.gaps import gaps_of
 from bozzetto_product.solve.groups import faired_groups
@@ -68,7 +69,8 @@ def solve_product(state: ProductState, job: Job) -> ProductResult:
                 lost.append(patch)
                 break
             wanted.append((patch, mirrored, loop))
-    loops = orient_loops(net, [loop for _, _, loop in wanted]).loops
+    outward = partial(outward_at, canvases)
+    loops = orient_loops(net, [loop for _, _, loop in wanted], outward).loops
     meant = [(patch, mirrored) for patch, mirrored, _ in wanted]
     if state.surfaces == "paper":
         made = surfaced_as_in_paper(state, net, meant, loops, job)

@@ -227,3 +227,29 @@ def test_what_was_guessed_of_a_curve_is_said_until_it_is_drawn_over(shell: Shell
 def test_a_curve_on_a_face_leaves_nothing_to_say(shell: Shell) -> None:
     draw_along(shell, PEN, straight((-40.0, -10.0, 60.0), (40.0, 10.0, 60.0)))
     assert shell.state.of_kind(Curve)[0].told == ()
+
+
+SIDES = {
+    "front": ((0.0, -40.0, 30.0), (40.0, 0.0, 0.0), (0.0, 0.0, 18.0)),
+    "right": ((60.0, 0.0, 30.0), (0.0, 28.0, 0.0), (0.0, 0.0, 18.0)),
+    "top": ((0.0, 0.0, 60.0), (45.0, 0.0, 0.0), (0.0, 28.0, 0.0)),
+}
+"""Sides of the box: their middles, and half the sides of rectangles on them."""
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_a_single_surface_faces_away_from_what_it_was_drawn_on(shell: Shell, side: str) -> None:
+    """Pressure swells it away from the shape; on the front it went into it, back side outward."""
+    middle, across, along = map(np.array, SIDES[side])
+    corners = [middle + a * across + b * along for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    shell.camera = FRONT
+    for start, end in zip(corners, corners[1:] + corners[:1], strict=True):
+        draw_along(shell, PEN, straight(start, end))
+    out = np.array({"front": (0, -1, 0), "right": (1, 0, 0), "top": (0, 0, 1)}[side], float)
+    (surface,) = shell.shapes().surfaces
+    mesh = surface.mesh
+    assert (mesh.vertex_normals() @ out).min() > 0.5
+    (patch,) = shell.state.of_kind(Patch)
+    shell.put(shell.state.with_node(replace(patch, pressure=1.0)))
+    (swollen,) = shell.shapes().surfaces
+    assert (swollen.mesh.vertices @ out).max() > (mesh.vertices @ out).max() + 1.0
