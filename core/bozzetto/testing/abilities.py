@@ -249,8 +249,8 @@ def check_figures(subject: Subject) -> None:
             ends = [one for one in sorted(unsaid) if one.startswith(f"{key}_")]
             ensure(
                 not ends,
-                f"figures has {key!r}, and the end of {ends and ends[0]!r} in the report is no unit "
-                f"that is known, such as {', '.join(UNITS)}",
+                f"figures has {key!r}, and the end of {ends and ends[0]!r} in the report is no "
+                f"unit that is known, such as {', '.join(UNITS)}",
             )
             meant = get_close_matches(key, sorted(unsaid), 1, ALIKE)
             ensure(not meant, f"figures has {key!r}, and the report {meant and meant[0]!r}")
