@@ -62,6 +62,9 @@ UNREAD: Final = {"text": "text", "image": "picture", "foreignObject": "embedded 
 REFERENCE: Final = re.compile(r"\s*url\(\s*[\"']?#([^\"')\s]+)")
 """What names a clip."""
 
+NEARLY_ROUND: Final = 0.1
+"""Gap between the ends of a filled line that is closed, as a share of its length."""
+
 MAX_SEEN: Final = 100
 """Shapes of one clip that are looked at."""
 
@@ -349,7 +352,11 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     tolerance = max(FLATTENING * size, 1e-300)
     points = sum(int(chord_counts(line.path, tolerance).sum()) for line in found)
     at_most(points, MAX_POINTS, "points")
-    lines = [flatten(line.path, tolerance) for line in found]
+    lines = [
+        _painted_ring(points, tolerance) if line.look.filled and line.look.painted else points
+        for line in found
+        for points in (flatten(line.path, tolerance),)
+    ]
     areas = [
         Area(line.element, line.look.rule) if line.look.filled and line.look.painted else None
         for line in found
@@ -361,6 +368,18 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     sheet = reader.canvas and reader.canvas.scaled(reader.scale)
     drawing = sheet_drawing([points for _, points in joined], sheet, name, colors=colors)
     return replace(drawing, left_out=reader.left_out())
+
+
+def _painted_ring(points: Array, tolerance: float) -> Array:
+    """Return the border of what is filled: it ends where it began (SVG 2, section 13.4).
+
+    A line that does not nearly come round stays one, whatever its inside would be.
+    """
+    gap = float(np.linalg.norm(points[0] - points[-1]))
+    length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    if not 0.0 < gap <= NEARLY_ROUND * length:
+        return points
+    return np.concatenate((points[:-1] if gap <= tolerance else points, points[:1]))
 
 
 def _on_sides(places: Array, low: Array, high: Array, slack: float) -> bool:

@@ -236,6 +236,17 @@ def test_a_clip_hides_what_lies_outside_and_is_told_where_it_cuts(clip, begin, s
     assert any("cut by" in said for said in drawing.left_out) is told
 
 
+def test_a_filled_line_that_nearly_comes_round_is_a_border():
+    """As in icons that were made small: their last side is left to the fill."""
+    path = '<path {} d="M10 10h30v20h-30v-16"/>'
+    (one,) = lines(2 * path.format('fill="red"'))  # drawn twice, too
+    assert one[0] == pytest.approx(one[-1], abs=1e-9)
+    (other,) = lines(path.format('fill="none" stroke="red"'))
+    assert other[0] != pytest.approx(other[-1], abs=1)
+    (arm,) = lines('<path fill="red" stroke="red" d="M10 10h30v20"/>')
+    assert len(arm) == 3
+
+
 def test_lengths_may_be_shares_of_the_page_and_letters_are_told():
     attributes = 'viewBox="0 0 100 50"'
     (one,) = lines('<ellipse cx="50%" cy="50%" rx="40%" ry="20%"/>', attributes=attributes)
