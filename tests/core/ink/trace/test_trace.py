@@ -230,7 +230,7 @@ def test_joining_many_lines_takes_time_in_proportion():
         steps = np.array([(k, 0.0) for k in range(9)])
         lines = [begin + steps for begin in begins]
         begun = process_time()
-        joined = bridged(lines, 1.5, 1.0)
+        joined = bridged(lines, 3.0, 1.0)
         took = process_time() - begun
         assert len(joined) == count / 100
         return took
