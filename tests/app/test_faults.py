@@ -375,3 +375,14 @@ def test_the_fault_bar_names_the_plugin_and_can_switch_it_off(make_window, boxes
     settle(window.session)
     draw(window.session, settle)
     assert len(window.session.drawing.document) == 1
+
+
+def test_a_fault_with_half_a_character_is_kept_on_disk(monkeypatch, tmp_path):
+    from bozzetto_app import startup
+
+    monkeypatch.setattr(startup, "log_file", lambda: tmp_path / "log.txt")
+    monkeypatch.setattr(logging, "raiseExceptions", True)
+    handler = startup._DiskLog()
+    handler.emit(logging.makeLogRecord({"msg": "boom \udcff", "levelno": 40, "levelname": "ERROR"}))
+    handler._file.close()
+    assert "boom \\udcff" in (tmp_path / "log.txt").read_text()

@@ -18,7 +18,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid
 from bozzetto.images.stored_picture import Picture
-from bozzetto.plugin.figures import figure_of, without_unit
+from bozzetto.plugin.figures import UNITS, figure_of, without_unit
 from bozzetto.plugin.gesture import Tap
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
@@ -246,6 +246,12 @@ def check_figures(subject: Subject) -> None:
         unsaid = {without_unit(key)[0] for key, _ in told if figure_of(key, figures) is None}
         used = {key for told_key, _ in told for key in (told_key, without_unit(told_key)[0])}
         for key in figures.keys() - used:
+            ends = [one for one in sorted(unsaid) if one.startswith(f"{key}_")]
+            ensure(
+                not ends,
+                f"figures has {key!r}, and the end of {ends and ends[0]!r} in the report is no "
+                f"unit that is known, such as {', '.join(UNITS)}",
+            )
             meant = get_close_matches(key, sorted(unsaid), 1, ALIKE)
             ensure(not meant, f"figures has {key!r}, and the report {meant and meant[0]!r}")
 

@@ -299,3 +299,20 @@ def test_our_inkml_is_plain_inkml_to_others():
     traces = root.findall(f"{space}trace")
     assert [names[t.get("contextRef")[1:]] for t in traces] == [["X", "Y", "F"], ["X", "Y"]]
     assert traces[0].text == "1.0 3.0 0.0, 2.0 4.0 1.0"
+
+
+@pytest.mark.parametrize(("units", "told"), [("", True), ("dev", True), ("himetric", False)])
+def test_inkml_without_a_unit_says_how_large_it_is_read(units, told):
+    """Handwriting sets hold counts of a tablet: a formula is 1.3 mm wide, or five metres."""
+    from bozzetto.exchange.ink.inkml import read_drawing as read_inkml
+
+    said = f' units="{units}"' if units else ""
+    drawing = read_inkml(
+        '<ink xmlns="http://www.w3.org/2003/InkML"><traceFormat>'
+        f'<channel name="X"{said}/><channel name="Y"{said}/></traceFormat>'
+        "<trace>0 0, 4000 100, 4755 1297</trace></ink>".encode(),
+        "a",
+    )
+    assert [line.split(":")[0] for line in drawing.left_out] == (
+        ["Read as millimetres, 4,755 × 1,297"] if told else []
+    )

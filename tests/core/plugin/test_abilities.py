@@ -353,6 +353,7 @@ SPREAD, WORDS = Figure("Gaps", "How wide.", spread=True), Figure("Kind", "What."
         ({"gaps": ["a"]}, {"gaps": SPREAD}, False),
         ({"parts": [{"kind": "b"}]}, {"kind": WORDS}, False),
         ({"gaps_mm": [1.0]}, {"gapps": SPREAD}, False),
+        ({"gaps_mm³": [1.0]}, {"gaps": SPREAD}, False),
     ],
 )
 def test_figures_must_fit_the_report(marks, monkeypatch, report, figures, fits):

@@ -123,19 +123,32 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     if not ink.traces:
         raise FormatError("There is no ink in this file.")
     shift = np.zeros(2)
+    told: tuple[str, ...] = ()
     if "bozzetto-camera" in ink.notes:
         camera = _camera(ink.notes["bozzetto-camera"])
     else:
         points = [np.column_stack((t.columns["x"], t.columns["y"])) for t in ink.traces]
         sheet = Sheet.around(points)
         camera, shift = sheet.camera(), np.array([sheet.x, sheet.y])
+        told = _unit_told(ink, sheet)
     most = max(float(t.columns.get("pressure", np.zeros(1)).max()) for t in ink.traces)
     strokes = [
         _stroke(trace, camera, shift, pressure_top=most if most > 1 else 1.0, number=number)
         for number, trace in enumerate(ink.traces, 1)
     ]
     facts = decode_json(ink.notes.get("bozzetto-extra", "{}"), dict[str, Any], "an annotation")
-    return Drawing(Strokes(strokes), camera, name, facts)
+    return Drawing(Strokes(strokes), camera, name, facts, left_out=told)
+
+
+def _unit_told(ink: _Ink, sheet: Sheet) -> tuple[str, ...]:
+    """Return a sentence about the size of a drawing whose file says no unit; tablets differ."""
+    channels = [channel for channels in ink.formats.values() for channel in channels]
+    if any(one.name.upper() == "X" and one.units in MILLIMETRES for one in channels):
+        return ()
+    size = " × ".join(
+        f"{side:,.0f}" if side >= 100.0 else f"{side:.3g}" for side in (sheet.width, sheet.height)
+    )
+    return (f"Read as millimetres, {size}: the file does not say its unit.",)
 
 
 class _View(msgspec.Struct):

@@ -8,6 +8,7 @@ does (``width="100mm"``), the drawing has that size. The point (x, y) of the fil
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Final
@@ -31,7 +32,9 @@ from bozzetto.exchange.svg.shapes import (
     LONGEST_LENGTH,
     NUMBER,
     SPACE,
+    is_sized_by_letters,
     length,
+    origin,
     outline,
     paper_length,
     shift,
@@ -55,6 +58,15 @@ EXTENDED: Final = "requiredExtensions"
 
 UNREAD: Final = {"text": "text", "image": "picture", "foreignObject": "embedded page"}
 """Elements that show something other than lines, and what people call it."""
+
+REFERENCE: Final = re.compile(r"\s*url\(\s*[\"']?#([^\"')\s]+)")
+"""What names a clip."""
+
+NEARLY_ROUND: Final = 0.1
+"""Gap between the ends of a filled line that is closed, as a share of its length."""
+
+MAX_SEEN: Final = 100
+"""Shapes of one clip that are looked at."""
 
 FRAME: Final = ("x", "y", "width", "height", "viewBox")
 """Attributes that say where a viewport is."""
@@ -96,10 +108,13 @@ class _Own:
 
     __slots__ = ("matrix", "paths", "properties")
 
-    def __init__(self, element: Element, sheets: Sheets) -> None:
+    def __init__(self, element: Element, sheets: Sheets, page: tuple[float, float] | None) -> None:
         self.properties = sheets.properties(element)
-        text = element.attributes.get("transform")
-        self.matrix = transform(text) if text else None
+        text = self.properties.get("transform", "none")
+        self.matrix = None if text == "none" or not text.strip() else transform(text)
+        if self.matrix is not None and "transform-origin" in self.properties:
+            x, y = origin(self.properties["transform-origin"], page)
+            self.matrix = shift(x, y) @ self.matrix @ shift(-x, -y)
         self.paths: list[Subpath] | None = None
 
 
@@ -109,6 +124,8 @@ class _Reader:
     def __init__(self, root: Element) -> None:
         self.sheets = Sheets(root)
         self.canvas = _canvas(root)
+        self.page = None if self.canvas is None else (self.canvas.width, self.canvas.height)
+        self.cut = 0
         self.named: dict[str, Element] = {}
         self.found: list[_Line] = []
         self.pieces = 0
@@ -129,9 +146,9 @@ class _Reader:
     def own(self, element: Element) -> _Own:
         """Return the properties of an element: read once, however often it is repeated."""
         if not self.repeating:
-            return _Own(element, self.sheets)
+            return _Own(element, self.sheets, self.page)
         if element not in self.known:
-            self.known[element] = _Own(element, self.sheets)
+            self.known[element] = _Own(element, self.sheets, self.page)
         return self.known[element]
 
     def collect(
@@ -163,6 +180,25 @@ class _Reader:
             with np.errstate(all="ignore"):
                 matrix = matrix @ own.matrix
         look = self.sheets.look(own.properties, inherited)
+        begin = len(self.found)
+        self._inside(own, element, matrix, look, frame, outermost=outermost, depth=depth)
+        for name in ("clip-path", "mask"):
+            found = REFERENCE.match(own.properties.get(name, ""))
+            target = self.named.get(found[1]) if found else None
+            if target is not None and target.tag in ("clipPath", "mask"):
+                self.clip(begin, target, matrix)
+
+    def _inside(
+        self,
+        own: _Own,
+        element: Element,
+        matrix: Array,
+        look: Look,
+        frame: Element | None,
+        *,
+        outermost: bool,
+        depth: int,
+    ) -> None:
         if element.tag == "use":
             self.repeat(element, matrix, look, depth)
         elif element.tag in GROUPS or frame is not None:
@@ -175,8 +211,54 @@ class _Reader:
         else:
             self.take(own, element, matrix, look)
 
+    def clip(self, begin: int, target: Element, matrix: Array) -> None:
+        """Drop lines that a clip hides altogether; count it where it may cut others in two."""
+        lines = [line for line in self.found[begin:] if line.look.painted]
+        if not lines or target.tag == "mask" or len(target.children) > MAX_SEEN:
+            self.cut += bool(lines)
+            return
+        plain = target.attributes.get("clipPathUnits", "userSpaceOnUse") == "userSpaceOnUse"
+        shapes = [child for child in target.children if child.tag != "title"]
+        paths = [path.cubics @ turn[:2, :2].T + turn[:2, 2]
+                 for child in shapes for turn in (self._turn(target, child, matrix),)
+                 for path in outline(child, self.page)]  # fmt: skip
+        if not plain or not paths or any(child.tag == "use" for child in shapes):
+            self.cut += 1
+            return
+        places = np.concatenate([path.reshape(-1, 2) for path in paths])
+        low, high = places.min(axis=0), places.max(axis=0)
+        slack = ROUNDED * float(np.ptp(places, axis=0).max())
+        square = len(paths) == 1 and shapes[0].tag == "rect" and _on_sides(places, low, high, slack)
+        kept, crossing = [], not square
+        for line in self.found[begin:]:
+            points = line.path.cubics.reshape(-1, 2)
+            if not len(points) or ((points < low).all(axis=0) | (points > high).all(axis=0)).any():
+                continue
+            kept.append(line)
+            inside = (points >= low - slack).all() and (points <= high + slack).all()
+            crossing |= line.look.painted and not inside
+        self.found[begin:] = kept
+        self.cut += bool(kept) and crossing
+
+    def _turn(self, target: Element, child: Element, matrix: Array) -> Array:
+        """Return the matrix of a shape within a clip."""
+        for element in (target, child):
+            own = self.own(element).matrix
+            if own is not None:
+                with np.errstate(all="ignore"):
+                    matrix = matrix @ own
+        return matrix
+
     def left_out(self) -> tuple[str, ...]:
-        """Return a sentence about what the file shows and is not read; none where nothing is."""
+        """Return sentences about what the file shows and is not read; none where nothing is."""
+        cut = (
+            f"{'A part' if self.cut == 1 else f'{self.cut} parts'} of this drawing would be cut by "
+            f"a clip or a mask, and {'is' if self.cut == 1 else 'are'} read whole. Cut with it in "
+            "the program that made it.",
+        )
+        return (*self._unread(), *(cut if self.cut else ()))
+
+    def _unread(self) -> tuple[str, ...]:
         kinds = [(what, count) for what, count in sorted(self.unread.items()) if count]
         if not kinds:
             return ()
@@ -189,8 +271,11 @@ class _Reader:
 
     def take(self, own: _Own, element: Element, matrix: Array, look: Look) -> None:
         """Take the lines of a shape."""
+        if is_sized_by_letters(element):
+            self.unread["shape sized by letters"] += look.painted
+            return
         if own.paths is None:
-            own.paths = outline(element)
+            own.paths = outline(element, self.page)
         self.pieces += sum(len(path.cubics) for path in own.paths)
         at_most(self.pieces, MAX_PIECES, "pieces of lines")
         at_most(len(self.found) + len(own.paths), MAX_STROKES, "strokes")
@@ -214,7 +299,7 @@ class _Reader:
         if target.tag in ("symbol", "svg"):
             frame = self.frame(element, target)
         else:
-            matrix = matrix @ shift(length(element, "x", 0.0), length(element, "y", 0.0))
+            matrix = matrix @ shift(*(length(element, k, 0.0, self.page) for k in "xy"))
         self.repeating += 1
         self.collect(target, matrix, look, frame=frame, depth=depth + 1)
         self.repeating -= 1
@@ -237,8 +322,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
 
     Paths and basic shapes under nested transforms are read; a closed one repeats its first
     point at the end. Painted areas that overlap become one outline (`without_overlaps`).
-    Text and pictures are left out, and named (`Drawing.left_out`); clips and what is not to be
-    seen are ignored.
+    Text and pictures are left out, and named (`Drawing.left_out`), as are clips that cut lines in
+    two; what is not to be seen is ignored.
 
     Parameters
     ----------
@@ -267,7 +352,11 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     tolerance = max(FLATTENING * size, 1e-300)
     points = sum(int(chord_counts(line.path, tolerance).sum()) for line in found)
     at_most(points, MAX_POINTS, "points")
-    lines = [flatten(line.path, tolerance) for line in found]
+    lines = [
+        _painted_ring(points, tolerance) if line.look.filled and line.look.painted else points
+        for line in found
+        for points in (flatten(line.path, tolerance),)
+    ]
     areas = [
         Area(line.element, line.look.rule) if line.look.filled and line.look.painted else None
         for line in found
@@ -279,6 +368,24 @@ def read_drawing(data: bytes, name: str) -> Drawing:
     sheet = reader.canvas and reader.canvas.scaled(reader.scale)
     drawing = sheet_drawing([points for _, points in joined], sheet, name, colors=colors)
     return replace(drawing, left_out=reader.left_out())
+
+
+def _painted_ring(points: Array, tolerance: float) -> Array:
+    """Return the border of what is filled: it ends where it began (SVG 2, section 13.4).
+
+    A line that does not nearly come round stays one, whatever its inside would be.
+    """
+    gap = float(np.linalg.norm(points[0] - points[-1]))
+    length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    if not 0.0 < gap <= NEARLY_ROUND * length:
+        return points
+    return np.concatenate((points[:-1] if gap <= tolerance else points, points[:1]))
+
+
+def _on_sides(places: Array, low: Array, high: Array, slack: float) -> bool:
+    """Whether places lie on the sides of the box around them, as the corners of it do."""
+    off = np.minimum(np.abs(places - low), np.abs(places - high))
+    return bool((off.min(axis=1) <= slack).all())
 
 
 def _canvas(root: Element) -> Sheet | None:

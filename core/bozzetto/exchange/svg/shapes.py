@@ -27,16 +27,43 @@ MM_PER_PIXEL: Final = 25.4 / 96
 # All quantifiers give nothing back: a text that does not fit is given up in one pass.
 NUMBER: Final = re.compile(r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?\d++)?+")
 LENGTH: Final = re.compile(rf"\s*+({NUMBER.pattern})\s*+(px|mm|cm|in|pt|pc)?+\s*+")
+SHARE: Final = re.compile(rf"\s*+({NUMBER.pattern})\s*+%\s*+")
+LETTERS: Final = re.compile(rf"\s*+{NUMBER.pattern}\s*+(?:em|ex|ch|rem|vw|vh)\s*+")
+"""Lengths that depend on letters or on the window: nobody but a browser knows them."""
+
+ACROSS: Final = frozenset(("x", "width", "cx", "rx", "x1", "x2"))
+DOWN: Final = frozenset(("y", "height", "cy", "ry", "y1", "y2"))
+"""Lengths of which a percentage is one of the width, and of the height (SVG 2, section 8.9)."""
+
+UNITS: Final = re.compile(r"(?<=[\d.])(?:px|deg)")
+
 LONGEST_LENGTH: Final = 200
 """Characters of a length or a view box; nobody writes as many digits."""
+
+KEYWORDS: Final = {
+    "left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%",
+}  # fmt: skip
 
 TRANSFORM: Final = re.compile(r"[\s,]*+([A-Za-z]++)\s*+\(([^()]*+)\)[\s,]*+")
 MOST_TRANSFORMS: Final = 10_000
 """Limit of transforms of one element."""
 
 
-def length(element: Element, name: str, default: float) -> float:
-    """Return a length in user units; the default where it is absent or relative.
+def length(
+    element: Element, name: str, default: float, page: tuple[float, float] | None = None
+) -> float:
+    """Return a length in user units; the default where it is absent or cannot be known.
+
+    Parameters
+    ----------
+    element : Element
+        What has it.
+    name : str
+        Of the attribute.
+    default : float
+        Where there is none.
+    page : (width, height), optional
+        What percentages are of, user units.
 
     Raises
     ------
@@ -44,13 +71,36 @@ def length(element: Element, name: str, default: float) -> float:
         If it is larger than a drawing can be.
     """
     text = element.attributes.get(name, "")
-    match = LENGTH.fullmatch(text) if len(text) <= LONGEST_LENGTH else None
-    if match is None:
+    if len(text) > LONGEST_LENGTH:
         return default
-    value = float(match[1]) * PIXELS[match[2] or ""]
+    match = LENGTH.fullmatch(text)
+    if match is not None:
+        value = float(match[1]) * PIXELS[match[2] or ""]
+    else:
+        share = SHARE.fullmatch(text)
+        if share is None or page is None:
+            return default
+        value = float(share[1]) / 100.0 * _whole(name, page)
     if abs(value) > MAX_COORDINATE:
         raise FormatError(f"The length “{name}” is larger than a drawing can be.")
     return value
+
+
+def _whole(name: str, page: tuple[float, float]) -> float:
+    """Return the length that a percentage of a name is of."""
+    if name in ACROSS:
+        return page[0]
+    return page[1] if name in DOWN else math.hypot(*page) / math.sqrt(2.0)
+
+
+def is_sized_by_letters(element: Element) -> bool:
+    """Whether a length of a shape depends on its font or the window."""
+    said = element.attributes
+    return any(
+        len(said[name]) <= LONGEST_LENGTH and LETTERS.fullmatch(said[name]) is not None
+        for name in (*ACROSS, *DOWN, "r")
+        if name in said
+    )
 
 
 def paper_length(element: Element, name: str) -> float | None:
@@ -63,8 +113,15 @@ def paper_length(element: Element, name: str) -> float | None:
     return value if 0.0 < value <= MAX_COORDINATE else None
 
 
-def outline(element: Element) -> list[Subpath]:
+def outline(element: Element, page: tuple[float, float] | None = None) -> list[Subpath]:
     """Return the subpaths of one shape; none for what is no shape.
+
+    Parameters
+    ----------
+    element : Element
+        The shape.
+    page : (width, height), optional
+        What percentages are of, user units.
 
     Raises
     ------
@@ -72,7 +129,7 @@ def outline(element: Element) -> list[Subpath]:
     """
 
     def at(name: str) -> float:
-        return length(element, name, 0.0)
+        return length(element, name, 0.0, page)
 
     match element.tag:
         case "path":
@@ -93,16 +150,16 @@ def outline(element: Element) -> list[Subpath]:
             center = complex(at("cx"), at("cy"))
             return [ellipse(center, complex(rx, ry))] if min(rx, ry) > 0 else []
         case "rect":
-            return _rectangle(element)
+            return _rectangle(element, page)
         case _:
             return []
 
 
-def _rectangle(element: Element) -> list[Subpath]:
-    x, y, width, height = (length(element, k, 0.0) for k in ("x", "y", "width", "height"))
+def _rectangle(element: Element, page: tuple[float, float] | None) -> list[Subpath]:
+    x, y, width, height = (length(element, k, 0.0, page) for k in ("x", "y", "width", "height"))
     if width <= 0 or height <= 0:
         return []
-    rx, ry = length(element, "rx", -1.0), length(element, "ry", -1.0)
+    rx, ry = length(element, "rx", -1.0, page), length(element, "ry", -1.0, page)
     rx, ry = (ry if rx < 0 else rx), (rx if ry < 0 else ry)
     rx, ry = min(max(rx, 0.0), width / 2), min(max(ry, 0.0), height / 2)
     if rx == 0 or ry == 0:
@@ -121,13 +178,14 @@ def shift(x: float, y: float) -> Array:
 
 
 def transform(text: str) -> Array:
-    """Return a transform list as one matrix (3, 3).
+    """Return a transform list, of an attribute or of a style, as one matrix (3, 3).
 
     Raises
     ------
     FormatError
     """
     matrix: Array = np.eye(3)
+    text = UNITS.sub("", text)
     at = count = 0
     while at < len(text):
         count += 1
@@ -154,6 +212,14 @@ def _single_transform(kind: str, numbers: list[float]) -> Array:
             return np.array([[a, c, e], [b, d, f], [0.0, 0.0, 1.0]])
         case "translate", [x, *rest] if len(rest) < 2:
             return shift(x, *rest or [0.0])
+        case "translateX", [x]:
+            return shift(x, 0.0)
+        case "translateY", [y]:
+            return shift(0.0, y)
+        case "scaleX", [x]:
+            return np.diag([x, 1.0, 1.0])
+        case "scaleY", [y]:
+            return np.diag([1.0, y, 1.0])
         case "scale", [x, *rest] if len(rest) < 2:
             return np.diag([x, *(rest or [x]), 1.0])
         case "rotate", [degrees, *center] if len(center) in (0, 2):
@@ -167,3 +233,15 @@ def _single_transform(kind: str, numbers: list[float]) -> Array:
             return np.array([[1, 0, 0], [math.tan(math.radians(degrees)), 1, 0], [0, 0, 1.0]])
         case _:
             raise FormatError(f"A transform cannot be understood: “{kind[:20]}”.")
+
+
+def origin(text: str, page: tuple[float, float] | None) -> tuple[float, float]:
+    """Return the point about which a style transforms; (0, 0) where it is not understood."""
+    words = text.split()[:2]
+    if len(words) == 1:
+        words = ["center", *words] if words[0] in ("top", "bottom") else [*words, "center"]
+    if len(words) == 2 and (words[0] in ("top", "bottom") or words[1] in ("left", "right")):
+        words.reverse()
+    said = {name: KEYWORDS.get(word, word) for name, word in zip("xy", words, strict=False)}
+    point = Element("", "", said)
+    return length(point, "x", 0.0, page), length(point, "y", 0.0, page)

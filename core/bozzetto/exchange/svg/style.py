@@ -17,7 +17,10 @@ Color = tuple[int, int, int]
 
 SELECTOR: Final = re.compile(r"\*|[.#]?[A-Za-z_][\w-]*")
 
-PROPERTIES: Final[tuple[str, ...]] = ("display", "fill", "stroke", "fill-rule", "visibility")
+PROPERTIES: Final[tuple[str, ...]] = (
+    "display", "fill", "stroke", "fill-rule", "visibility", "transform", "transform-origin",
+    "clip-path", "mask",
+)  # fmt: skip
 """Properties that are read; nothing else is kept of a style sheet."""
 
 Properties = dict[str, str]

@@ -57,6 +57,7 @@ def bridged(lines: list[Array], reach: float, width: float) -> list[Array]:
     ]
     heapq.heapify(found)
     owner = {2 * k + side: (number, side) for k, number in enumerate(numbers) for side in (0, 1)}
+    opposite = {end: end ^ 1 for end in owner}  # the other end of its line
     while found:
         gap, a, b = heapq.heappop(found)
         if a not in owner or b not in owner:
@@ -65,6 +66,7 @@ def bridged(lines: list[Array], reach: float, width: float) -> list[Array]:
         if not _goes_on(rows[one], side, rows[other], far, gap, width):
             continue
         del owner[a], owner[b]
+        start, end = opposite[a], opposite[b]
         if one == other:
             line = rows.pop(one)
             closed.append(np.vstack((line, line[:1])))
@@ -72,11 +74,8 @@ def bridged(lines: list[Array], reach: float, width: float) -> list[Array]:
         first = rows.pop(one) if side == 1 else rows.pop(one)[::-1]
         second = rows.pop(other) if far == 0 else rows.pop(other)[::-1]
         rows[one] = np.vstack((first, second))
-        for end, (number, _) in list(owner.items()):
-            if number == one:
-                owner[end] = (one, 0)
-            elif number == other:
-                owner[end] = (one, 1)
+        owner[start], owner[end] = (one, 0), (one, 1)
+        opposite[start], opposite[end] = end, start
     return [*closed, *rows.values()]
 
 

@@ -213,6 +213,68 @@ def test_what_is_shown_and_not_read_is_named():
         read("<text>alone</text>")
 
 
+CLIP = '<clipPath id="c">{}</clipPath>'
+BAR = '<g clip-path="url(#c)"><path d="M{} 20h40" stroke="red" fill="none"/></g>'
+
+
+@pytest.mark.parametrize(
+    ("clip", "begin", "shown", "told"),
+    [
+        ('<rect width="100" height="50"/>', 30, True, False),
+        ('<rect width="100" height="50"/>', 80, True, True),
+        ('<rect width="100" height="50"/>', 120, False, False),
+        ('<rect width="100" height="50" transform="translate(-90 0)"/>', 30, False, False),
+        ('<rect width="100" height="50" transform="rotate(9)"/>', 30, True, True),
+        ('<circle cx="50" cy="20" r="50"/>', 30, True, True),
+        ('<circle cx="50" cy="20" r="50"/>', 101, False, False),
+    ],
+)
+def test_a_clip_hides_what_lies_outside_and_is_told_where_it_cuts(clip, begin, shown, told):
+    frame = '<path d="M0 0h100v100h-100z" stroke="red" fill="none"/>'
+    drawing = read(CLIP.format(clip) + BAR.format(begin) + frame)
+    assert len(drawing.strokes) == 1 + shown
+    assert any("cut by" in said for said in drawing.left_out) is told
+
+
+def test_a_filled_line_that_nearly_comes_round_is_a_border():
+    """As in icons that were made small: their last side is left to the fill."""
+    path = '<path {} d="M10 10h30v20h-30v-16"/>'
+    (one,) = lines(2 * path.format('fill="red"'))  # drawn twice, too
+    assert one[0] == pytest.approx(one[-1], abs=1e-9)
+    (other,) = lines(path.format('fill="none" stroke="red"'))
+    assert other[0] != pytest.approx(other[-1], abs=1)
+    (arm,) = lines('<path fill="red" stroke="red" d="M10 10h30v20"/>')
+    assert len(arm) == 3
+
+
+def test_lengths_may_be_shares_of_the_page_and_letters_are_told():
+    attributes = 'viewBox="0 0 100 50"'
+    (one,) = lines('<ellipse cx="50%" cy="50%" rx="40%" ry="20%"/>', attributes=attributes)
+    assert np.ptp(one, axis=0) == pytest.approx([80, 20], abs=0.1)
+    assert one.mean(axis=0) == pytest.approx([50, 25], abs=1)
+    drawing = read('<rect x="9" width="2em" height="9"/><rect width="9" height="9"/>')
+    assert len(drawing.strokes) == 1
+    assert "1 shape sized by letters" in drawing.left_out[0]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        'style="transform: translate(20px, 10px)"',
+        'style="transform: translateX(20px) translateY(10px)"',
+        'class="moved"',
+        'transform="rotate(180)" transform-origin="35 25"',
+        'style="transform: rotate(180deg); transform-origin: 35px 25px"',
+        'style="transform: scale(-1); transform-origin: 35% 25%"',
+    ],
+)
+def test_transforms_of_styles_count(said):
+    style = "<style>.moved { transform: translate(20px, 10px) }</style>"
+    (one,) = lines(f'{style}<rect x="10" y="10" width="30" height="20" {said}/>')
+    assert one.min(axis=0) == pytest.approx([30, 20], abs=1e-6)
+    assert one.max(axis=0) == pytest.approx([60, 40], abs=1e-6)
+
+
 def test_nested_svg_has_its_own_units():
     body = (
         '<svg x="10" y="20" width="40" height="20" viewBox="0 0 10 10"><path d="M0 0L10 10"/></svg>'
