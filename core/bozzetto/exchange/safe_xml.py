@@ -141,7 +141,7 @@ def parse_events(
     def refuse(*_: object) -> None:
         raise FormatError(
             "Its document type (<!DOCTYPE … [ … ]>) defines something, which is not accepted. "
-            "Export the file again as plain SVG or InkML."
+            "Save it again without one; drawings as plain SVG or InkML."
         )
 
     def doctype(name: str, system: str | None, public: str | None, defines: bool) -> None:
