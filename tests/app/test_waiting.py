@@ -272,6 +272,28 @@ def test_esc_stops_a_modeler_and_its_ink_waits(make_window, pair, settle, qtbot)
 # -- how one is rid of it --------------------------------------------------------------------------
 
 
+def test_undo_takes_the_stroke_under_the_pen_and_not_the_shape_before_it(
+    make_window, pair, settle
+):
+    window = make_window(FIRST, extra=pair[0].packages)
+    session = window.session
+    stylus = Stylus(window.canvas)
+    stylus.draw(circle())
+    settle(session)
+    path = circle(radius=60)
+    stylus.draw(path, lift=False)
+    QTest.keyClick(window.canvas, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    settle(session)
+    assert (strokes(session), session.drawing.pending) == ([1], ())
+    stylus.move((path[-1][0] + 20.0, path[-1][1]))
+    stylus.lift(path[-1])
+    settle(session)
+    assert (strokes(session), session.drawing.pending) == ([1], ())
+    session.drawing.redo()
+    settle(session)
+    assert (strokes(session), len(session.drawing.pending)) == ([2], 0)
+
+
 def test_esc_with_an_idle_hand_takes_waiting_ink_back_and_undo_brings_it_again(
     make_window, pair, settle
 ):

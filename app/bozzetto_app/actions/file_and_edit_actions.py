@@ -124,10 +124,14 @@ def edit_commands(window: Window) -> Iterator[Action]:
             return tr("Edit", "There is no object to copy yet. Draw one first.")
         return tr("Edit", "No object is selected. Click one in the list of objects.")
 
+    def undo() -> None:
+        window.canvas.hand.end()  # what is under the pen is the last that was done
+        session.drawing.undo()
+
     yield Action(
         "edit.undo",
         tr("Edit", "&Undo"),
-        session.drawing.undo,
+        undo,
         "undo",
         ("Ctrl+Z",),
         menu,
