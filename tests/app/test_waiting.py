@@ -272,9 +272,7 @@ def test_esc_stops_a_modeler_and_its_ink_waits(make_window, pair, settle, qtbot)
 # -- how one is rid of it --------------------------------------------------------------------------
 
 
-def test_undo_takes_the_stroke_under_the_pen_and_not_the_shape_before_it(
-    make_window, pair, settle
-):
+def test_undo_takes_the_stroke_under_the_pen_and_not_the_shape_before_it(make_window, pair, settle):
     window = make_window(FIRST, extra=pair[0].packages)
     session = window.session
     stylus = Stylus(window.canvas)
