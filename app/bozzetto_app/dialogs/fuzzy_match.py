@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 from dataclasses import dataclass
+from functools import lru_cache
 
 __all__ = ["Match", "fold", "match"]
 
@@ -42,6 +43,7 @@ class Match:
     places: tuple[int, ...]
 
 
+@lru_cache(maxsize=2048)  # what is typed meets every name, and every name is met at every letter
 def fold(text: str) -> str:
     """Lower case without accents, one letter for one letter."""
     return "".join((unicodedata.normalize("NFKD", letter)[:1] or letter).lower() for letter in text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import unicodedata
 
 import pytest
 from hypothesis import given
@@ -66,3 +67,19 @@ def test_nothing_typed_fits_everything():
     found = match("  ", "Save")
     assert found is not None
     assert found.places == ()
+
+
+def test_a_letter_more_folds_no_name_again(monkeypatch):
+    names = [f"Name of something {number}" for number in range(300)]
+    folded = []
+
+    def counted(form, letter, plain=unicodedata.normalize):
+        folded.append(letter)
+        return plain(form, letter)
+
+    monkeypatch.setattr(unicodedata, "normalize", counted)
+    for typed in ("x" * 400, "x" * 401):
+        folded.clear()
+        for name in names:
+            match(typed, name)
+    assert len(folded) == 401
