@@ -43,6 +43,10 @@ PASSES: Final = 10.0
 in a corner of their own: no corner of a solid lies on an edge that goes on there, and lines that
 cross on the sheet do not meet."""
 
+THREE_BARS: Final = -6.0
+"""Cost of six lines that go straight on in three pairs, beside `MANY_LINES`: three bars meet there,
+and three lines do not cross at one place by chance, nor do two corners lie at one."""
+
 STRAIGHT_ON: Final = radians(12.0)
 """Angle up to which two lines go straight on."""
 
@@ -267,7 +271,8 @@ def strain_of(sums: End) -> float:
 def passing_cost(angles: Iterable[float]) -> float:
     """Return the cost of pairs of lines that go straight on through a corner.
 
-    One pair with two others is a corner of solids, where a rib ends at an edge.
+    One pair with two others is a corner of solids, where a rib ends at an edge; and so are three
+    pairs, where three bars meet.
 
     Parameters
     ----------
@@ -283,4 +288,6 @@ def passing_cost(angles: Iterable[float]) -> float:
                 del left[number]
                 pairs += 1
                 break
+    if pairs == 3 and count == 6:
+        return THREE_BARS
     return 0.0 if count - 2 * pairs == 2 else PASSES * pairs

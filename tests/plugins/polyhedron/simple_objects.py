@@ -68,6 +68,34 @@ def through_hole() -> Polyhedron:
     return Polyhedron(np.vstack([block.vertices, hole.vertices]), edges_of(faces), faces)
 
 
+def three_bars() -> Polyhedron:
+    """Return bars along three axes from one cube: six edges meet at its corner between them."""
+    x, y, z = 3.0, 2.6, 3.3
+    vertices = np.array(
+        [
+            *[(0, 0, 0), (1, 1, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1)],
+            *[(x, 0, 0), (x, 1, 0), (x, 1, 1), (x, 0, 1)],
+            *[(0, y, 0), (1, y, 0), (1, y, 1), (0, y, 1)],
+            *[(0, 0, z), (1, 0, z), (1, 1, z), (0, 1, z)],
+        ],
+        float,
+    )
+    outer = (
+        *[(5, 6, 7, 8), (9, 12, 11, 10), (13, 14, 15, 16)],
+        *[(0, 9, 10, 2, 6, 5), (0, 5, 8, 3, 14, 13), (0, 13, 16, 4, 12, 9)],
+        *[
+            (2, 1, 7, 6),
+            (3, 8, 7, 1),
+            (2, 10, 11, 1),
+            (4, 1, 11, 12),
+            (3, 1, 15, 14),
+            (4, 16, 15, 1),
+        ],
+    )
+    faces = tuple((ring,) for ring in outer)
+    return Polyhedron(vertices, edges_of(faces), faces)
+
+
 def hexagon() -> list[tuple[float, float]]:
     return [(float(np.cos(a)), float(np.sin(a))) for a in np.arange(6) * np.pi / 3]
 

@@ -16,7 +16,7 @@ from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.graph.live import searched
 from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import CLEAN, SIZE, UNTIDY, Hand, stroke, strokes_of
-from tests.plugins.polyhedron.simple_objects import OBJECTS, view
+from tests.plugins.polyhedron.simple_objects import OBJECTS, three_bars, view
 
 Edges = Sequence[tuple[int, int]]
 
@@ -50,6 +50,18 @@ def test_a_tidy_drawing_gives_its_graph(name: str) -> None:
     assert graph.health == ()
     assert graph.dropped == ()
     assert sorted(k for each in graph.strokes for k in each) == list(range(len(strokes)))
+
+
+def test_where_three_bars_meet_six_lines_have_one_corner() -> None:
+    body, right = three_bars(), []
+    assert len(body.edges) == 27
+    for seed in range(12):
+        places = view(body, seed)
+        if places is not None:
+            graph = graph_of(strokes_of(places, body.edges, Hand(jitter=0.01), seed))
+            right.append(is_right(graph, places * SIZE + 200.0, body.edges))
+    assert len(right) > 5
+    assert np.mean(right) > 0.8
 
 
 def test_what_was_drawn_again_and_in_pieces_is_one_line() -> None:
