@@ -109,6 +109,6 @@ def test_first_parameters_are_parameters(names, words):
 
 
 def test_first_parameters_are_of_the_state_or_its_parts():
-    names = ("inflation", "resolution")
+    names = ("inflation", "inner")
     assert sound_first_parameters(names, (SilhouetteState, Part)) == names
     assert sound_first_parameters((), ()) == ()
