@@ -197,18 +197,19 @@ class HandoverDialog(Page):
     @property
     def handover(self) -> Handover:
         """What the controls say."""
-        unit, up, lines = self.unit.value, self.up.value, self.lines.value
-        draws = any(self._offered[one].draws for one in self.chosen)
+        unit, up, lines = (
+            one.value if one.isEnabled() else "" for one in (self.unit, self.up, self.lines)
+        )
         return Handover(
-            unit=None if unit == USUAL else cast(Unit, unit),
-            up=None if up == USUAL else cast(Up, up),
+            unit=None if unit in ("", USUAL) else cast(Unit, unit),
+            up=None if up in ("", USUAL) else cast(Up, up),
             scale=self.scale.value(),
-            triangles=int(self.triangles.value()) or None,
+            triangles=(int(self.triangles.value()) or None) if self.triangles.isEnabled() else None,
             lay_flat=self.lay_flat.isChecked(),
-            lines=cast(Lines, lines) if draws and lines != "curves" else None,
-            hidden=self.hidden.isChecked(),
-            levels=self.levels.isChecked(),
-            uvs=self.uvs.isChecked(),
+            lines=None if lines in ("", "curves") else cast(Lines, lines),
+            hidden=_is_on(self.hidden),
+            levels=_is_on(self.levels),
+            uvs=_is_on(self.uvs),
         )
 
     @property
@@ -225,7 +226,26 @@ class HandoverDialog(Page):
 
     # -- what it would be --
 
+    def _offer_what_is_kept(self) -> None:
+        """Grey out what none of the chosen formats would heed."""
+        formats = [self._offered[one] for one in self.chosen]
+        draws = any(one.draws for one in formats)
+        heeded: dict[QWidget, bool] = {
+            self.unit: any("unit" in one.choices for one in formats),
+            self.up: any("up" in one.choices for one in formats),
+            self.triangles: any("mesh" in one.holds for one in formats),
+            self.levels: any("levels" in one.keeps for one in formats),
+            self.uvs: any("uvs" in one.keeps for one in formats),
+            self.lines: draws,
+            self.hidden: draws and self.lines.value != "curves",
+        }
+        for widget, is_heeded in heeded.items():
+            widget.setEnabled(is_heeded)
+            words = tr("Handover", "This changes nothing in the chosen formats.")
+            widget.setToolTip("" if is_heeded else words)
+
     def _change(self, *_: object) -> None:
+        self._offer_what_is_kept()
         self.go.setEnabled(False)
         self.warning.setText("")  # it was about something else; its place stays until the answer
         if not self.chosen:
@@ -275,18 +295,25 @@ class HandoverDialog(Page):
             "unit": self.unit.value,
             "up": self.up.value,
             "scale": wanted.scale,
-            "triangles": wanted.triangles or 0,
-            "lay_flat": "yes" if wanted.lay_flat else "",
+            "triangles": int(self.triangles.value()),
             "lines": self.lines.value,
-            "hidden": "yes" if wanted.hidden else "",
-            "levels": "yes" if wanted.levels else "",
-            "uvs": "yes" if wanted.uvs else "",
         }
+        toggles = {
+            "lay_flat": self.lay_flat,
+            "hidden": self.hidden,
+            "levels": self.levels,
+            "uvs": self.uvs,
+        }
+        kept |= {key: "yes" if toggle.isChecked() else "" for key, toggle in toggles.items()}
         for key, value in kept.items():
             self._kept.setValue(f"{KEPT}{key}", value)
         formats = [self._offered[one] for one in self.chosen]
         if self._questions.ask_place_of_export(formats, wanted, self.names):
             self.accept()
+
+
+def _is_on(toggle: Toggle) -> bool:
+    return toggle.isEnabled() and toggle.isChecked()
 
 
 def _number(kept: object, otherwise: float) -> float:

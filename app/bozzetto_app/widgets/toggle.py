@@ -48,7 +48,8 @@ class Toggle(QCheckBox):
         painter.drawRoundedRect(pill, 7.5, 7.5)
         knob = QPointF(pill.right() - 7.5 if on else pill.left() + 7.5, pill.center().y())
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(qcolor(colors.on_accent if on else colors.quiet))
+        off = colors.quiet if alive else colors.disabled
+        painter.setBrush(qcolor(colors.on_accent if on else off))
         painter.drawEllipse(knob, 5.0, 5.0)
         if self.hasFocus():
             painter.setPen(QPen(qcolor(colors.second), 1.5))

@@ -95,6 +95,24 @@ def test_what_a_format_cannot_hold_is_said_before_it_is_chosen(window, qtbot):
     assert not dialog.go.isEnabled()
 
 
+def test_what_no_chosen_format_heeds_is_grey_and_kept_for_those_that_do(window, qtbot):
+    dialog = opened(window)
+    choose(dialog, "glb")
+    dialog.uvs.setChecked(True)
+    dialog.lines.chosen.emit("outlines")
+    assert dialog.handover == Handover(uvs=True)
+    assert not dialog.lines.isEnabled()
+    assert "formats" in dialog.lines.toolTip()
+    choose(dialog, "svg")
+    assert dialog.handover == Handover()
+    assert dialog.lines.isEnabled()
+    grey = dialog.uvs, dialog.triangles, dialog.unit
+    assert not any(widget.isEnabled() for widget in grey)
+    choose(dialog, "glb", "svg")
+    assert dialog.handover == Handover(uvs=True)
+    assert dialog.triangles.toolTip() == ""
+
+
 @pytest.mark.parametrize("wrong", ["nonsense", "nan", "-inf"])
 def test_settings_that_anybody_wrote_do_not_stop_the_dialog(window, qtbot, wrong):
     from bozzetto_app.settings import settings
