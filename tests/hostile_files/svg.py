@@ -68,6 +68,25 @@ def _(size):
     return svg(b'<path id="p" transform="' + turns + b'" d="M0 0L1 1"/>' + uses)
 
 
+@family("svg clip times elements")
+def _(size):
+    clip = b'<clipPath id="c"><path d="M0 0' + filled(b"L9 7", size // 2) + b'"/></clipPath>'
+    return svg(clip + filled(b'<path clip-path="url(#c)" d="M0 0L1 1"/>', size // 2))
+
+
+@family("svg clips in clips")
+def _(size):
+    depth, clip = 60, b'<clipPath id="c"><rect width="9" height="9"/></clipPath>'
+    inside = filled(b'<path d="M0 0L1 1"/>', size)
+    return svg(clip + b'<g clip-path="url(#c)">' * depth + inside + b"</g>" * depth)
+
+
+@family("svg transform of a style times classes")
+def _(size):
+    look = b"<style>.a{transform:" + filled(b"scale(1)", size // 2) + b"}</style>"
+    return svg(look + filled(b'<path class="a" d="M0 0L1 1"/>', size // 2))
+
+
 @family("svg use times classes")
 def _(size):
     classes = filled(b"a b ", size // 2)

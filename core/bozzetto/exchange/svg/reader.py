@@ -8,7 +8,6 @@ does (``width="100mm"``), the drawing has that size. The point (x, y) of the fil
 from __future__ import annotations
 
 import math
-import re
 from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Final
@@ -16,6 +15,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.cached_properties import cached_property
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import (
     MAX_COORDINATE,
@@ -26,6 +26,7 @@ from bozzetto.exchange.limits import (
 )
 from bozzetto.exchange.page_layout import Sheet, sheet_drawing
 from bozzetto.exchange.safe_xml import Element, parse_xml
+from bozzetto.exchange.svg.clips import Box, Clip, box_of, lies_apart, lies_within, named_clip
 from bozzetto.exchange.svg.overlaps import Area, without_overlaps
 from bozzetto.exchange.svg.path_data import MAX_PIECES, Subpath, chord_counts, flatten
 from bozzetto.exchange.svg.shapes import (
@@ -40,7 +41,7 @@ from bozzetto.exchange.svg.shapes import (
     shift,
     transform,
 )
-from bozzetto.exchange.svg.style import Look, Sheets
+from bozzetto.exchange.svg.style import Look, Properties, Sheets
 from bozzetto.exchange.svg.writer import write_drawing as write_drawing
 from bozzetto.exchange.svg.writer import write_view as write_view
 from bozzetto.ink.drawing import Drawing
@@ -59,14 +60,8 @@ EXTENDED: Final = "requiredExtensions"
 UNREAD: Final = {"text": "text", "image": "picture", "foreignObject": "embedded page"}
 """Elements that show something other than lines, and what people call it."""
 
-REFERENCE: Final = re.compile(r"\s*url\(\s*[\"']?#([^\"')\s]+)")
-"""What names a clip."""
-
 NEARLY_ROUND: Final = 0.1
 """Gap between the ends of a filled line that is closed, as a share of its length."""
-
-MAX_SEEN: Final = 100
-"""Shapes of one clip that are looked at."""
 
 FRAME: Final = ("x", "y", "width", "height", "viewBox")
 """Attributes that say where a viewport is."""
@@ -92,6 +87,10 @@ class _Line:
     look: Look
     element: int
 
+    @cached_property
+    def box(self) -> Box | None:
+        return box_of(self.path)
+
 
 class _Own:
     """Properties of one element, apart from where it stands.
@@ -108,13 +107,8 @@ class _Own:
 
     __slots__ = ("matrix", "paths", "properties")
 
-    def __init__(self, element: Element, sheets: Sheets, page: tuple[float, float] | None) -> None:
-        self.properties = sheets.properties(element)
-        text = self.properties.get("transform", "none")
-        self.matrix = None if text == "none" or not text.strip() else transform(text)
-        if self.matrix is not None and "transform-origin" in self.properties:
-            x, y = origin(self.properties["transform-origin"], page)
-            self.matrix = shift(x, y) @ self.matrix @ shift(-x, -y)
+    def __init__(self, properties: Properties, matrix: Array | None) -> None:
+        self.properties, self.matrix = properties, matrix
         self.paths: list[Subpath] | None = None
 
 
@@ -125,7 +119,10 @@ class _Reader:
         self.sheets = Sheets(root)
         self.canvas = _canvas(root)
         self.page = None if self.canvas is None else (self.canvas.width, self.canvas.height)
+        self.clips: dict[Element, Clip] = {}
         self.cut = 0
+        self.moves: dict[str, Array | None] = {}
+        self.unmoved = 0
         self.named: dict[str, Element] = {}
         self.found: list[_Line] = []
         self.pieces = 0
@@ -145,11 +142,30 @@ class _Reader:
 
     def own(self, element: Element) -> _Own:
         """Return the properties of an element: read once, however often it is repeated."""
-        if not self.repeating:
-            return _Own(element, self.sheets, self.page)
-        if element not in self.known:
-            self.known[element] = _Own(element, self.sheets, self.page)
-        return self.known[element]
+        if element in self.known:
+            return self.known[element]
+        properties = self.sheets.properties(element)
+        made = _Own(properties, self._matrix(element, properties))
+        if self.repeating:
+            self.known[element] = made
+        return made
+
+    def _matrix(self, element: Element, properties: Properties) -> Array | None:
+        """Return the transform of an element; None if it has none, or a style that nobody knows."""
+        text = properties.get("transform", "")
+        if text not in self.moves:
+            try:
+                self.moves[text] = transform(text, self.page)
+            except FormatError:
+                if text == element.attributes.get("transform"):
+                    raise
+                self.moves[text] = None
+                self.unmoved += 1
+        matrix = self.moves[text]
+        if matrix is not None and "transform-origin" in properties:
+            x, y = origin(properties["transform-origin"], self.page)
+            matrix = shift(x, y) @ matrix @ shift(-x, -y)
+        return matrix
 
     def collect(
         self,
@@ -183,8 +199,7 @@ class _Reader:
         begin = len(self.found)
         self._inside(own, element, matrix, look, frame, outermost=outermost, depth=depth)
         for name in ("clip-path", "mask"):
-            found = REFERENCE.match(own.properties.get(name, ""))
-            target = self.named.get(found[1]) if found else None
+            target = self.named.get(named_clip(own.properties.get(name, "")))
             if target is not None and target.tag in ("clipPath", "mask"):
                 self.clip(begin, target, matrix)
 
@@ -213,50 +228,40 @@ class _Reader:
 
     def clip(self, begin: int, target: Element, matrix: Array) -> None:
         """Drop lines that a clip hides altogether; count it where it may cut others in two."""
-        lines = [line for line in self.found[begin:] if line.look.painted]
-        if not lines or target.tag == "mask" or len(target.children) > MAX_SEEN:
-            self.cut += bool(lines)
+        if not any(line.look.painted for line in self.found[begin:]):
             return
-        plain = target.attributes.get("clipPathUnits", "userSpaceOnUse") == "userSpaceOnUse"
-        shapes = [child for child in target.children if child.tag != "title"]
-        paths = [path.cubics @ turn[:2, :2].T + turn[:2, 2]
-                 for child in shapes for turn in (self._turn(target, child, matrix),)
-                 for path in outline(child, self.page)]  # fmt: skip
-        if not plain or not paths or any(child.tag == "use" for child in shapes):
+        if target not in self.clips:
+            self.clips[target] = Clip.of(target, lambda one: self.own(one).matrix, self.page)
+        with np.errstate(all="ignore"):
+            seen = self.clips[target].look(matrix)
+        if seen is None:
             self.cut += 1
             return
-        places = np.concatenate([path.reshape(-1, 2) for path in paths])
-        low, high = places.min(axis=0), places.max(axis=0)
-        slack = ROUNDED * float(np.ptp(places, axis=0).max())
-        square = len(paths) == 1 and shapes[0].tag == "rect" and _on_sides(places, low, high, slack)
-        kept, crossing = [], not square
-        for line in self.found[begin:]:
-            points = line.path.cubics.reshape(-1, 2)
-            if not len(points) or ((points < low).all(axis=0) | (points > high).all(axis=0)).any():
-                continue
-            kept.append(line)
-            inside = (points >= low - slack).all() and (points <= high + slack).all()
-            crossing |= line.look.painted and not inside
+        box, is_exact = seen
+        lines = self.found[begin:]
+        kept = [line for line in lines if line.box is None or not lies_apart(line.box, box)]
         self.found[begin:] = kept
-        self.cut += bool(kept) and crossing
-
-    def _turn(self, target: Element, child: Element, matrix: Array) -> Array:
-        """Return the matrix of a shape within a clip."""
-        for element in (target, child):
-            own = self.own(element).matrix
-            if own is not None:
-                with np.errstate(all="ignore"):
-                    matrix = matrix @ own
-        return matrix
+        self.cut += any(
+            line.look.painted and not (is_exact and lies_within(line.box, box))
+            for line in kept
+            if line.box is not None
+        )
 
     def left_out(self) -> tuple[str, ...]:
         """Return sentences about what the file shows and is not read; none where nothing is."""
-        cut = (
-            f"{'A part' if self.cut == 1 else f'{self.cut} parts'} of this drawing would be cut by "
-            f"a clip or a mask, and {'is' if self.cut == 1 else 'are'} read whole. Cut with it in "
-            "the program that made it.",
-        )
-        return (*self._unread(), *(cut if self.cut else ()))
+        told = list(self._unread())
+        if self.cut:
+            parts, are = ("A part", "is") if self.cut == 1 else (f"{self.cut} parts", "are")
+            told.append(
+                f"{parts} of this drawing would be cut by a clip or a mask, and {are} read whole. "
+                "Cut with it in the program that made it."
+            )
+        if self.unmoved:
+            told.append(
+                "A transform in a style is not understood, so parts of this drawing may lie "
+                "elsewhere. Save it as plain SVG in the program that made it."
+            )
+        return tuple(told)
 
     def _unread(self) -> tuple[str, ...]:
         kinds = [(what, count) for what, count in sorted(self.unread.items()) if count]
@@ -380,12 +385,6 @@ def _painted_ring(points: Array, tolerance: float) -> Array:
     if not 0.0 < gap <= NEARLY_ROUND * length:
         return points
     return np.concatenate((points[:-1] if gap <= tolerance else points, points[:1]))
-
-
-def _on_sides(places: Array, low: Array, high: Array, slack: float) -> bool:
-    """Whether places lie on the sides of the box around them, as the corners of it do."""
-    off = np.minimum(np.abs(places - low), np.abs(places - high))
-    return bool((off.min(axis=1) <= slack).all())
 
 
 def _canvas(root: Element) -> Sheet | None:

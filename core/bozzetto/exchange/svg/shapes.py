@@ -35,14 +35,16 @@ ACROSS: Final = frozenset(("x", "width", "cx", "rx", "x1", "x2"))
 DOWN: Final = frozenset(("y", "height", "cy", "ry", "y1", "y2"))
 """Lengths of which a percentage is one of the width, and of the height (SVG 2, section 8.9)."""
 
-UNITS: Final = re.compile(r"(?<=[\d.])(?:px|deg)")
-
 LONGEST_LENGTH: Final = 200
 """Characters of a length or a view box; nobody writes as many digits."""
 
 KEYWORDS: Final = {
     "left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%",
 }  # fmt: skip
+
+ARGUMENT: Final = re.compile(rf"({NUMBER.pattern})([A-Za-z]++|%)?+")
+DEGREES: Final = {"": 1.0, "deg": 1.0, "rad": 180.0 / math.pi, "grad": 0.9, "turn": 360.0}
+NO_TRANSFORM: Final = frozenset(("", "none", "initial", "unset", "revert"))
 
 TRANSFORM: Final = re.compile(r"[\s,]*+([A-Za-z]++)\s*+\(([^()]*+)\)[\s,]*+")
 MOST_TRANSFORMS: Final = 10_000
@@ -177,15 +179,23 @@ def shift(x: float, y: float) -> Array:
     return np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
 
 
-def transform(text: str) -> Array:
-    """Return a transform list, of an attribute or of a style, as one matrix (3, 3).
+def transform(text: str, page: tuple[float, float] | None = None) -> Array | None:
+    """Return a transform list, of an attribute or of a style, as one matrix (3, 3); or None.
+
+    Parameters
+    ----------
+    text : str
+        The list; "none" and the like are no transform.
+    page : (width, height), optional
+        What percentages are of, user units.
 
     Raises
     ------
     FormatError
     """
+    if text.strip() in NO_TRANSFORM:
+        return None
     matrix: Array = np.eye(3)
-    text = UNITS.sub("", text)
     at = count = 0
     while at < len(text):
         count += 1
@@ -195,13 +205,31 @@ def transform(text: str) -> Array:
             if text[at:].strip():
                 raise FormatError(f"A transform cannot be understood: “{text[at : at + 30]}”.")
             break
-        numbers = [float(word) for word in NUMBER.findall(match[2])]
+        numbers = _arguments(match[1], match[2], page)
         with np.errstate(all="ignore"):
             matrix = matrix @ _single_transform(match[1], numbers)
         at = match.end()
     if not (np.abs(matrix) <= MAX_COORDINATE).all():
         raise FormatError("A transform moves its lines further than a drawing can reach.")
     return matrix
+
+
+def _arguments(kind: str, text: str, page: tuple[float, float] | None) -> list[float]:
+    """Return what a transform is given: user units, degrees, or factors."""
+    turns, moves = kind in ("rotate", "skewX", "skewY"), kind.startswith("translate")
+    numbers = []
+    for place, (digits, unit) in enumerate(ARGUMENT.findall(text)):
+        number = float(digits)
+        if unit == "%" and (page is not None or not moves):
+            down = kind == "translateY" or place == 1
+            number *= (page[down] if page is not None and moves else 1.0) / 100.0
+        elif unit:
+            units = DEGREES if turns and not place else PIXELS
+            if unit not in units:
+                raise FormatError(f"A transform has a unit that is not known: “{unit[:20]}”.")
+            number *= units[unit]
+        numbers.append(number)
+    return numbers
 
 
 def _single_transform(kind: str, numbers: list[float]) -> Array:
@@ -237,7 +265,7 @@ def _single_transform(kind: str, numbers: list[float]) -> Array:
 
 def origin(text: str, page: tuple[float, float] | None) -> tuple[float, float]:
     """Return the point about which a style transforms; (0, 0) where it is not understood."""
-    words = text.split()[:2]
+    words = text.split()[:2] if len(text) <= LONGEST_LENGTH else []
     if len(words) == 1:
         words = ["center", *words] if words[0] in ("top", "bottom") else [*words, "center"]
     if len(words) == 2 and (words[0] in ("top", "bottom") or words[1] in ("left", "right")):

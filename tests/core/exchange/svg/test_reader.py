@@ -266,6 +266,9 @@ def test_lengths_may_be_shares_of_the_page_and_letters_are_told():
         'transform="rotate(180)" transform-origin="35 25"',
         'style="transform: rotate(180deg); transform-origin: 35px 25px"',
         'style="transform: scale(-1); transform-origin: 35% 25%"',
+        'style="transform: rotate(0.5turn); transform-origin: 35px 25px"',
+        'style="transform: rotate(3.14159265358979rad); transform-origin: 35px 25px"',
+        'style="transform: translate(20%, 10%)"',
     ],
 )
 def test_transforms_of_styles_count(said):
@@ -273,6 +276,18 @@ def test_transforms_of_styles_count(said):
     (one,) = lines(f'{style}<rect x="10" y="10" width="30" height="20" {said}/>')
     assert one.min(axis=0) == pytest.approx([30, 20], abs=1e-6)
     assert one.max(axis=0) == pytest.approx([60, 40], abs=1e-6)
+
+
+@pytest.mark.parametrize("said", ["translate3d(9px, 0, 0)", "rotate(1lap)", "var(--x)", "inherit"])
+def test_a_transform_of_a_style_that_nobody_knows_is_told_and_does_not_count(said):
+    plain = '<path d="M10 10h30v20"/>'
+    styled = f'<path style="transform: {said}" d="M10 10h30v20"/>'
+    known, drawing = read(plain), read(styled)
+    np.testing.assert_array_equal(drawing.strokes[0].points, known.strokes[0].points)
+    assert "not understood" in drawing.left_out[0]
+    assert not read(styled.replace(said, "initial")).left_out
+    with pytest.raises(FormatError, match="transform"):
+        read(plain.replace("<path", f'<path transform="{said}"'))
 
 
 def test_nested_svg_has_its_own_units():
