@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from bozzetto.geometry.brep.brep import Brep as Brep
     from bozzetto.geometry.brep.brep import Face as Face
     from bozzetto.geometry.brep.brep import Finish as Finish
+    from bozzetto.geometry.brep.brep import GapError as GapError
     from bozzetto.geometry.brep.brep import ParameterCurve as ParameterCurve
     from bozzetto.geometry.brep.brep import Trim as Trim
     from bozzetto.geometry.brep.planes import plane_face as plane_face
@@ -60,7 +61,7 @@ else:
         __name__,
         {
             "bozzetto.arrays": "frozen",
-            "bozzetto.geometry.brep.brep": "Brep Face Finish ParameterCurve Trim",
+            "bozzetto.geometry.brep.brep": "Brep Face Finish GapError ParameterCurve Trim",
             "bozzetto.geometry.brep.planes": "plane_face",
             "bozzetto.geometry.brep.revolution": "cylinder surface_of_revolution",
             "bozzetto.geometry.brep.ruled": "ruled_surface",

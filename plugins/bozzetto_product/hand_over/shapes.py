@@ -10,6 +10,7 @@ from bozzetto.geometry import (
     Brep,
     CornerNormals,
     FaceGroup,
+    GapError,
     Mesh,
     Shapes,
     Solid,
@@ -144,7 +145,7 @@ def _sewn(part: Sequence[SolvedPatch]) -> Brep | None:
     """
     try:
         return _exact(part)
-    except ValueError:
+    except GapError:
         return None
 
 

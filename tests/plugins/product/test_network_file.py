@@ -10,14 +10,19 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
+from bozzetto.exchange.formats import FORMATS, find
+from bozzetto.exchange.left_out import parts_left_out
 from bozzetto.geometry import Curve as ShapeCurve
-from bozzetto.geometry import Shapes, Spline
+from bozzetto.geometry import GapError, Shapes, Spline
 from bozzetto.plugin import Job
+from bozzetto_product.hand_over import shapes
 from bozzetto_product.hand_over.imported import product_of_network, product_of_shapes
 from bozzetto_product.hand_over.network_file import network_of
+from bozzetto_product.hand_over.shapes import shapes_of
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.modeler import ProductModeler
+from tests.plugins.product.detail_kit import ball_curves, solved
 
 CORNERS = {
     "a": (0, 0, 0), "b": (100, 0, 0), "c": (100, 60, 0), "d": (0, 60, 0),
@@ -259,6 +264,21 @@ def test_a_closed_network_is_one_valid_solid_for_cad(tmp_path: Path) -> None:
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(read, properties)
     assert properties.Mass() == pytest.approx(100 * 60 * 40, rel=1e-9)
+
+
+def test_a_part_that_misses_its_edges_loses_its_exact_form_alone_and_that_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def misses(parts: object) -> None:
+        raise GapError("an edge lies 1 mm beside a face")
+
+    monkeypatch.setattr(shapes, "sewn", misses)
+    state = product_of_network({"network": {"curves": ball_curves()}})
+    (solid,) = shapes_of(state, solved(state)).solids
+    assert solid.exact is None
+    assert len(solid.mesh.faces) > 0
+    (told,) = parts_left_out(Shapes(solids=(solid,)), find("a.step", FORMATS))
+    assert "no exact surfaces" in str(told)
 
 
 def test_curves_beyond_all_measure_are_refused_with_a_sentence() -> None:

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry.brep.brep import Brep
+from bozzetto.geometry.brep.brep import Brep, GapError
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Curve
 
@@ -37,7 +37,7 @@ def without_idle_knots(brep: Brep) -> Brep:
         return brep
     try:
         return replace(brep, edges=edges, faces=faces)
-    except ValueError:  # edges that were as far off their faces as they may be
+    except GapError:  # edges that were as far off their faces as they may be
         return brep
 
 

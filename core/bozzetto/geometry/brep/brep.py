@@ -206,6 +206,10 @@ class Face:
         return tuple(tuple(t.turned_over() for t in reversed(loop)) for loop in self.loops)
 
 
+class GapError(ValueError):
+    """Faces that miss their edges by more than an exact shape allows."""
+
+
 @dataclass(frozen=True, eq=False)
 class Brep:
     """Faces that share edges: a boundary representation, exact wherever it is handed over.
@@ -223,9 +227,11 @@ class Brep:
 
     Raises
     ------
+    GapError
+        If an edge lies elsewhere than a face that names it (`GAP`).
     ValueError
-        If a face names an edge that does not exist or lies elsewhere (`GAP`), an edge is run
-        twice in the same sense, or by nobody.
+        If a face names an edge that does not exist, an edge is run twice in the same sense, or by
+        nobody.
     """
 
     edges: tuple[Curve, ...]
@@ -245,7 +251,7 @@ class Brep:
             raise ValueError("an edge must begin and end in its control points")
         gap = self.largest_gap()
         if not gap <= self.tolerance:
-            raise ValueError(f"an edge lies {gap:.3g} mm beside a face")
+            raise GapError(f"an edge lies {gap:.3g} mm beside a face")
 
     @classmethod
     def of_surface(
