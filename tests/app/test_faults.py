@@ -40,12 +40,12 @@ def _imported():
 def _impatient(monkeypatch):
     for module, name in (
         ("gestures", "APPLY_LIMIT"),
-        ("gestures", "PREVIEW_LIMIT"),
+        ("gestures", "LATE_AFTER"),
         ("toolbox", "TOOLS_LIMIT"),
-        ("solver", "SOLVE_LIMIT"),
+        ("solver", "LATE_AFTER"),
     ):
         monkeypatch.setattr(f"bozzetto_app.session.{module}.{name}", LIMIT)
-    for name in ("GRACE", "SLOW_AFTER"):
+    for name in ("GRACE", "LATE_AFTER"):
         monkeypatch.setattr(f"bozzetto_app.workers.channel.{name}", LIMIT)
 
 

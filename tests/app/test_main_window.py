@@ -429,7 +429,7 @@ def run(*arguments, home, **more):
 PROBE = """
 import sys, threading
 from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QMenuBar, QApplication
+from PySide6.QtWidgets import QApplication
 import bozzetto_app.main_window as w
 
 class Probed(w.Window):

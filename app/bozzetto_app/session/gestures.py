@@ -32,7 +32,7 @@ from bozzetto_app.session.gesture_application import (
     apply_first,
     ink_to_try,
 )
-from bozzetto_app.workers.channel import Channel, Request
+from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
@@ -54,9 +54,6 @@ __all__ = ["Gestures"]
 
 APPLY_LIMIT = 15.0
 """Seconds a tool may take over one gesture before it counts as hung."""
-
-PREVIEW_LIMIT = 60.0
-"""Seconds a live preview may take before it counts as hung; see `hints.HINT_LIMIT`."""
 
 
 ERASER_REACH = 18.0
@@ -94,7 +91,7 @@ class Gestures(QObject):
         self.edits = Channel(
             "apply", keep_all=True, time_limit=APPLY_LIMIT, is_patient=True, parent=self
         )
-        self.previews = Channel("preview", time_limit=PREVIEW_LIMIT, parent=self)
+        self.previews = Channel("preview", time_limit=LATE_AFTER, parent=self)
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox, self._scene = toolbox, scene
         self.context, self.motion, self._notices = context, motion, notices

@@ -17,7 +17,7 @@ from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.next_step import NextStep
 from bozzetto_app.i18n import tr
-from bozzetto_app.workers.channel import Channel, Request
+from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.plugin.job import Job
@@ -28,10 +28,6 @@ if TYPE_CHECKING:
     from bozzetto_app.session.toolbox import Toolbox
 
 __all__ = ["Hints"]
-
-HINT_LIMIT = 60.0
-"""Seconds a modeler may take to say what is next before it counts as hung. Nobody waits for it, and
-on a crowded machine it waits behind a solve."""
 
 Question = tuple[Model, str] | None
 """The model that the next gesture changes, and the active tool; None for nothing to ask."""
@@ -66,7 +62,7 @@ class Hints(QObject):
     ) -> None:
         super().__init__(parent)
         self.step = NextStep("")
-        self.channel = Channel("hint", time_limit=HINT_LIMIT, parent=self)
+        self.channel = Channel("hint", time_limit=LATE_AFTER, parent=self)
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox, self._notices = toolbox, notices
         self._asked: Question = None

@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.errors import UserError
 from bozzetto_app.i18n import tr
-from bozzetto_app.workers.channel import Channel, Request
+from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,10 +29,6 @@ if TYPE_CHECKING:
     from bozzetto_app.session.toolbox import Toolbox
 
 __all__ = ["ModelerCommands"]
-
-COMMANDS_LIMIT = 60.0
-"""Seconds a plugin may take to name its commands: it may have to be imported first; see
-`hints.HINT_LIMIT`."""
 
 
 class _Outcome(NamedTuple):
@@ -92,7 +88,7 @@ class ModelerCommands(QObject):
         super().__init__(parent)
         self.modeler = ""
         self.commands: tuple[Command, ...] = ()
-        self.channel = Channel("commands", time_limit=COMMANDS_LIMIT, parent=self)
+        self.channel = Channel("commands", time_limit=LATE_AFTER, parent=self)
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox = toolbox
         self._context, self._edits, self._notices = context, edits, notices

@@ -20,7 +20,7 @@ from bozzetto.errors import Cancelled, UserError
 from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto_app.session.revisions import Revisions, Stage, Task
-from bozzetto_app.workers.channel import Channel, Request
+from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
 if TYPE_CHECKING:
@@ -36,9 +36,6 @@ __all__ = ["Solver"]
 
 Report = tuple[dict[str, Any], Mapping[str, Figure]]
 """Values, and the words in which they are said."""
-
-SOLVE_LIMIT = 60.0
-"""Seconds a solve may take without progress before it counts as hung."""
 
 REST: Final = 300
 """Time without a change after which a drag gets its final result, ms, though it may go on."""
@@ -132,7 +129,7 @@ class Solver(QObject):
         self._last_report: tuple[Model, Report] | None = None
         self._awaited: set[str] = set()
         self._quick: set[str] = set()  # ids of models whose last answer took no time to speak of
-        self._channel = Channel("solve", time_limit=SOLVE_LIMIT, is_patient=True, parent=self)
+        self._channel = Channel("solve", time_limit=LATE_AFTER, is_patient=True, parent=self)
         self._channel.slow.connect(notices.tell_slow)
         self._channel.progressed.connect(self.progressed)
         self._channel.busy_changed.connect(self.busy_changed)

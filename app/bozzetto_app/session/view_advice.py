@@ -17,7 +17,7 @@ from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.scene.display_list import Scene
 from bozzetto.view.camera import Camera
-from bozzetto_app.workers.channel import Channel, Request
+from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 
 if TYPE_CHECKING:
     from bozzetto.plugin.job import Job
@@ -42,9 +42,6 @@ QUICK = 0.1
 MOST_PINNED = 32
 """Earlier states of a model that are remembered as seen: a hand that drags a mark and lets it
 go, or takes a few steps back, passes through no more before the view has followed."""
-
-ADVICE_LIMIT = 60.0
-"""Seconds a modeler may think about a view before it counts as hung; see `hints.HINT_LIMIT`."""
 
 
 Question = tuple[str, Model | None, Camera, Any] | None
@@ -95,7 +92,7 @@ class ViewAdviser(QObject):
         self._silent: set[str] = set()
         self._empty: tuple[str, Scene, Model] | None = None
         self._pinned: deque[Model] = deque(maxlen=MOST_PINNED)
-        self._channel = Channel("advice", time_limit=ADVICE_LIMIT, parent=self)
+        self._channel = Channel("advice", time_limit=LATE_AFTER, parent=self)
         self._pace = QTimer(self, singleShot=True, interval=INTERVAL)
         self._pace.timeout.connect(self._ask)
         for signal in (view.camera_changed, selection.changed, toolbox.modeler_changed):

@@ -38,7 +38,7 @@ from bozzetto_app.workers.main_thread import (
     release_on_main_thread,
 )
 
-__all__ = ["Channel", "Hung", "Request"]
+__all__ = ["LATE_AFTER", "Channel", "Hung", "Request"]
 
 log = logging.getLogger(__name__)
 
@@ -51,8 +51,9 @@ GRACE = 1.0
 PATIENCE = 60.0
 """Seconds until work that was left behind is interrupted, where it has no time limit."""
 
-SLOW_AFTER = 60.0
-"""Seconds without progress after which a patient channel tells that it is slow."""
+LATE_AFTER = 60.0
+"""Seconds without progress after which work is late: a patient channel tells that it is slow, and
+what a plugin is asked besides counts as hung. On a crowded machine a hint comes after a solve."""
 
 IDLE = 1.0
 """Seconds that a thread waits for more work before it ends."""
@@ -211,7 +212,7 @@ class Channel(QObject):
         Seconds without progress after which a running request counts as hung: it fails
         with `Hung` and its thread is left behind.
     is_patient : bool
-        Tell that it is slow instead, and wait; after `SLOW_AFTER` where no limit is given.
+        Tell that it is slow instead, and wait; after `LATE_AFTER` where no limit is given.
 
     Signals
     -------
@@ -236,7 +237,7 @@ class Channel(QObject):
         super().__init__(parent)
         self.name = name
         self.keep_all = keep_all
-        self.time_limit = SLOW_AFTER if is_patient and time_limit is None else time_limit
+        self.time_limit = LATE_AFTER if is_patient and time_limit is None else time_limit
         self.is_patient = is_patient
         self._waiting: deque[Request] = deque()
         self._running: Request | None = None

@@ -684,7 +684,7 @@ def waiting_reader(monkeypatch):
         return read_mesh_file(path, trusted=True)
 
     monkeypatch.setattr("bozzetto.exchange.import_file.read_mesh_file", wait)
-    monkeypatch.setattr("bozzetto_app.workers.channel.SLOW_AFTER", 0.1)
+    monkeypatch.setattr("bozzetto_app.workers.channel.LATE_AFTER", 0.1)
     yield gate
     gate.set()
 

@@ -105,7 +105,7 @@ def test_a_report_that_is_stopped_by_hand_is_made_again(session, boxes, loop, se
 def test_a_report_that_never_looks_is_told_as_slow(
     make_session, boxes, loop, settle, qtbot, monkeypatch
 ):
-    monkeypatch.setattr("bozzetto_app.session.solver.SOLVE_LIMIT", 0.2)
+    monkeypatch.setattr("bozzetto_app.session.solver.LATE_AFTER", 0.2)
     session = make_session(MODELER, extra=[boxes.package])
 
     def report(state, result, job):
