@@ -41,14 +41,15 @@ def exchanged(around: Surroundings, key: int, others: Sequence[int]) -> Iterator
         members = (*mine.line.members, *theirs.line.members)
         if len(members) < FEWEST:
             continue
+        crossed = list(_crossed_over(around, mine.line.members, theirs.line.members))
         for pairs in (
             (mine.pair, theirs.pair),
             ((mine.start, theirs.stop), (theirs.start, mine.stop)),
             ((mine.start, theirs.start), (mine.stop, theirs.stop)),
         ):
             if all(one != two for one, two in pairs):
-                for parts in _crossed_over(around, mine.line.members, theirs.line.members):
-                    if set(pairs[0]) != set(mine.pair) and set(pairs[1]) != set(mine.pair):
+                if set(pairs[0]) != set(mine.pair) and set(pairs[1]) != set(mine.pair):
+                    for parts in crossed:
                         yield Change((key, other), _lines(around, parts, pairs))
                 dealt = _dealt(around, members, pairs)
                 if dealt:
