@@ -16,6 +16,7 @@ COMPRESSING: Final = (
     Qt.ApplicationAttribute.AA_CompressHighFrequencyEvents,
     Qt.ApplicationAttribute.AA_CompressTabletEvents,
 )
+STYLE: Final = "Fusion"
 
 
 class Application(QApplication):
@@ -35,6 +36,7 @@ class Application(QApplication):
 
     def __init__(self, arguments: Sequence[str]) -> None:
         prepare()
-        super().__init__(list(arguments))
+        # `setStyle` returns the style, whose forty enums PySide then makes: 4 ms of every start.
+        super().__init__([*arguments, "-style", STYLE])
         for attribute in COMPRESSING:
             QCoreApplication.setAttribute(attribute, False)

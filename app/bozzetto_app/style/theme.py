@@ -1,4 +1,4 @@
-"""The look: a palette pair of our own on Fusion, and one style sheet made from its tones.
+"""The look: a palette pair of our own, and one style sheet made from its tones.
 
 The platform's colour scheme is only asked, never set: `QStyleHints.setColorScheme` has no
 effect on several platforms, so both themes bring all their colours.
@@ -116,7 +116,6 @@ def apply_theme(app: QApplication, palette: Palette) -> None:
     """Dress the whole program in a palette; may be called again at any time."""
     global _shown
     _shown = palette
-    app.setStyle("Fusion")
     app.setFont(_body_font())
     app.setPalette(_qt_palette(_mixed_once(palette)))
     app.setStyleSheet(style_sheet(palette))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 Color = tuple[int, int, int]
 
 LEGIBLE = 4.5
@@ -11,6 +13,7 @@ MIXING_STEPS = 40
 """How finely `readable` searches between a colour and the ink."""
 
 
+@lru_cache(maxsize=256)
 def luminance(color: Color) -> float:
     """Relative luminance of an sRGB colour, 0 … 1 (WCAG 2.2, "relative luminance")."""
     red, green, blue = (
