@@ -19,10 +19,10 @@ from pathlib import Path
 
 LIST = Path(__file__).with_name("long_cases.txt")
 
-ALL_CASES = 1.0
+ALL_CASES = 0.5
 """Seconds of the cheapest case from which no case of a test is in the default run."""
 
-MORE_CASES = 0.5
+MORE_CASES = 0.3
 """Seconds of all cases together from which only the first is."""
 
 _TIME = re.compile(r"\s*([\d.]+)s (?:call|setup|teardown)\s+(\S.*)$")
