@@ -14,6 +14,7 @@ from bozzetto.cli.handover import handover_of
 from bozzetto.cli.output import (
     EXIT_ERROR,
     EXIT_FAULT,
+    check_ending,
     complain,
     fault_message,
     open_document,
@@ -35,7 +36,6 @@ MAX_PLACES = 3
 
 def build(options: argparse.Namespace) -> int:
     """Build every input; the exit code."""
-    from bozzetto.exchange.formats import find, writers
     from bozzetto.plugin.guard.guard import PluginFault
 
     bench = workbench()
@@ -44,8 +44,8 @@ def build(options: argparse.Namespace) -> int:
     inputs = [Path(name) for name in options.inputs]
     targets = _targets(inputs, options.output, options.format)
     for target in targets:
-        if target.suffix.lower() != ".bozz" and not options.command_id:
-            find(target, writers("mesh", "surfaces", "curves"))
+        if not options.command_id:
+            check_ending(target)
     refuse_overwriting(inputs, targets, options.report)
     handover_of(options)  # a wrong switch is told before the first input is read
     reports: list[dict[str, Any]] = []

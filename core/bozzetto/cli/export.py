@@ -7,6 +7,7 @@ from typing import Any
 
 from bozzetto.cli.handover import handover_of
 from bozzetto.cli.output import (
+    check_ending,
     open_document,
     refuse_overwriting,
     workbench,
@@ -24,6 +25,8 @@ def export(options: argparse.Namespace) -> int:
     from bozzetto.workbench.export_document import chosen_models, links_of, unusable
 
     outputs = options.output
+    for output in () if options.command_id else outputs:
+        check_ending(output)
     refuse_overwriting([options.document], outputs, options.report)
     handover = handover_of(options)
     bench = workbench()

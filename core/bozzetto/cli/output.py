@@ -85,6 +85,23 @@ def refuse_overwriting(
         raise UserError(f"{report} is a folder. The report needs a file name.")
 
 
+def check_ending(target: Path, others: Iterable[str] = ()) -> None:
+    """Refuse a file that can be no output, before anything is read or solved.
+
+    Parameters
+    ----------
+    target : Path
+        Of the file to write.
+    others : iterable of str
+        Endings of what the command writes besides documents and shapes.
+    """
+    from bozzetto.exchange.formats import find, writers
+
+    own = (".bozz", *others)
+    if target.suffix.lower() not in own:
+        find(target, writers("mesh", "surfaces", "curves"), own)
+
+
 def write_output(
     bench: Any,
     document: Any,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bozzetto.cli.output import (
+    check_ending,
     make_folder,
     open_document,
     picture_size,
@@ -23,6 +24,7 @@ def simulate(options: argparse.Namespace) -> int:
     from bozzetto.workbench.films import ENDINGS, animation_of, frames
 
     refuse_overwriting([options.document], [options.output], None)
+    check_ending(options.output, ENDINGS)
     ending = options.output.suffix.lower()
     bench = workbench()
     document = open_document(bench, options.document)

@@ -271,8 +271,19 @@ def readers(*kinds: Kind) -> tuple[Format, ...]:
     return tuple(f for f in FORMATS if f.reads and (not kinds or set(kinds) & set(f.holds)))
 
 
-def find(path: str | os.PathLike[str], among: Iterable[Format]) -> Format:
+def find(
+    path: str | os.PathLike[str], among: Iterable[Format], others: Iterable[str] = ()
+) -> Format:
     """Find the format that a file's ending names.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    among : iterable of Format
+        Those that can be used.
+    others : iterable of str
+        Further endings that the message lists: whoever asks knows them already.
 
     Raises
     ------
@@ -284,7 +295,8 @@ def find(path: str | os.PathLike[str], among: Iterable[Format]) -> Format:
     for one in formats:
         if ending in one.endings:
             return one
-    known = ", ".join(ending for one in formats for ending in one.endings)
+    endings = (ending for one in formats for ending in one.endings)
+    known = ", ".join(dict.fromkeys((*others, *endings)))
     said = f"“{ending}” cannot be used here" if ending else "The file name has no ending"
     raise UserError(f"{said}. Use one of {known}.")
 

@@ -20,13 +20,14 @@ from bozzetto.exchange.left_out import LeftOut
 from bozzetto.exchange.svg.writer import is_plan
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cautions import Caution
+from bozzetto.view.camera import Camera
 from bozzetto.view.page import framing, page_view
+from bozzetto.view.standard_views import standard_view
 from bozzetto.workbench.placed import told_apart
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Document, Model
     from bozzetto.plugin.job import Job
-    from bozzetto.view.camera import Camera
     from bozzetto.workbench.workbench import Workbench
 
 ABSENT = {
@@ -201,13 +202,18 @@ def prepared_files(
     if objects.left_out and not objects.shapes:
         said = [part.sentence(f"{formats[0].short} file") for part in objects.left_out]
         raise UserError(" ".join(("There is nothing to export.", *said, *objects.warnings())))
+    if view is not None:
+        standard_view(Camera(), view)  # one that does not exist is told whatever is written
     ready = Ready(objects.shapes, handover)
     made = []
     for chosen, path in zip(formats, paths, strict=True):
         shown = chosen.flat or (chosen.draws and handover.lines is not None)
         seen = _camera_for(ready, camera, view, whole=whole) if shown else camera
         file = prepare_file(ready, path, seen)
-        made.append(replace(file, left_out=(*objects.left_out, *file.left_out)))
+        notes = file.notes
+        if view is not None and not shown:
+            notes = (*notes, f"{chosen.short} files hold all sides and no view of them.")
+        made.append(replace(file, left_out=(*objects.left_out, *file.left_out), notes=notes))
     return made
 
 

@@ -54,8 +54,11 @@ def frames(
     UserError
         If nothing in it moves by itself, or there are too many frames.
     """
-    if not 0.0 < seconds * rate <= MOST_FRAMES:
-        raise UserError(f"A film has 1 to {MOST_FRAMES} frames. Make it shorter.")
+    if not (seconds > 0.0 and rate > 0.0 and seconds * rate <= MOST_FRAMES):
+        raise UserError(
+            f"A film has 1 to {MOST_FRAMES} frames. Choose seconds and frames a second above 0, "
+            f"and no more than {MOST_FRAMES} together."
+        )
     job = job or Job()
     players = {model.id: tool for model in document if (tool := _player(bench, model)) is not None}
     if not players:

@@ -18,6 +18,7 @@ from bozzetto.exchange.import_file import read_mesh
 from bozzetto.exchange.mesh.manifold_check import bounds_volume, check_solid, enclosed_volume
 from bozzetto.exchange.triangle_budget import triangle_count, within_budget
 from bozzetto.geometry import (
+    Curve,
     FaceGroup,
     Mesh,
     Placement,
@@ -493,3 +494,18 @@ def test_a_full_disk_leaves_no_materials_without_their_mesh(tmp_path, monkeypatc
     with pytest.raises(UserError, match="no room"):
         export(BLOCK, tmp_path / "a.obj")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("ending", "wish"),
+    [("stl", {"lines": "blueprint"}), ("glb", {"lines": "outlines"}), ("stl", {"hidden": True}),
+     ("svg", {"hidden": True}), ("svg", {"triangles": 100}), ("svg", {"levels": True}),
+     ("svg", {"uvs": True}), ("stl", {"levels": True}), ("stl", {"uvs": True})],
+)  # fmt: skip
+def test_a_wish_that_changes_nothing_is_told(ending, wish):
+    line = Curve(1, np.array([0.0, 0.0, 1.0, 1.0]), np.array([[0.0, 0.0, 0.0], [10.0, 5.0, 0.0]]))
+    shapes = BLOCK + Shapes(curves=(line,))
+    plain = prepare_export(shapes, f"a.{ending}")
+    asked = prepare_export(shapes, f"a.{ending}", handover=Handover(**wish))
+    assert asked.data == plain.data
+    assert len(asked.notes) == len(plain.notes) + 1

@@ -168,6 +168,15 @@ def test_only_flat_files_take_a_view_into_account():
     ).data  # fmt: skip
     with pytest.raises(UserError, match="no view called 'nowhere'"):
         prepared_file(ObjectShapes(Shapes(curves=(curve(),))), "a.svg", None, view="nowhere")
+    with pytest.raises(UserError, match="nowhere"):
+        prepared_file(ObjectShapes(Shapes(curves=(curve(),))), "a.step", None, view="nowhere")
+
+
+def test_a_view_that_changes_nothing_is_told():
+    objects = ObjectShapes(Shapes(curves=(curve(),)))
+    plain = prepared_file(objects, "a.step", None)
+    seen = prepared_file(objects, "a.step", None, view="top")
+    assert len(seen.notes) == len(plain.notes) + 1
 
 
 def test_views_of_a_page():

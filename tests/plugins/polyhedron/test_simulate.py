@@ -137,3 +137,12 @@ def test_the_khronos_validator_finds_nothing_in_a_film(four_bar, tmp_path):
     report = json.loads(done.stdout)
     assert report["issues"]["messages"] == []
     assert report["info"]["animationCount"] == 1
+
+
+@pytest.mark.parametrize("length", [("-1", "-25"), ("0", "25"), ("1", "nan"), ("1e9", "25")])
+def test_a_film_of_no_length_or_too_many_frames_is_refused(four_bar, tmp_path, capsys, length):
+    seconds, rate = length
+    words = ["simulate", str(four_bar), "-o", str(tmp_path / "a.gif")]
+    assert main([*words, f"--seconds={seconds}", f"--rate={rate}"]) == 2
+    assert "1 to 3600 frames" in capsys.readouterr().err
+    assert not list(tmp_path.glob("*.gif"))
