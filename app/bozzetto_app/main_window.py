@@ -272,11 +272,11 @@ class Window(QMainWindow):
         return False
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Say why the action of a key cannot be done now."""
+        """Do what a key means on the sheet, where nothing with the focus wanted it."""
         keys = QKeySequence(event.keyCombination()).toString(
             QKeySequence.SequenceFormat.PortableText
         )
-        if not self.actions_.refuse_key(keys):
+        if not self.actions_.take_key(keys):
             super().keyPressEvent(event)
 
     def _radial_entries(self) -> Sequence[_MenuEntry]:

@@ -97,6 +97,7 @@ class Gestures(QObject):
         self.context, self.motion, self._notices = context, motion, notices
         self._pen_is_down = False
         self._awaited = ""
+        self._touch_counted = False
         self._live: _LivePreview | None = None
         self._unpreviewable: set[tuple[str, str]] = set()
         self.edits.slow.connect(notices.tell_slow)
@@ -219,7 +220,7 @@ class Gestures(QObject):
         if found:
             self._drop(tr("Session", "Erase waiting ink"), found)
         elif self._has_modeler():
-            self._submit_at_once(Ink((eraser,)), self._ink_tool[1])
+            self._submit_at_once(lambda: (Ink((eraser,)),), self._ink_tool[1])
 
     # -- taps and drags --
 
@@ -232,11 +233,31 @@ class Gestures(QObject):
         """Show the effect of a tap that is still being aimed."""
         self._preview(tap)
 
-    def tap(self, tap: Tap) -> None:
-        """Take a short touch, or the end of one that was aimed."""
+    def tap(self, tap: Tap, *, again: bool = False) -> None:
+        """Take a short touch, or the end of one that was aimed.
+
+        Parameters
+        ----------
+        tap : Tap
+            Where, with its keys.
+        again : bool
+            Whether it is the second one of a double click, which counts only where the first one
+            changed nothing but what is chosen: else it would undo a switch that was touched, or
+            go past the answer that was asked for.
+        """
         aimed, self._pen_is_down = self._pen_is_down, False
-        if self._has_modeler():
-            self._submit_at_once(tap, self._toolbox.tool_for("tap"), clear=aimed)
+        if not self._has_modeler():
+            return
+
+        def touch() -> tuple[Tap, ...]:
+            """Return the touch, if it counts, once the one before it is answered."""
+            if again and self._touch_counted:
+                self._notices.tell(tr("Session", "A double click counts as one touch."))
+                return ()
+            self._touch_counted = False
+            return (tap,)
+
+        self._submit_at_once(touch, self._toolbox.tool_for("tap"), clear=aimed)
 
     def handle_moved(self, drag: Drag) -> None:
         """Show the effect of a drag so far, or let the tool move what it holds."""
@@ -253,9 +274,11 @@ class Gestures(QObject):
         if self.motion.takes(tool):
             self.motion.hold(drag, tool, lifted=True)
         elif self._has_modeler():
-            self._submit_at_once(drag, tool)
+            self._submit_at_once(lambda: (drag,), tool)
 
-    def _submit_at_once(self, gesture: Gesture, tool: str, *, clear: bool = True) -> None:
+    def _submit_at_once(
+        self, gesture_now: Callable[[], tuple[Gesture, ...]], tool: str, *, clear: bool = True
+    ) -> None:
         """Queue a gesture of which nothing is kept if it is refused."""
 
         def failed(problem: BaseException) -> None:
@@ -263,7 +286,7 @@ class Gestures(QObject):
                 self._clear_preview()
             self._notices.complain(problem)
 
-        self._submit(lambda: (gesture,), tool, failed)
+        self._submit(gesture_now, tool, failed)
 
     # -- previews --
 
@@ -434,6 +457,7 @@ class Gestures(QObject):
                 return
             self.previews.cancel()
             self._awaited = answer.model.id
+            self._touch_counted = isinstance(answer.gesture, Tap) and not answer.only_chosen
             drawing.apply_model(
                 answer.label,
                 answer.model,
