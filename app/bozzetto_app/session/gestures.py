@@ -140,6 +140,14 @@ class Gestures(QObject):
             self.motion.cancel()
         self._clear_preview()
 
+    def undo(self) -> None:
+        """Take back what the hand did last: what has no answer yet, else the last step."""
+        if not self.edits.withdraw_newest():
+            self._drawing.undo()
+            return
+        self._clear_preview()
+        self._notices.tell(tr("Session", "Taken back before it was done."))
+
     def commit(self) -> None:
         """Try the waiting ink as it is (Enter); without any, the next stroke starts an object."""
         if not self._drawing.pending:
@@ -375,7 +383,7 @@ class Gestures(QObject):
                 self._mark(ink.strokes, "failed", notice.text, modeler=modeler, tool=tool)
             self._notices.noticed.emit(notice)
 
-        self._submit(gestures, tool, failed)
+        self._submit(gestures, tool, failed, is_kept=not committed)
 
     def _not_taken(self, answer: NotTaken, modeler: str) -> None:
         """Let ink wait that a tool did not take, marked with what is to be done."""
@@ -411,6 +419,8 @@ class Gestures(QObject):
         gestures_now: Callable[[], tuple[Gesture, ...]],
         tool_id: str,
         failed: Callable[[BaseException], None],
+        *,
+        is_kept: bool = False,
     ) -> None:
         """Queue a gesture.
 
@@ -423,6 +433,8 @@ class Gestures(QObject):
             See `Attempt.tool`.
         failed : callable
             Called with the problem if the gesture was not taken.
+        is_kept : bool
+            See `Request.is_kept`.
         """
         bench, drawing = self._workbench, self._drawing
         modeler_id, context = self._toolbox.modeler, self.context.now()
@@ -442,7 +454,7 @@ class Gestures(QObject):
             base = answer.base
             is_known = base is None or any(base is known for known in drawing.document)
             if not (is_waiting and is_known):
-                self._submit(gestures_now, tool_id, failed)
+                self._submit(gestures_now, tool_id, failed, is_kept=is_kept)
                 return
             if not answer.changed:
                 hint = self._toolbox.hint_of(answer.tool)
@@ -466,7 +478,7 @@ class Gestures(QObject):
                 used=tuple(stroke for stroke in used if id(stroke) in waits),
             )
 
-        self.edits.submit(Request(work, answered, failed, inputs=attempt))
+        self.edits.submit(Request(work, answered, failed, inputs=attempt, is_kept=is_kept))
 
 
 class _LivePreview:
