@@ -29,6 +29,7 @@ from bozzetto_app.actions.registry import ActionRegistry
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.framing import Framing
 from bozzetto_app.canvas.input.state_machine import Mode
+from bozzetto_app.dialogs.dialog import FRAME
 from bozzetto_app.dialogs.file_dialogs import FileQuestions
 from bozzetto_app.dialogs.window_dialogs import Dialogs
 from bozzetto_app.i18n import tr
@@ -62,9 +63,6 @@ RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
 
 FIRST_SIZE = (1280, 800)
 """Of the window at the first start, if the screen is large enough, pixels."""
-
-FRAME = (8, 48)
-"""What a window's frame and title take of a screen, pixels."""
 
 DOCK_HEIGHTS = (232, 390, 112)
 """Of objects, parameters and history at the first start, pixels."""
@@ -272,11 +270,11 @@ class Window(QMainWindow):
         return False
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Say why the action of a key cannot be done now."""
+        """Do what a key means on the sheet, where nothing with the focus wanted it."""
         keys = QKeySequence(event.keyCombination()).toString(
             QKeySequence.SequenceFormat.PortableText
         )
-        if not self.actions_.refuse_key(keys):
+        if not self.actions_.take_key(keys):
             super().keyPressEvent(event)
 
     def _radial_entries(self) -> Sequence[_MenuEntry]:

@@ -89,7 +89,12 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
         """
         if camera.kind == "orthographic" or any(body.choice for body in state.of_kind(Body)):
             return None
-        return ViewAdvice("good", "in perspective", with_kind(camera, "orthographic"), follow=True)
+        return ViewAdvice(
+            "good",
+            "Lines are read best without perspective",
+            with_kind(camera, "orthographic"),
+            follow=True,
+        )
 
     @override
     def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> PolyhedronState:

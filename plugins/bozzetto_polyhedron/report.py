@@ -49,6 +49,9 @@ FIGURES: Final[Mapping[str, Figure]] = {
 }
 """The words of the report; `Modeler.figures`."""
 
+OF_SOLIDS: Final = ("closed", "genus", "answers", "answer", "confidence", "residual_px")
+"""What the report does not say of bars that lie flat: nobody meant them as a solid."""
+
 
 def report_of(
     state: PolyhedronState, results: Mapping[str, Solved], sources: Sources, job: Job
@@ -63,7 +66,8 @@ def report_of(
         each the outer ring, then its holes), ``"closed"``, ``"genus"``, ``"answers"`` (the
         likeliest first: ``"confidence"`` and ``"vertices"``), ``"answer"`` (which of them is
         shown, counted from 1; 0 for none), ``"confidence"``, ``"residual_px"``, ``"noise_px"``,
-        ``"health"`` (``"place"``, ``"what"`` and ``"sentence"``), ``"told"``. The same of all
+        ``"health"`` (``"place"``, ``"what"`` and ``"sentence"``), ``"told"``; of bars that lie flat
+        without `OF_SOLIDS`. The same of all
         bodies in ``"bodies"``, each with its ``"id"`` and ``"name"``. Where something moves,
         ``"mechanism"``: ``"pieces"``, ``"freedoms"``, ``"redundant"`` and ``"joint_gap_mm"``.
     """
@@ -126,7 +130,7 @@ def _entry(body: Body, found: Solved) -> dict[str, Any]:
         edges = graph.lines if made.faces == found.base_faces else edges_of(made.faces)
     elif answer is not None:
         vertices, faces = place(answer.vertices), answer.faces
-    return {
+    entry = {
         "id": body.id,
         "name": body.name,
         "places": graph.places.tolist(),
@@ -149,6 +153,9 @@ def _entry(body: Body, found: Solved) -> dict[str, Any]:
         ],
         "told": list(_told(found)),
     }
+    if body.moves == "flat":
+        entry = {name: value for name, value in entry.items() if name not in OF_SOLIDS}
+    return entry
 
 
 def _mechanism(state: PolyhedronState, sources: Sources) -> dict[str, Any]:

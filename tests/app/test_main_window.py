@@ -60,7 +60,7 @@ def question(window):
 
 def answer(window, words):
     box = question(window)
-    next(b for b in box.findChildren(QPushButton) if words in b.text()).click()
+    next(b for b in box.findChildren(QPushButton) if words in b.text().replace("&", "")).click()
     QApplication.processEvents()
 
 

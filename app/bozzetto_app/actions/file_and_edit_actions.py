@@ -126,7 +126,7 @@ def edit_commands(window: Window) -> Iterator[Action]:
 
     def undo() -> None:
         window.canvas.hand.end()  # what is under the pen is the last that was done
-        session.drawing.undo()
+        session.gestures.undo()
 
     yield Action(
         "edit.undo",
@@ -135,7 +135,9 @@ def edit_commands(window: Window) -> Iterator[Action]:
         "undo",
         ("Ctrl+Z",),
         menu,
-        enabled=lambda: session.drawing.history.undo_label is not None,
+        enabled=lambda: (
+            session.drawing.history.undo_label is not None or session.gestures.edits.busy
+        ),
         why_not=lambda: tr("Edit", "There is nothing to undo."),
     )
     yield Action(

@@ -99,5 +99,4 @@ def number_keys(window: Window) -> Iterator[Action]:
             keys=(key,),
             enabled=partial(there_is, number - 1),
             why_not=too_few,
-            on_sheet=True,
         )

@@ -92,7 +92,6 @@ def object_commands(window: Window) -> Iterator[Action]:
         enabled=lambda: bool(session.gestures.motion.player) or session.gestures.motion.is_playing,
         why_not=lambda: tr("Object", "Nothing moves here. Choose an object that can move."),
         tip=tr("Object", "The object moves on in time until it is stopped"),
-        on_sheet=True,
     )
     yield Action(
         "object.ungroup",

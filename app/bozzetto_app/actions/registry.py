@@ -57,8 +57,8 @@ class Action(NamedTuple):
     tip : str
         One sentence more, for the status line and the palette.
     on_sheet : bool
-        The keys work only while the sheet has the focus: elsewhere Return, Tab and
-        Backspace mean what they always mean.
+        What has the focus gets the keys first: Return, Tab and Backspace mean there what they
+        always mean.
     """
 
     id: str
@@ -103,7 +103,7 @@ class ActionRegistry(QObject):
     window : QWidget
         Its keyboard focus makes the shortcuts work.
     sheet : QWidget, optional
-        The part of it whose focus makes the shortcuts of `on_sheet` actions work.
+        The part of it whose focus gives the keys of `on_sheet` actions to them first.
 
     Signals
     -------
@@ -203,12 +203,24 @@ class ActionRegistry(QObject):
         cannot = tr("Actions", "“{title}” cannot be done now.", title=action.plain_title)
         self.refused.emit(action.why_not() or cannot)
 
-    def refuse_key(self, key: str) -> bool:
-        """Say why the action of a key cannot be done now; False where there is no such action."""
+    def take_key(self, key: str) -> bool:
+        """Do the action of a key that nothing else wanted, or say why it cannot be done now.
+
+        Parameters
+        ----------
+        key : str
+            As it came to the window: what has the focus had no use for it. So a key of the sheet
+            means the same wherever the last click went.
+
+        Returns
+        -------
+        bool
+            Whether any action has the key.
+        """
         action = self.holder(key)
-        if action is None or action.enabled():
+        if action is None:
             return False
-        self.refuse(action.id)
+        self.run(action.id)
         return True
 
     def refresh(self) -> None:

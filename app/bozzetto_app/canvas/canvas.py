@@ -376,13 +376,13 @@ class Canvas(QWidget):
         if session.advice.is_about(session.view.camera):
             session.view.set_camera(advice.better.with_viewport(*session.view.camera.viewport))
 
-    def _touch(self, tap: Tap) -> None:
+    def _touch(self, tap: Tap, again: bool) -> None:
         """Do what is next with a touch that a drawing tool has no use for, if a touch is next."""
         session = self._session
         wanted = session.hints.step.tool
         if any(tool.id == wanted and tool.gesture == "tap" for tool in session.toolbox.tools):
             session.toolbox.take_tool(wanted)
-            session.gestures.tap(tap)
+            session.gestures.tap(tap, again=again)
         else:
             session.gestures.explain("stroke")
 

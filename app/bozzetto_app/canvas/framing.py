@@ -147,6 +147,8 @@ class Framing(QObject):
         fresh = self._is_fresh
         if fresh and not self._steps:
             return
+        if fresh and advice is not None and not session.advice.is_about(session.view.camera):
+            return  # it is about the sheet before, and another is on its way
         asks = self._steps == STEPS if fresh else hidden
         if asks and advice is not None and advice.better is not None:
             # A sketch is seen from where it was drawn, and from nowhere else; on a new sheet the

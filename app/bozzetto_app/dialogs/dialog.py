@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
+from typing import Final
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
-__all__ = ["Page", "label", "quiet"]
+from bozzetto_app.toolkit.panel_scroll import PanelScroll
+
+__all__ = ["FRAME", "Page", "label", "quiet"]
+
+FRAME: Final = (8, 48)
+"""What a window's frame and title take of a screen, pixels."""
 
 
 def label(words: str, *, kind: str = "", tone: str = "") -> QLabel:
@@ -35,6 +43,8 @@ def quiet(words: str) -> QLabel:
 
 class Page(QDialog):
     """A dialog with a column to fill and a row of buttons.
+
+    On a screen that is too low for it the column is scrolled, so that the buttons are in reach.
 
     Parameters
     ----------
@@ -67,3 +77,25 @@ class Page(QDialog):
         button.setAutoDefault(default)
         self._buttons.addWidget(button)
         return button
+
+    def showEvent(self, event: QShowEvent) -> None:
+        free = self.screen().availableGeometry().size() - QSize(*FRAME)
+        outer = self.layout()
+        if outer is not None and outer.totalMinimumSize().height() > free.height():
+            self._scroll()
+        self.resize(self.size().boundedTo(free))
+        super().showEvent(event)
+
+    def _scroll(self) -> None:
+        """Put the column into an area that is scrolled."""
+        outer, inner, area = self.layout(), QWidget(), PanelScroll(self)
+        if not isinstance(outer, QVBoxLayout) or self.column.parentWidget() is not self:
+            return  # it is there already
+        outer.removeItem(self.column)
+        self.column.setParent(None)
+        self.column.setContentsMargins(0, 0, 8, 0)
+        inner.setLayout(self.column)
+        area.setWidget(inner)
+        area.setMinimumWidth(inner.minimumSizeHint().width() + area.verticalScrollBar().width())
+        outer.insertWidget(0, area, 1)
+        outer.activate()

@@ -161,11 +161,11 @@ class FileQuestions:
         box.setIcon(QMessageBox.Icon.NoIcon)
         box.setText(said_of(hindrance.problem))
         box.setInformativeText(explained(hindrance))
-        beside = box.addButton(tr("Files", "Keep both"), QMessageBox.ButtonRole.AcceptRole)
+        beside = box.addButton(tr("Files", "&Keep both"), QMessageBox.ButtonRole.AcceptRole)
         takes = isinstance(hindrance.problem, Locked)
-        words = tr("Files", "Take over and save") if takes else tr("Files", "Overwrite")
+        words = tr("Files", "&Take over and save") if takes else tr("Files", "&Overwrite")
         anyway = box.addButton(words, QMessageBox.ButtonRole.DestructiveRole)
-        box.addButton(tr("Files", "Cancel"), QMessageBox.ButtonRole.RejectRole)
+        box.addButton(tr("Files", "&Cancel"), QMessageBox.ButtonRole.RejectRole)
         box.setDefaultButton(beside)
 
         def answered() -> None:
@@ -197,8 +197,8 @@ class FileQuestions:
                 "is not being worked on there any more.",
             )
         )
-        look = box.addButton(tr("Files", "Look at it"), QMessageBox.ButtonRole.RejectRole)
-        take = box.addButton(tr("Files", "Take over"), QMessageBox.ButtonRole.DestructiveRole)
+        look = box.addButton(tr("Files", "&Look at it"), QMessageBox.ButtonRole.RejectRole)
+        take = box.addButton(tr("Files", "&Take over"), QMessageBox.ButtonRole.DestructiveRole)
         box.setDefaultButton(look)
 
         def answered() -> None:
@@ -335,8 +335,8 @@ class FileQuestions:
         box.setIcon(QMessageBox.Icon.NoIcon)
         box.setText(tr("Files", "This may not print well."))
         box.setInformativeText("\n\n".join(problems))
-        anyway = box.addButton(tr("Files", "Export anyway"), QMessageBox.ButtonRole.AcceptRole)
-        box.addButton(tr("Files", "Cancel"), QMessageBox.ButtonRole.RejectRole)
+        anyway = box.addButton(tr("Files", "&Export anyway"), QMessageBox.ButtonRole.AcceptRole)
+        box.addButton(tr("Files", "&Cancel"), QMessageBox.ButtonRole.RejectRole)
         box.setDefaultButton(anyway)
 
         def answered() -> None:
@@ -384,9 +384,9 @@ class FileQuestions:
                 name=self._session.drawing.title,
             )
         )
-        save = box.addButton(tr("Files", "Save"), QMessageBox.ButtonRole.AcceptRole)
-        drop = box.addButton(tr("Files", "Don’t save"), QMessageBox.ButtonRole.DestructiveRole)
-        box.addButton(tr("Files", "Cancel"), QMessageBox.ButtonRole.RejectRole)
+        save = box.addButton(tr("Files", "&Save"), QMessageBox.ButtonRole.AcceptRole)
+        drop = box.addButton(tr("Files", "&Don’t save"), QMessageBox.ButtonRole.DestructiveRole)
+        box.addButton(tr("Files", "&Cancel"), QMessageBox.ButtonRole.RejectRole)
         box.setDefaultButton(save)
 
         def answered() -> None:

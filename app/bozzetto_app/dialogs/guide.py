@@ -204,7 +204,7 @@ class GuideDialog(Page):
         row.addWidget(self.contents)
         row.addLayout(right, 1)
         self.column.addLayout(row, 1)
-        self.add_button(tr("Guide", "Close")).clicked.connect(self.accept)
+        self.add_button(tr("Guide", "&Close")).clicked.connect(self.accept)
         find = QShortcut(QKeySequence(QKeySequence.StandardKey.Find), self)
         find.activated.connect(self.field.setFocus)
         self.text.anchorClicked.connect(self._list_parts)

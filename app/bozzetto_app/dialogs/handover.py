@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto.exchange.handover import SCALES, Handover, Lines, Unit, Up
-from bozzetto_app.dialogs.dialog import Page, label, quiet
+from bozzetto_app.dialogs.dialog import FRAME, Page, label, quiet
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.format_order import offered_formats
 from bozzetto_app.settings import settings
@@ -74,9 +74,9 @@ class HandoverDialog(Page):
         self.warning = label("", tone="warning")
         self.warning.hide()
         self.column.addWidget(self.warning)
-        cancel = self.add_button(tr("Handover", "Cancel"))
+        cancel = self.add_button(tr("Handover", "&Cancel"))
         cancel.clicked.connect(self.reject)
-        self.go = self.add_button(tr("Handover", "Export…"), default=True)
+        self.go = self.add_button(tr("Handover", "&Export…"), default=True)
         self.go.clicked.connect(self._export)
         self._pause = QTimer(self)
         self._pause.setSingleShot(True)
@@ -282,7 +282,9 @@ class HandoverDialog(Page):
     def _grow(self) -> None:
         """Make room for what is said, as far as the screen has it."""
         wanted = max(self.height(), self.sizeHint().height())
-        self.resize(self.width(), min(wanted, self.screen().availableGeometry().height()))
+        self.resize(
+            self.width(), min(wanted, self.screen().availableGeometry().height() - FRAME[1])
+        )
 
     def _refuse(self, words: str) -> None:
         self.state.setText(words)

@@ -111,8 +111,8 @@ class PenTester(Page):
         both.addLayout(left, 1)
         both.addLayout(right)
         self.column.addLayout(both)
-        self.add_button(tr("Pen", "Clear")).clicked.connect(self.pad.clear)
-        self.add_button(tr("Pen", "Close"), default=True).clicked.connect(self.accept)
+        self.add_button(tr("Pen", "C&lear")).clicked.connect(self.pad.clear)
+        self.add_button(tr("Pen", "&Close"), default=True).clicked.connect(self.accept)
         self.resize(720, 520)
 
     def _facts(self) -> QGridLayout:

@@ -83,7 +83,7 @@ class PluginManager(Page):
                 )
             )
         )
-        self.add_button(tr("Plugins", "Close"), default=True).clicked.connect(self.accept)
+        self.add_button(tr("Plugins", "&Close"), default=True).clicked.connect(self.accept)
         self.resize(560, 520)
         self.refresh()
 

@@ -115,7 +115,7 @@ class PreferencesDialog(Page):
         )
         self._enable_recent()
         self.recent.clicked.connect(self._clear_recent)
-        self.add_button(tr("Preferences", "Close"), default=True).clicked.connect(self.accept)
+        self.add_button(tr("Preferences", "&Close"), default=True).clicked.connect(self.accept)
         self.setMinimumWidth(600)
 
     def _set(self, key: str, value: object) -> None:

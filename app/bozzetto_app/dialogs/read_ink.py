@@ -50,7 +50,7 @@ class ReadInkDialog(Page):
         self.column.addWidget(self.state)
         self.column.addStretch(1)
         self.setMinimumWidth(400)
-        close = self.add_button(tr("ReadInk", "Close"))
+        close = self.add_button(tr("ReadInk", "&Close"))
         close.clicked.connect(self.reject)
         readings = session.readings
         readings.found.connect(self._offer)

@@ -84,7 +84,7 @@ class RecoveryDialog(Page):
         self.column.addWidget(
             quiet(tr("Recovery", "What you do not open now is kept and offered again."))
         )
-        self.keep = self.add_button(tr("Recovery", "Keep for later"))
+        self.keep = self.add_button(tr("Recovery", "&Keep for later"))
         self.keep.clicked.connect(self.reject)
         self.setMinimumWidth(520)
 
@@ -169,8 +169,8 @@ class RecoveryDialog(Page):
         box.setIcon(QMessageBox.Icon.NoIcon)
         box.setText(tr("Recovery", "Discard “{name}” for good?", name=session.name))
         box.setInformativeText(tr("Recovery", "This cannot be undone."))
-        sure = box.addButton(tr("Recovery", "Discard"), QMessageBox.ButtonRole.DestructiveRole)
-        keep = box.addButton(tr("Recovery", "Keep"), QMessageBox.ButtonRole.RejectRole)
+        sure = box.addButton(tr("Recovery", "&Discard"), QMessageBox.ButtonRole.DestructiveRole)
+        keep = box.addButton(tr("Recovery", "&Keep"), QMessageBox.ButtonRole.RejectRole)
         box.setDefaultButton(keep)
         box.exec()
         return box.clickedButton() is sure

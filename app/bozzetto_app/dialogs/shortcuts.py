@@ -105,7 +105,7 @@ class ShortcutsDialog(Page):
         self.tree.expandAll()
         self.column.addWidget(self.field)
         self.column.addWidget(self.tree, 1)
-        self.add_button(tr("Shortcuts", "Close"), default=True).clicked.connect(self.accept)
+        self.add_button(tr("Shortcuts", "&Close"), default=True).clicked.connect(self.accept)
         self.resize(520, 560)
 
     def shown(self) -> list[str]:

@@ -40,7 +40,13 @@ class _Host:
 
     @property
     def next_step(self) -> NextStep:
-        return self._session.hints.step
+        from bozzetto.plugin.next_step import NextStep
+
+        toolbox = self._session.toolbox
+        if toolbox.modeler == self._modeler:
+            return self._session.hints.step
+        title = self._session.registry.info(self._modeler).title
+        return NextStep(tr("PluginPanel", "Take {title} at the top right to go on.", title=title))
 
     def change(self, state: Any, label: str, *, going: bool = False) -> None:
         session, model = self._session, self._model

@@ -97,6 +97,7 @@ class Gestures(QObject):
         self.context, self.motion, self._notices = context, motion, notices
         self._pen_is_down = False
         self._awaited = ""
+        self._touch_counted = False
         self._live: _LivePreview | None = None
         self._unpreviewable: set[tuple[str, str]] = set()
         self.edits.slow.connect(notices.tell_slow)
@@ -138,6 +139,14 @@ class Gestures(QObject):
         if self.motion.is_held:
             self.motion.cancel()
         self._clear_preview()
+
+    def undo(self) -> None:
+        """Take back what the hand did last: what has no answer yet, else the last step."""
+        if not self.edits.withdraw_newest():
+            self._drawing.undo()
+            return
+        self._clear_preview()
+        self._notices.tell(tr("Session", "Taken back before it was done."))
 
     def commit(self) -> None:
         """Try the waiting ink as it is (Enter); without any, the next stroke starts an object."""
@@ -219,7 +228,7 @@ class Gestures(QObject):
         if found:
             self._drop(tr("Session", "Erase waiting ink"), found)
         elif self._has_modeler():
-            self._submit_at_once(Ink((eraser,)), self._ink_tool[1])
+            self._submit_at_once(lambda: (Ink((eraser,)),), self._ink_tool[1])
 
     # -- taps and drags --
 
@@ -232,11 +241,31 @@ class Gestures(QObject):
         """Show the effect of a tap that is still being aimed."""
         self._preview(tap)
 
-    def tap(self, tap: Tap) -> None:
-        """Take a short touch, or the end of one that was aimed."""
+    def tap(self, tap: Tap, *, again: bool = False) -> None:
+        """Take a short touch, or the end of one that was aimed.
+
+        Parameters
+        ----------
+        tap : Tap
+            Where, with its keys.
+        again : bool
+            Whether it is the second one of a double click, which counts only where the first one
+            changed nothing but what is chosen: else it would undo a switch that was touched, or
+            go past the answer that was asked for.
+        """
         aimed, self._pen_is_down = self._pen_is_down, False
-        if self._has_modeler():
-            self._submit_at_once(tap, self._toolbox.tool_for("tap"), clear=aimed)
+        if not self._has_modeler():
+            return
+
+        def touch() -> tuple[Tap, ...]:
+            """Return the touch, if it counts, once the one before it is answered."""
+            if again and self._touch_counted:
+                self._notices.tell(tr("Session", "A double click counts as one touch."))
+                return ()
+            self._touch_counted = False
+            return (tap,)
+
+        self._submit_at_once(touch, self._toolbox.tool_for("tap"), clear=aimed)
 
     def handle_moved(self, drag: Drag) -> None:
         """Show the effect of a drag so far, or let the tool move what it holds."""
@@ -253,9 +282,11 @@ class Gestures(QObject):
         if self.motion.takes(tool):
             self.motion.hold(drag, tool, lifted=True)
         elif self._has_modeler():
-            self._submit_at_once(drag, tool)
+            self._submit_at_once(lambda: (drag,), tool)
 
-    def _submit_at_once(self, gesture: Gesture, tool: str, *, clear: bool = True) -> None:
+    def _submit_at_once(
+        self, gesture_now: Callable[[], tuple[Gesture, ...]], tool: str, *, clear: bool = True
+    ) -> None:
         """Queue a gesture of which nothing is kept if it is refused."""
 
         def failed(problem: BaseException) -> None:
@@ -263,7 +294,7 @@ class Gestures(QObject):
                 self._clear_preview()
             self._notices.complain(problem)
 
-        self._submit(lambda: (gesture,), tool, failed)
+        self._submit(gesture_now, tool, failed)
 
     # -- previews --
 
@@ -352,7 +383,7 @@ class Gestures(QObject):
                 self._mark(ink.strokes, "failed", notice.text, modeler=modeler, tool=tool)
             self._notices.noticed.emit(notice)
 
-        self._submit(gestures, tool, failed)
+        self._submit(gestures, tool, failed, is_kept=not committed)
 
     def _not_taken(self, answer: NotTaken, modeler: str) -> None:
         """Let ink wait that a tool did not take, marked with what is to be done."""
@@ -388,6 +419,8 @@ class Gestures(QObject):
         gestures_now: Callable[[], tuple[Gesture, ...]],
         tool_id: str,
         failed: Callable[[BaseException], None],
+        *,
+        is_kept: bool = False,
     ) -> None:
         """Queue a gesture.
 
@@ -400,6 +433,8 @@ class Gestures(QObject):
             See `Attempt.tool`.
         failed : callable
             Called with the problem if the gesture was not taken.
+        is_kept : bool
+            See `Request.is_kept`.
         """
         bench, drawing = self._workbench, self._drawing
         modeler_id, context = self._toolbox.modeler, self.context.now()
@@ -419,7 +454,7 @@ class Gestures(QObject):
             base = answer.base
             is_known = base is None or any(base is known for known in drawing.document)
             if not (is_waiting and is_known):
-                self._submit(gestures_now, tool_id, failed)
+                self._submit(gestures_now, tool_id, failed, is_kept=is_kept)
                 return
             if not answer.changed:
                 hint = self._toolbox.hint_of(answer.tool)
@@ -434,6 +469,7 @@ class Gestures(QObject):
                 return
             self.previews.cancel()
             self._awaited = answer.model.id
+            self._touch_counted = isinstance(answer.gesture, Tap) and not answer.only_chosen
             drawing.apply_model(
                 answer.label,
                 answer.model,
@@ -442,7 +478,7 @@ class Gestures(QObject):
                 used=tuple(stroke for stroke in used if id(stroke) in waits),
             )
 
-        self.edits.submit(Request(work, answered, failed, inputs=attempt))
+        self.edits.submit(Request(work, answered, failed, inputs=attempt, is_kept=is_kept))
 
 
 class _LivePreview:

@@ -92,7 +92,7 @@ class ObjectClipboard(QObject):
         self._notices.tell(tr("Session", "Copied {names}.", names=names))
 
     def paste(self, data: QMimeData) -> bool:
-        """Bring copied objects onto the sheet, where they stood.
+        """Bring copied objects onto the sheet, where they stood or beside their like.
 
         Returns
         -------
@@ -126,7 +126,7 @@ class ObjectClipboard(QObject):
 
     def _put_on_sheet(self, copied: Document) -> None:
         before = self._drawing.document
-        self._objects.edit(edit.paste_models, copied, self._objects.relinked)
+        self._objects.paste(copied)
         if self._drawing.document is not before:
             self._selection.select(self._drawing.document.models[-1].id)
             self.pasted.emit()

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
 
 from bozzetto.document import edit
 from bozzetto.errors import UserError
@@ -23,8 +26,12 @@ if TYPE_CHECKING:
     from bozzetto_app.session.notices import Notices
     from bozzetto_app.session.selection import Selection
     from bozzetto_app.session.solver import Solver
+    from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["ObjectEdits", "fields_of"]
+
+BESIDE: Final = 24.0
+"""About how far a copy lies from its like, to the right and down, pixels."""
 
 
 def fields_of(state: object, first: Sequence[str] = ()) -> tuple[tuple[Field, Any], ...]:
@@ -48,10 +55,12 @@ class ObjectEdits:
         workbench: Workbench,
         drawing: DocumentModel,
         selection: Selection,
+        view: ViewState,
         solver: Solver,
         notices: Notices,
     ) -> None:
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
+        self._view = view
         self._solver, self._notices = solver, notices
 
     def edit(
@@ -151,7 +160,31 @@ class ObjectEdits:
 
     def duplicate(self, *model_ids: str) -> None:
         """Put copies of models beside them; a copy follows copies where there are any."""
-        self.edit(edit.duplicate_models, model_ids, self.relinked)
+        self.edit(edit.duplicate_models, model_ids, self.relinked, self.beside)
+
+    def paste(self, copied: Document) -> None:
+        """Put copied models where they stood, or beside what they would lie on."""
+        self.edit(edit.paste_models, copied, self.relinked, self.beside)
+
+    @property
+    def beside(self) -> tuple[float, float, float]:
+        """The way to the right and down by which a copy is told from its like, mm.
+
+        It goes along two axes of the world by a round number, which are what *Place* shows.
+        """
+        camera = self._view.camera
+        right, up, _ = camera.axes
+        length = BESIDE / camera.pixels_per_mm
+        if not 0.0 < length < math.inf:  # a view at the ends of what numbers hold
+            return edit.IN_PLACE
+        ten = 10.0 ** math.floor(math.log10(length))
+        length = ten * min((1.0, 2.0, 5.0, 10.0), key=lambda each: abs(each - length / ten))
+        across = int(np.argmax(np.abs(right)))
+        down = int(np.argmax(np.where(np.arange(3) == across, 0.0, np.abs(up))))
+        way = [0.0, 0.0, 0.0]
+        way[across] = math.copysign(length, right[across])
+        way[down] = -math.copysign(length, up[down])
+        return way[0], way[1], way[2]
 
     def relinked(self, model: Model, sources: tuple[str, ...]) -> Model:
         """Return a model that is made from others instead, as many and in the same order."""

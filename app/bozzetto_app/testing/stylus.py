@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import count
 from typing import Final
 
 from PySide6.QtCore import QEvent, QPointF, Qt
@@ -18,6 +19,9 @@ NO_BUTTON: Final = Qt.MouseButton.NoButton
 LEFT: Final = Qt.MouseButton.LeftButton
 NO_KEY: Final = Qt.KeyboardModifier.NoModifier
 Can = QInputDevice.Capability
+
+_BEGINNINGS = count(1000, 20_000)
+"""When styluses come near, ms: long after one another, so touches of two are no double click."""
 
 
 class Stylus:
@@ -38,7 +42,7 @@ class Stylus:
     ) -> None:
         self.widget = widget
         self.keys = keys
-        self.stamp = 1000
+        self.stamp = next(_BEGINNINGS)
         # Events hold a bare pointer to the device: it lives as long as the stylus.
         self.device = QPointingDevice(
             "test stylus",

@@ -125,7 +125,7 @@ class WindowShell:
 
     def undo(self) -> None:
         """Take the last step back."""
-        self.session.drawing.undo()
+        self.session.gestures.undo()
         self.settle()
 
     # -- what there is --

@@ -123,6 +123,7 @@ class ChoiceBox(QComboBox):
         super().__init__(parent)
         self.setAccessibleName(name)
         self.setToolTip(name)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         for value, words in options:
             self.addItem(words, value)
         self.setFixedHeight(text_height(HEIGHT))

@@ -58,6 +58,7 @@ class Slider(QSlider):
         self._started: float | None = None
         self.setRange(0, FINENESS)
         self.setAccessibleName(name)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setFixedHeight(20)
         self.setMinimumWidth(64)
 

@@ -25,7 +25,7 @@ class Toggle(QCheckBox):
         self.setAccessibleName(name)
         self.setToolTip(name)
         self.setFixedSize(self.sizeHint())
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
 
     def sizeHint(self) -> QSize:
         return QSize(36, 24)

@@ -106,7 +106,10 @@ class Request:
         Called with an answer that nobody takes: the request was abandoned, or its channel is
         gone. What the answer holds, such as a lock, is given back here; from any thread.
     stopped : callable
-        Called on the window's thread when the channel is cancelled before there is an answer.
+        Called on the window's thread when it is cancelled or withdrawn before there is an answer.
+    is_kept : bool
+        Whether what it is about is in the history without an answer, as ink that waits is: then
+        undoing it is not for the queue.
     """
 
     work: Callable[..., Any]
@@ -116,6 +119,7 @@ class Request:
     inputs: Callable[[], Any] | None = None
     dropped: Callable[[Any], None] = lambda answer: None
     stopped: Callable[[], None] = lambda: None
+    is_kept: bool = False
     ticket: int = field(default_factory=lambda: next(_tickets))
     seen_alive: float = 0.0
     abandoned_at: float | None = None
@@ -276,6 +280,25 @@ class Channel(QObject):
             stopped.append(self._running)
         for request in stopped:
             request.stopped()
+
+    def withdraw_newest(self) -> bool:
+        """Drop only what was asked for last, and say whether it was dropped.
+
+        Returns
+        -------
+        bool
+            False where nothing is without an answer, or the newest is kept; see `Request.is_kept`.
+        """
+        running = self._running
+        newest = self._waiting[-1] if self._waiting else running
+        if newest is None or newest.abandoned or newest.is_kept:
+            return False
+        if newest is running:
+            newest.abandon()
+        else:
+            self._waiting.pop()
+        newest.stopped()
+        return True
 
     def _start_next(self) -> None:
         if self._running is not None or not self._waiting:

@@ -8,17 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from bozzetto.document.links import with_frozen, without_sources
 from bozzetto.document.model import Document, Model, NamedView, Underlay, new_id
 from bozzetto.errors import UserError
+from bozzetto.geometry.placement import Placement
 
 if TYPE_CHECKING:
-    from bozzetto.geometry.placement import Placement
     from bozzetto.view.camera import Camera
 
 Color = tuple[int, int, int]
+
+Vector = tuple[float, float, float]
+
+IN_PLACE: Final[Vector] = (0.0, 0.0, 0.0)
 
 
 class Edit(NamedTuple):
@@ -104,8 +108,9 @@ def duplicate_models(
     document: Document,
     model_ids: Iterable[str],
     with_sources: Callable[[Model, tuple[str, ...]], Model],
+    step: Vector = IN_PLACE,
 ) -> Edit:
-    """Put copies behind objects in the list; they are visible and unlocked.
+    """Put copies behind objects in the list; they are visible and unlocked, and lie beside them.
 
     A copy follows the copies of what its original follows, and what was not copied with it.
 
@@ -118,11 +123,14 @@ def duplicate_models(
     with_sources : callable
         Gives a model the sources of these ids instead, in their order; only called where they
         differ.
+    step : (x, y, z)
+        How far copies lie from what they would lie on, mm.
     """
     models = [document.model(model_id) for model_id in model_ids]
     if not models:
         raise UserError("Choose an object to duplicate.")
-    for model, copy in zip(models, _copies(models, with_sources), strict=True):
+    copies = _copies(_beside(document, models, step), with_sources)
+    for model, copy in zip(models, copies, strict=True):
         named = replace(copy, name=document.unused_name(copy.name))
         document = document.with_model(named, at=document.place_of(model.id) + 1)
     return Edit(document, f"Duplicate {_named(models)}")
@@ -142,6 +150,22 @@ def _copies(
         yield replace(changed, id=copies[model.id], visible=True, locked=False)
 
 
+def _beside(document: Document, models: Sequence[Model], step: Vector) -> Sequence[Model]:
+    """Return models moved by the fewest steps that keep all from lying on their like."""
+    if not any(step):
+        return models
+    there = {(id(model.state), model.placement) for model in document}
+    moved = models
+    for _ in there:
+        if not any((id(model.state), model.placement) in there for model in moved):
+            break
+        moved = [
+            replace(model, placement=Placement(offset=step).after(model.placement))
+            for model in moved
+        ]
+    return moved
+
+
 def copied_models(document: Document, model_ids: Iterable[str]) -> Document:
     """Return a document of some objects alone, as a clipboard holds them.
 
@@ -158,18 +182,21 @@ def paste_models(
     document: Document,
     copied: Document,
     with_sources: Callable[[Model, tuple[str, ...]], Model],
+    step: Vector = IN_PLACE,
 ) -> Edit:
     """Put copies of all objects of another document behind those that there are.
+
+    They come where they stood, or beside what they would lie on.
 
     Parameters
     ----------
     document, copied : Document
         Where they go, and what `copied_models` gave, of this document or of another one.
-    with_sources : callable
+    with_sources, step
         See `duplicate_models`.
     """
     models = tuple(copied)
-    for copy in _copies(models, with_sources):
+    for copy in _copies(_beside(document, models, step), with_sources):
         document = document.with_model(replace(copy, name=document.unused_name(copy.name)))
     return Edit(document, f"Paste {_named(models)}")
 

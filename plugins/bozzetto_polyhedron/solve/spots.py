@@ -126,6 +126,8 @@ def is_linkage(body: Body, state: PolyhedronState) -> bool:
 
     Its lines may end anywhere, and corners of two lines are its joints.
     """
+    if body.moves == "flat":
+        return True
     return body.choice is None and bool(body.anchors or hung_on(body.id, state))
 
 

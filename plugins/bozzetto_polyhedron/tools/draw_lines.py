@@ -14,12 +14,11 @@ from bozzetto_polyhedron.model.assign_stroke import with_strokes
 from bozzetto_polyhedron.model.changes import Added, Join
 from bozzetto_polyhedron.model.same_view import on_sheet
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
-from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
 from bozzetto_polyhedron.solve.spots import is_linkage
 from bozzetto_polyhedron.tools.added_lines import with_added
 from bozzetto_polyhedron.tools.erase import ErasingTool
-from bozzetto_polyhedron.tools.turn_solid import TurnSolid
+from bozzetto_polyhedron.tools.turn_solid import TurnSolid, sentence_of
 from bozzetto_polyhedron.view.scene import scene_after
 
 FEWEST: Final = 6
@@ -90,17 +89,3 @@ def _after_added(state: PolyhedronState) -> str:
     if changed is not None and len(changed.lines):
         return "Go on: lines that close become faces, and faces that close join the solid."
     return "Draw more lines on the solid, in any view, or turn it to see what became of them."
-
-
-def sentence_of(found: Solved | None) -> str:
-    """Return what to do with a solid that was turned."""
-    if found is None or found.answer is None:
-        return "These lines make no shape yet. Draw the edges that are missing."
-    if found.problem:
-        return found.problem
-    count, sure = len(found.answers), found.answer.confidence
-    if count > 1 and sure < SURE:
-        return f"Is it this one? X shows the next of {count} answers."
-    if count > 1:
-        return f"Turn the view to see it. X shows another of {count} answers."
-    return "Turn the view to see it."

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, NextStep, Tap, override
 from bozzetto_polyhedron.commands.answers import with_answer
+from bozzetto_polyhedron.model.same_view import on_sheet
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solve.picking import corner_at
+from bozzetto_polyhedron.solve.pipeline import Solved, solved
 from bozzetto_polyhedron.tools.erase import ErasingTool
 
 
@@ -35,7 +40,31 @@ class TurnSolid(ErasingTool):
 
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:
-        """Return the hint, or that there is nothing to turn yet."""
+        """Return the hint, or what came of the touch: what looks wrong first, and where."""
         if not state.of_kind(Body):
             return NextStep("Draw every edge of a solid first.", tool="draw")
-        return NextStep(self.hint)
+        body = state.chosen_of(Body)
+        if body is None or body.choice is None:
+            return NextStep(self.hint)
+        found: Solved | None = None
+        with suppress(UserError):
+            found = solved(body, state)
+        if found is not None and found.graph.health and not (found.body and found.body.closed):
+            finding = found.graph.health[0]
+            x, y, z = (float(v) for v in on_sheet(body, np.array([finding.place]))[0])
+            return NextStep(finding.sentence, place=(x, y, z))
+        return NextStep(sentence_of(found))
+
+
+def sentence_of(found: Solved | None) -> str:
+    """Return what to do with a solid that was turned."""
+    if found is None or found.answer is None:
+        return "These lines make no shape yet. Draw the edges that are missing."
+    if found.problem:
+        return found.problem
+    count, sure = len(found.answers), found.answer.confidence
+    if count > 1 and sure < SURE:
+        return f"Is it this one? X shows the next of {count} answers."
+    if count > 1:
+        return f"Turn the view to see it. X shows another of {count} answers."
+    return "Turn the view to see it."

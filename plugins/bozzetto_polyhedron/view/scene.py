@@ -61,7 +61,7 @@ def scene_of(
             layers["ink"] += ink_items(body)
         elif made is not None and body.id in made.numbers:
             _add_moving(layers, body, found, state, made)
-        elif body.choice is None:
+        elif body.choice is None or is_linkage(body, state):
             _add_drawing(layers, body, found, state)
         else:
             _add_solid(layers, body, found, state)
@@ -98,6 +98,8 @@ def _add_drawing(
 ) -> None:
     layers["ink"] += ink_items(body)
     layers["lines"] += line_items(body, found.graph)
+    if is_linkage(body, state):
+        return
     layers["findings"] += finding_items(body, found.graph)
     if found.body is not None and found.body.closed and not found.graph.health:
         layers["solid"] += solid_items(body, found, body.id == state.selected)
@@ -112,10 +114,7 @@ def _add_moving(
 ) -> None:
     motion = made.motion(state.moved)
     layers["anchors"] += anchor_items(body, made, motion)
-    if state.moved is None and is_linkage(body, state):
-        layers["ink"] += ink_items(body)
-        layers["lines"] += line_items(body, found.graph)
-    elif state.moved is None and body.choice is None:
+    if state.moved is None and (body.choice is None or is_linkage(body, state)):
         _add_drawing(layers, body, found, state)
     elif state.moved is None:
         _add_solid(layers, body, found, state)

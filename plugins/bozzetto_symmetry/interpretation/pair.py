@@ -191,4 +191,4 @@ def _unmatched(stations: Array, which: str, part: float) -> Iterator[str]:
     for place, missing in (("first", np.min(stations)), ("last", 1.0 - np.max(stations))):
         if missing > TELL:
             share = f"The {place} {100.0 * missing:.0f} % of the {which} side"
-            yield f"{share} have no counterpart{waits}."
+            yield f"{share} has no counterpart{waits}."

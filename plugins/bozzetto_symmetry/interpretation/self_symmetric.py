@@ -118,7 +118,7 @@ def _read(
     points, covariances = _whole(half, middle, flat, turned, ring)
     warnings: tuple[str, ...] = ()
     if missing > TELL:
-        warnings = (f"{100.0 * missing:.0f} % of the curve across the plane have no counterpart.",)
+        warnings = (f"{100.0 * missing:.0f} % of the curve across the plane has no counterpart.",)
     more, least = costs
     cost = max(price(pairing.cost, half, missing) + more, least)
     return Read(

@@ -11,8 +11,9 @@ from bozzetto.document.storage.bozz_file import write_document
 from bozzetto.exchange.import_file import read_drawing
 from bozzetto.view import navigation
 from bozzetto.view.camera import Camera
+from bozzetto.view.navigation import with_kind
 from bozzetto.view.standard_views import standard_view
-from bozzetto_app.canvas.framing import framed, is_in_view, points_to_frame
+from bozzetto_app.canvas.framing import framed, is_in_view, points_to_frame, same_view
 from bozzetto_app.session.view_state import FIRST_VIEW
 from bozzetto_app.testing.stylus import Stylus
 
@@ -77,6 +78,23 @@ def test_a_new_sheet_is_seen_as_the_first_one_was(make_window, settle):
     window.session.files.new()
     settle(window.session, window.keeper)
     assert window.session.view.camera == first
+
+
+@pytest.mark.parametrize("modeler", ["symmetry", "product", "car"])
+def test_a_new_sheet_does_not_know_how_the_last_one_was_seen(make_window, settle, modeler):
+    """Advice on the last view came late, and was followed on the new sheet."""
+    session = make_window(f"bozzetto.{modeler}").session
+    settle(session)
+    first = session.view.camera
+    below = replace(first, eye=(-300.0, -300.0, -200.0))
+    flat = with_kind(standard_view(first, "three-quarter"), "orthographic")
+    for view in (below, flat, replace(below, eye=(10.0, -400.0, 90.0)), FAR):
+        session.view.set_camera(view.with_viewport(*first.viewport))
+        session.advice.look()
+        settle(session)
+        session.files.new()
+        settle(session)
+        assert same_view(session.view.camera, first), view
 
 
 @pytest.mark.parametrize("size", [(1280, 800), (800, 1280)])

@@ -126,6 +126,17 @@ def test_it_changes_the_selected_object_in_one_step(session, panel, plugin):
     assert plugin.seen == [0, 1, 0]
 
 
+def test_what_is_next_is_told_by_its_own_modeler(session, panel, plugin, monkeypatch):
+    hosts = []
+    monkeypatch.setattr(plugin, "made", lambda host: hosts.append(host) or QPushButton("Turn"))
+    session.toolbox.take_modeler("paneled.modeler")
+    draw(session)
+    (host,) = hosts
+    assert host.next_step == session.hints.step
+    session.toolbox.take_modeler("bozzetto.silhouette")
+    assert host.next_step.sentence == "Take Paneled at the top right to go on."
+
+
 def test_it_is_told_of_another_object_of_its_kind(session, panel, plugin):
     draw(session)
     button = panel.findChild(QPushButton)

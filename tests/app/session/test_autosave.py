@@ -286,7 +286,7 @@ def offered(make_window, keep, boxes, folder, settle, qtbot):
 
 
 def buttons(dialog, words):
-    return [b for b in dialog.findChildren(QPushButton) if b.text() == words]
+    return [b for b in dialog.findChildren(QPushButton) if b.text().replace("&", "") == words]
 
 
 def question(window, qtbot, name="unsaved"):
@@ -295,7 +295,7 @@ def question(window, qtbot, name="unsaved"):
 
 
 def press(box, words):
-    next(b for b in box.buttons() if b.text() == words).click()
+    next(b for b in box.buttons() if b.text().replace("&", "") == words).click()
 
 
 def test_two_drawings_opened_in_one_breath_are_both_kept(offered, folder, settle, qtbot):

@@ -18,6 +18,10 @@ MOVED = Placement(offset=(1.0, 2.0, 3.0))
 OTHER = underlay("Other")
 
 
+def as_it_is(model, sources):
+    return model
+
+
 @pytest.mark.parametrize(
     ("change", "label"),
     [
@@ -84,6 +88,27 @@ def test_a_copy_stands_behind_its_original_under_its_own_name_and_id():
     assert copy.name == "Body 2"
     assert copy.id != original.id
     assert copy.state is original.state
+
+
+def test_copies_come_where_they_stood_or_beside_what_they_would_lie_on():
+    step = (5.0, 0.0, -5.0)
+    copied = edit.copied_models(DOCUMENT, ["m1", "m2"])
+    elsewhere = edit.paste_models(Document(), copied, as_it_is, step).document
+    assert [model.placement for model in elsewhere] == [model.placement for model in copied]
+    # The second is in the way, and they stay together.
+    document = edit.delete_models(DOCUMENT, ["m1"]).document
+    for times in (1.0, 2.0, 3.0):
+        document = edit.paste_models(document, copied, as_it_is, step).document
+        for model, copy in zip(copied, document.models[-2:], strict=True):
+            moved = np.subtract(copy.placement.offset, model.placement.offset)
+            assert moved.tolist() == (times * np.array(step)).tolist()
+    twin = edit.duplicate_models(DOCUMENT, ["m1"], as_it_is, step).document.models[1]
+    assert twin.placement.offset == step
+
+
+def test_a_step_too_small_for_where_things_are_ends_all_the_same():
+    far = edit.place_model(DOCUMENT, "m1", Placement(offset=(1e18, 0.0, 0.0))).document
+    assert len(edit.duplicate_models(far, ["m1"], as_it_is, (1e-3, 0.0, 0.0)).document) == 4
 
 
 def test_a_view_of_the_same_name_is_replaced():

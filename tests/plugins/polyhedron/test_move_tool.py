@@ -323,5 +323,10 @@ def test_bars_that_move_are_no_solid_to_be_mended(tmp_path, name):
         state, nodes=tuple(n for n in state.nodes if not isinstance(n, Fitting | Trace))
     )
     bare = replace(alone, nodes=tuple(replace(body, anchors=()) for body in alone.nodes))
-    names = {layer.name for layer in MODELER.scene(bare, MODELER.solve(bare, Job())).layers}
-    assert "findings" in names
+    for moves, told in (("flat", False), ("whole", True)):
+        drawn = replace(bare, nodes=tuple(replace(body, moves=moves) for body in bare.nodes))
+        result = MODELER.solve(drawn, Job())
+        names = {layer.name for layer in MODELER.scene(drawn, result).layers}
+        assert ("findings" in names) is told
+        for entry in MODELER.report(drawn, result, Job())["bodies"]:
+            assert {"closed" in entry, "answers" in entry} == {told}

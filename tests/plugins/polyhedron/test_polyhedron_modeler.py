@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 
 import numpy as np
@@ -17,6 +18,7 @@ from bozzetto.view import Camera, turn, with_kind
 from bozzetto_polyhedron.model.state import Body, Measure
 from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.tools.draw_lines import DrawLines
+from bozzetto_polyhedron.tools.turn_solid import TurnSolid
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
 from tests.plugins.polyhedron.objects import OBJECTS, Polyhedron
 from tests.plugins.polyhedron.write_samples import FOLDER, hidden_edges
@@ -428,3 +430,17 @@ def test_a_new_sheet_is_looked_at_without_perspective_until_a_solid_is_turned(sh
     assert MODELER.view_advice(shell.state, advice.better, Job()) is None
     drawn(shell, "box")
     assert MODELER.view_advice(shell.state, seen, Job()) is None
+
+
+def test_after_the_touch_it_is_told_what_came_of_it(shell):
+    """A ring of four lines has answers, but none of them is a solid: corners have too few lines."""
+    ring = [(300, 500), (400, 200), (650, 270), (720, 500), (300, 500)]
+    shell.open(POLYHEDRON)
+    shell.camera = VIEW
+    shell.draw(*(Pen(VIEW).along(pair) for pair in itertools.pairwise(ring)))
+    shell.run("next-answer")
+    step = TurnSolid().next_step(shell.state)
+    assert "two lines" in step.sentence
+    assert step.place is not None
+    drawn(shell, "box")
+    assert "Turn the view to see it" in TurnSolid().next_step(shell.state).sentence

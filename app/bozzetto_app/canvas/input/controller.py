@@ -6,11 +6,19 @@ event; everything else happens once per round of the event loop in `_drain`.
 
 from __future__ import annotations
 
+import math
 from time import perf_counter
 from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QEventPoint, QMouseEvent, QTabletEvent, QTouchEvent, QWheelEvent
+from PySide6.QtGui import (
+    QEventPoint,
+    QGuiApplication,
+    QMouseEvent,
+    QTabletEvent,
+    QTouchEvent,
+    QWheelEvent,
+)
 
 from bozzetto.plugin.gesture import Drag, Tap
 from bozzetto_app.canvas.input.hovering import Hovering
@@ -78,8 +86,8 @@ class Hand(QObject):
     aimed : QPointF; aim_ended
         A place is being sought that must be met exactly; no longer.
     ink_began, mode_changed
-    touched : Tap
-        The tool draws, and the pen has gone nowhere.
+    touched : Tap, bool
+        The tool draws, and the pen has gone nowhere; whether it is the second of a double click.
     came_to_nothing : str
         A press was let go, and it was none of the gestures that mean something: "turn", "tap"
         or "stroke" says what it was taken for.
@@ -93,7 +101,7 @@ class Hand(QObject):
     aim_ended = Signal()
     ink_began = Signal()
     mode_changed = Signal()
-    touched = Signal(object)
+    touched = Signal(object, bool)
     came_to_nothing = Signal(str)
 
     def __init__(self, session: Session, overlay: InkOverlay) -> None:
@@ -111,6 +119,8 @@ class Hand(QObject):
         self._fresh: list[RawSample] = []
         self._newest: RawSample | None = None
         self._lasting = Clock()
+        self._tapped: Press | None = None
+        self._again = False
         self._keys = keys_of(Qt.KeyboardModifier.NoModifier, space=False)
         self._tool: StrokeTool = "pen"
         self._due = False
@@ -270,6 +280,7 @@ class Hand(QObject):
         if self.machine.owns(pointer, button):
             self.end()  # a button that goes down was up
         self.pressed.emit()
+        self._again = self._is_again(pointer, sample)
         takes, aims = self.hovering.takes, self.hovering.aims
         found = self.hovering.handle_under(sample.x, sample.y)
         press = Press(
@@ -360,6 +371,17 @@ class Hand(QObject):
                 self._turn(sample.x, sample.y)
         self._conclude(pointer, button, self._lasting(sample.stamp, sample.received))
 
+    def _is_again(self, pointer: Pointer, sample: RawSample) -> bool:
+        """Whether a press is the second one of a double click, by the time of the device."""
+        first = self._tapped
+        if first is None or first.pointer != pointer:
+            return False
+        hints, is_pen = QGuiApplication.styleHints(), pointer == "pen"
+        reach = hints.touchDoubleTapDistance() if is_pen else hints.mouseDoubleClickDistance()
+        passed = self._lasting(sample.stamp, sample.received)  # since the first one went down
+        near = math.hypot(sample.x - first.x, sample.y - first.y) <= reach
+        return near and passed * 1000.0 < hints.mouseDoubleClickInterval()
+
     def _conclude(self, pointer: Pointer, button: Button, lasted: float) -> None:
         """End the gesture, which took so many seconds of the hand's time."""
         if self._recording:
@@ -370,6 +392,8 @@ class Hand(QObject):
         stroke = self._stroke(columns) if columns is not None and self._recording else None
         was_recording = self._recording
         self._forget(keep_wet=outcome is Outcome.STROKE)
+        short = outcome is Outcome.TAP or (outcome is Outcome.NOTHING and mode is Mode.INKING)
+        self._tapped = press if short and not self._again else None
         if outcome is Outcome.STROKE and stroke is not None:
             self._session.gestures.stroke_lifted(stroke)
             self._overlay.clear_wet()
@@ -377,13 +401,13 @@ class Hand(QObject):
             self._session.gestures.handle_released(self._drag(press.handle, stroke))
         elif outcome is Outcome.TAP and press is not None:
             x, y = place if press.aims else (press.x, press.y)
-            self._session.gestures.tap(self._tap(x, y, press))
+            self._session.gestures.tap(self._tap(x, y, press), again=self._again)
         elif outcome in (Outcome.FLICK, Outcome.MENU):
             self.menu_released.emit(outcome is Outcome.FLICK)
         elif was_recording:
             self._session.gestures.cancel()
         if outcome is Outcome.NOTHING and mode is Mode.INKING and press is not None:
-            self.touched.emit(self._tap(press.x, press.y, press))
+            self.touched.emit(self._tap(press.x, press.y, press), self._again)
         elif outcome is Outcome.NOTHING and (mode is not Mode.NAVIGATING or travel < TAP_TRAVEL):
             self.came_to_nothing.emit(_MEANT.get(mode, "stroke"))
         self.mode_changed.emit()

@@ -126,8 +126,11 @@ class NamedRow(QWidget):
             self.renamed.emit(name)
 
     def _stop_editing(self) -> None:
+        ground, typed = self.parentWidget(), self.editor.hasFocus()
         self.editor.hide()
         self.name.show()
+        if typed and ground is not None:
+            ground.setFocus()  # of the list: else the next button has it, which Space presses
 
 
 class Fold(IconButton):

@@ -97,6 +97,7 @@ def test_escape_gives_renaming_up(panel, fake_session):
     QTest.keyClick(editor, Qt.Key.Key_Escape)
     assert not editor.isVisible()
     assert fake_session.calls.named("objects.rename") == []
+    assert panel.list.hasFocus()  # and not the next button, which Space presses
 
 
 def test_hiding_and_locking(panel, fake_session):

@@ -182,7 +182,7 @@ def test_what_has_no_partner_is_left_out_and_told() -> None:
     assert found.reading == "pair"
     assert len(found.warnings) == 1
     assert found.warnings[0].startswith("The last ")
-    assert found.warnings[0].endswith(" % of the first side have no counterpart: they wait for it.")
+    assert found.warnings[0].endswith(" % of the first side has no counterpart: they wait for it.")
     assert found.points[:, 0].max() < curve[:, 0].max() - 15.0
     assert error(found, curve) < 0.1
 

@@ -1,0 +1,65 @@
+"""Keys mean on the sheet what they always mean, wherever the last click went."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractSpinBox, QLineEdit, QWidget
+
+from bozzetto_app.panels.tool_rail import ToolRail
+from bozzetto_app.testing.stylus import Stylus
+from tests.app.tablet import circle
+
+TAKES_TEXT = (QLineEdit, QAbstractSpinBox)
+
+
+@pytest.fixture
+def window(make_window, settle, qtbot):
+    window = make_window()
+    Stylus(window.canvas).draw(circle(radius=60.0))
+    settle(window.session, window.keeper)
+    window.show()
+    window.activateWindow()
+    qtbot.waitUntil(lambda: window.isActiveWindow())
+    return window
+
+
+def parts(window, within=None):
+    """Everything seen in the window, or in a part of it, that Tab goes to."""
+    return [
+        widget
+        for widget in (within or window).findChildren(QWidget)
+        if widget.isVisible()
+        and widget.window() is window
+        and widget.focusPolicy() & Qt.FocusPolicy.TabFocus
+    ]
+
+
+def test_letters_and_digits_reach_the_sheet_from_everywhere_but_fields(window, qtbot):
+    tools = window.session.toolbox
+    first, second = (group.tools[0].id for group in tools.groups[:2])
+    asked = 0
+    for widget in parts(window):
+        widget.setFocus(Qt.FocusReason.TabFocusReason)
+        if not widget.hasFocus():
+            continue
+        tools.take_tool(first)
+        QTest.keyClick(widget, Qt.Key.Key_2)
+        expected = first if isinstance(widget, TAKES_TEXT) else second
+        assert tools.tool == expected, (type(widget).__name__, widget.accessibleName())
+        asked += 1
+    assert asked > 20
+
+
+@pytest.mark.parametrize("key", [Qt.Key.Key_Return, Qt.Key.Key_Backspace])
+def test_a_key_that_a_button_has_no_use_for_is_the_sheets(window, settle, key):
+    """Both take the waiting ink, one to try it and one to take it back."""
+    Stylus(window.canvas).draw(circle(x=900.0, share=0.6))
+    settle(window.session, window.keeper)
+    assert window.session.drawing.pending
+    focus = parts(window, window.findChild(ToolRail))[0]
+    focus.setFocus(Qt.FocusReason.TabFocusReason)
+    QTest.keyClick(focus, key)
+    settle(window.session, window.keeper)
+    assert not window.session.drawing.pending
