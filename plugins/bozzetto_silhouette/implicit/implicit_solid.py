@@ -6,12 +6,14 @@ that is about the signed distance to its surface, positive inside, and its gradi
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Placement
 from bozzetto.plugin import cached_property
 
@@ -63,6 +65,20 @@ class Implicit(Protocol):
         ...
 
 
+class Joint(ABC):
+    """An implicit solid made of others: many of one kind are sampled as fast as one."""
+
+    @property
+    @abstractmethod
+    def kind(self) -> Hashable:
+        """What solids have in common that can be sampled at once."""
+
+    @staticmethod
+    @abstractmethod
+    def sample_row(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+        """Sample solids of one kind, each at points of its own, as `sample_each` does."""
+
+
 @dataclass(frozen=True, eq=False)
 class Placed:
     """An implicit solid that was moved, turned, scaled or mirrored."""
@@ -92,3 +108,42 @@ class Placed:
         value, gradient, curvature = self.inner.sample(self._back.points(points))
         scale = self.placement.scale
         return Sample(value * scale, self.placement.directions(gradient), curvature / scale)
+
+
+def sample_each(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+    """Sample several solids, each at points of its own; what they have in common is asked once.
+
+    Parameters
+    ----------
+    solids : sequence of Implicit
+        Any kinds.
+    points : (n, 3) float array
+        Those of all solids in a row.
+    ends : (s + 1,) int array
+        The points of solid k are those from ``ends[k]`` up to ``ends[k + 1]``.
+    """
+    if len(solids) == 1:
+        return solids[0].sample(points)
+    alike: dict[Hashable, list[int]] = {}
+    for k, solid in enumerate(solids):
+        if ends[k] < ends[k + 1]:
+            kind: Hashable = solid.kind if isinstance(solid, Joint) else id(solid)
+            alike.setdefault((type(solid), kind), []).append(k)
+    if len(alike) == 1:
+        (members,) = alike.values()
+        return _alike([solids[k] for k in members], points, np.unique(ends))
+    count = len(points)
+    value, gradient, curvature = np.empty(count), np.empty((count, 3)), np.empty(count)
+    for members in alike.values():
+        at = np.concatenate([np.arange(ends[k], ends[k + 1]) for k in members])
+        own_ends = np.cumsum([0, *(ends[k + 1] - ends[k] for k in members)])
+        found = _alike([solids[k] for k in members], points[at], own_ends)
+        value[at], gradient[at], curvature[at] = found
+    return Sample(value, gradient, curvature)
+
+
+def _alike(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+    """Sample solids of one kind, or the same solid several times."""
+    if len(solids) > 1 and isinstance(solids[0], Joint):
+        return solids[0].sample_row(solids, points, ends)
+    return solids[0].sample(points)

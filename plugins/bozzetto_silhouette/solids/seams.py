@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.implicit.composite import localized, sample_each, signature
-from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample
+from bozzetto_silhouette.implicit.composite import localized, signature
+from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample, sample_each
 from bozzetto_silhouette.numerics.isotropic_remeshing import (
     Patch,
     border_edges,
@@ -22,6 +22,7 @@ from bozzetto_silhouette.numerics.isotropic_remeshing import (
     relaxed,
     unit,
 )
+from bozzetto_silhouette.solids.asked_together import each
 
 SLIVER = 0.5
 """Edges shorter than this share of the spacing are collapsed."""
@@ -67,9 +68,6 @@ DIFFERENCE = 0.1
 
 OVERTURNED = -0.2
 """Cosine between a face and the gradient below which it counts as turned over."""
-
-Asked = TypeVar("Asked")
-Answer = TypeVar("Answer")
 
 _TETRAHEDRON = np.array([[1, -1, -1], [-1, -1, 1], [-1, 1, -1], [1, 1, 1.0]]) / np.sqrt(3.0)
 
@@ -130,7 +128,7 @@ def sewn(
         zones.append(_Zone(vertices[mine], inner, own[mine] >= 0, spacing[mine], local))
     rest = Sewn(vertices, faces[of_face < 0], np.arange(len(vertices)), between, normals)
     return _set_in(
-        rest, list(zip(numbers, _each(_even.known, _even.put, _evened, zones), strict=True))
+        rest, list(zip(numbers, each(_even, _evened, zones), strict=True))
     )
 
 
@@ -203,29 +201,6 @@ def _is_off(some: _Places) -> Flags:
     return off
 
 
-def _each(
-    known: Callable[[Asked], Answer | None],
-    put: Callable[[Answer, Asked], None],
-    every: Callable[[list[Asked]], list[Answer]],
-    asked: list[Asked],
-) -> list[Answer]:
-    """Ask a question of each seam; those that are not remembered are answered all at once.
-
-    Every step takes arrays, and a seam has some hundred faces: of many seams most of the time
-    would go into the calls. What is done to one seam depends on no other.
-    """
-    found = [known(question) for question in asked]
-    fresh = [question for question, answer in zip(asked, found, strict=True) if answer is None]
-    made = iter(every(fresh) if fresh else [])
-    answers = []
-    for question, answer in zip(asked, found, strict=True):
-        if answer is None:
-            answer = next(made)
-            put(answer, question)
-        answers.append(answer)
-    return answers
-
-
 def _settled(
     vertices: Array, number: Index, spacing: Array, solid: Implicit
 ) -> tuple[Array, Array]:
@@ -240,7 +215,7 @@ def _settled(
         _Places(vertices[mine], spacing[mine], _around(solid, vertices[mine], spacing[mine]))
         for mine in rows
     ]
-    settled = _each(_on_surface.known, _on_surface.put, _all_on_surface, asked)
+    settled = each(_on_surface, _all_on_surface, asked)
     for mine, found in zip(rows, settled, strict=True):
         vertices[mine], normals[mine] = found
     return vertices, normals
