@@ -9,13 +9,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Placement
-from bozzetto.plugin import cached_property
+from bozzetto.plugin import cached_property, override
 
 
 class Sample(NamedTuple):
@@ -80,11 +81,31 @@ class Joint(ABC):
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class Placed(Joint):
     """An implicit solid that was moved, turned, scaled or mirrored."""
 
     inner: Implicit
     placement: Placement
+
+    @property
+    @override
+    def kind(self) -> Hashable:
+        return Placed
+
+    @staticmethod
+    @override
+    def sample_row(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+        placed = [solid for solid in solids if isinstance(solid, Placed)]
+        parts = [slice(low, high) for low, high in pairwise(ends.tolist())]
+        inside = np.empty_like(points)
+        for solid, part in zip(placed, parts, strict=True):
+            inside[part] = solid._back.points(points[part])
+        found = sample_each([solid.inner for solid in placed], inside, ends)
+        scale = np.repeat([solid.placement.scale for solid in placed], np.diff(ends))
+        gradient = np.empty_like(points)
+        for solid, part in zip(placed, parts, strict=True):
+            gradient[part] = solid.placement.directions(found.gradient[part])
+        return Sample(found.value * scale, gradient, found.curvature / scale)
 
     @cached_property
     def bounds(self) -> Array:
