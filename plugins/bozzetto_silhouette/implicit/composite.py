@@ -98,7 +98,7 @@ class Composite(Joint):
 
     def sample(self, points: Array) -> Sample:
         """Return the values and gradients at points (n, 3)."""
-        return self.blended(self.sides(points))
+        return Row((self,), np.array([0, len(points)])).sample(points)
 
     def sides(self, points: Array) -> Sides:
         """Sample both solids; where one cannot matter, only its bound is given."""
@@ -143,8 +143,34 @@ class Row:
     ends: Index
 
     def sample(self, points: Array) -> Sample:
-        """Return the values and gradients at points (n, 3)."""
-        return self.blended(self.sides(points))
+        """Return the values and gradients at points (n, 3); blended only where it may be felt."""
+        reach = self._spread([solid.reach for solid in self.solids])
+        first, second = self._samples(points, reach)
+        if self.operation == "merge":
+            return self.blended(Sides(first, second, self._local_reach(first, second, reach)))
+        found, apart = self._sharp(first, second)
+        near = np.flatnonzero(apart < reach)
+        if len(near):
+            some = Row(self.solids, np.searchsorted(near, self.ends))
+            one, other = (_at(sample, near) for sample in (first, second))
+            within = reach if reach.ndim == 0 else reach[near]
+            blended = some.blended(Sides(one, other, some._local_reach(one, other, within)))
+            for column, values in zip(found, blended, strict=True):
+                column[near] = values
+        return found
+
+    def _sharp(self, first: Sample, second: Sample) -> tuple[Sample, Array]:
+        """Combine two samples without a blend; return how far the values (n,) are apart, too."""
+        a, b = first.value, second.value
+        if self.operation == "carve":
+            b = -b
+        leads = a <= b if self.operation in ("carve", "intersect") else a >= b
+        other = -second.gradient if self.operation == "carve" else second.gradient
+        return Sample(
+            np.where(leads, a, b),
+            np.where(leads[:, None], first.gradient, other),
+            np.where(leads, first.curvature, second.curvature),
+        ), np.abs(a - b)
 
     @property
     def operation(self) -> Operation:
@@ -242,6 +268,14 @@ def signature(solid: Implicit) -> object:
         own = (solid.operation, solid.blend, solid.reach)
         return (signature(solid.first), signature(solid.second), *own)
     return solid
+
+
+def _at(sample: Sample, chosen: Index) -> Sample:
+    """Return a sample at some of its points."""
+    value, gradient, curvature = sample
+    if np.ndim(curvature):
+        curvature = np.asarray(curvature)[chosen]
+    return Sample(value[chosen], gradient[chosen], curvature)
 
 
 def _corners(box: Array) -> Array:
