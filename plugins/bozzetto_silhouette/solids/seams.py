@@ -168,18 +168,24 @@ def _grown(
 
 def _off_surface(vertices: Array, seam: Index, spacing: Array, solid: Implicit) -> Flags:
     """Mark the vertices in the boxes of seams, without these, that are not on the surface."""
-    known = seam >= 0
     off = np.zeros(len(vertices), dtype=bool)
+    free = np.flatnonzero(seam < 0)
+    free = free[np.argsort(vertices[free, 0])]  # only few have an x as in a seam's box
+    x = vertices[free, 0]
+    rows, asked = [], []
     for mine in _by_number(np.arange(len(vertices)), seam):
         place = vertices[mine]
         room = ROOM * float(spacing[mine].max())
         low, high = place.min(axis=0) - room, place.max(axis=0) + room
-        near = np.flatnonzero(((vertices >= low) & (vertices <= high)).all(axis=1) & ~known)
+        near = free[np.searchsorted(x, low[0], "left") : np.searchsorted(x, high[0], "right")]
+        near = near[((vertices[near] >= low) & (vertices[near] <= high)).all(axis=1)]
         if len(near):
             near = near[np.lexsort(vertices[near].T)]
-            width = spacing[near]
-            local = _around(solid, vertices[near], width)
-            off[near] = _is_off(_Places(vertices[near], width, local))
+            rows.append(near)
+            local = _around(solid, vertices[near], spacing[near])
+            asked.append(_Places(vertices[near], spacing[near], local))
+    for near, found in zip(rows, each(_is_off, _all_off, asked), strict=True):
+        off[near] = found
     return off
 
 
@@ -197,8 +203,18 @@ def _asked_at(some: _Places) -> Hashable:
 
 @remembered(limit=512, key=_asked_at)
 def _is_off(some: _Places) -> Flags:
-    off: Flags = np.abs(some.solid.value(some.points)) > OFF * some.spacing
-    return off
+    return _all_off([some])[0]
+
+
+def _all_off(asked: list[_Places]) -> list[Flags]:
+    """Mark the places that are not on their surface."""
+    ends = np.cumsum([0, *(len(some.points) for some in asked)])
+    points = np.concatenate([some.points for some in asked])
+    values = sample_each([some.solid for some in asked], points, ends).value
+    return [
+        np.abs(value) > OFF * some.spacing
+        for value, some in zip(np.split(values, ends[1:-1]), asked, strict=True)
+    ]
 
 
 def _settled(
