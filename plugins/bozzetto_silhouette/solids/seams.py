@@ -13,6 +13,7 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.implicit.composite import localized, signature
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample, sample_each
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import (
     Patch,
     border_edges,
@@ -53,6 +54,9 @@ FLATTEST = 0.2
 
 RINGS = 2
 """Rings of vertices around fillets that may be moved, too."""
+
+MEETING = 4
+"""Rings of vertices around those where two seams meet that are made even after both."""
 
 SPREAD = 60
 """Rings at most of those that are not on the blended surface."""
@@ -97,7 +101,8 @@ def sewn(
 ) -> Sewn:
     """Even out the triangles of a mesh at its seams, and bring them onto a solid's surface.
 
-    Every seam is done by itself; where two meet, vertices are only brought onto the surface.
+    Every seam is done by itself, so that it can be remembered: where two meet, vertices are only
+    brought onto the surface at first, and the triangles around these are made even after that.
 
     Parameters
     ----------
@@ -118,18 +123,38 @@ def sewn(
     between = np.zeros(len(vertices), dtype=bool)
     between[a[(seam[a] >= 0) & (seam[a] < seam[b])]] = True
     vertices, normals = _settled(vertices, np.where(between, seam, -1), spacing, solid)
-    own = np.where(between, -1, seam)
-    of_face = own[faces].max(axis=1)
+    moved = Sewn(vertices, faces, np.arange(len(vertices)), between, normals)
+    first = _with_even(moved, np.where(between, -1, seam), spacing, solid)
+    if not between.any():
+        return first
+    places = _around_vertices(first, between[first.parents])
+    return _with_even(first, places, spacing[first.parents], solid)
+
+
+def _with_even(mesh: Sewn, number: Index, spacing: Array, solid: Implicit) -> Sewn:
+    """Return a mesh with even triangles around the vertices of each number (v,), -1 for none."""
+    of_face = number[mesh.faces].max(axis=1)
     numbers, zones = [], []
-    for zone in _by_number(faces, of_face):
-        mine, inner = _in_order(vertices, zone)
-        local = _around(solid, vertices[mine], spacing[mine])
+    for zone in _by_number(mesh.faces, of_face):
+        mine, inner = _in_order(mesh.vertices, zone)
+        local = _around(solid, mesh.vertices[mine], spacing[mine])
         numbers.append(mine)
-        zones.append(_Zone(vertices[mine], inner, own[mine] >= 0, spacing[mine], local))
-    rest = Sewn(vertices, faces[of_face < 0], np.arange(len(vertices)), between, normals)
-    return _set_in(
-        rest, list(zip(numbers, each(_even, _evened, zones), strict=True))
-    )
+        zones.append(_Zone(mesh.vertices[mine], inner, number[mine] >= 0, spacing[mine], local))
+    rest = mesh._replace(faces=mesh.faces[of_face < 0])
+    found = each(_even, _evened, zones)
+    return _set_in(rest, list(zip(numbers, found, strict=True)))
+
+
+def _around_vertices(mesh: Sewn, chosen: Flags) -> Index:
+    """Number the places (v,) around some vertices of a mesh, of vertices that were moved."""
+    a, b = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    for _ in range(MEETING):
+        chosen = chosen.copy()
+        chosen[b[chosen[a]]] = True
+        chosen &= mesh.moved
+    inner = chosen[a] & chosen[b]
+    _, number = connected_pieces(a[inner], b[inner], len(chosen))
+    return np.where(chosen, number, -1)
 
 
 def _by_number(rows: Index, number: Index) -> list[Index]:
@@ -471,7 +496,7 @@ def _set_in(rest: Sewn, parts: list[tuple[Index, Sewn]]) -> Sewn:
         points.append(part.vertices[part.moved])
         normals.append(part.normals[part.moved])
         moved.append(np.ones(new, dtype=bool))
-        parents.append(numbers[part.parents[part.moved]])
+        parents.append(rest.parents[numbers[part.parents[part.moved]]])
     every = np.concatenate(rows)
     used = np.zeros(count, dtype=bool)
     used[every] = True
