@@ -84,11 +84,13 @@ class Composite(Joint):
     @property
     @override
     def kind(self) -> Hashable:
+        """What solids have in common that can be sampled at once."""
         return self.operation, self.blend > 0.0
 
     @staticmethod
     @override
     def sample_row(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+        """Sample solids of this kind, each at points of its own, as `sample_each` does."""
         composites = [solid for solid in solids if isinstance(solid, Composite)]
         return Row(composites, ends).sample(points)
 
@@ -156,7 +158,7 @@ class Row:
             within = reach if reach.ndim == 0 else reach[near]
             blended = some.blended(Sides(one, other, some._local_reach(one, other, within)))
             for column, values in zip(found, blended, strict=True):
-                column[near] = values
+                np.asarray(column)[near] = values
         return found
 
     def _sharp(self, first: Sample, second: Sample) -> tuple[Sample, Array]:

@@ -116,11 +116,13 @@ class FilletSolid(Joint):
     @property
     @override
     def kind(self) -> Hashable:
+        """What solids have in common that can be sampled at once."""
         return self.solid.kind
 
     @staticmethod
     @override
     def sample_row(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+        """Sample solids of this kind, each at points of its own, as `sample_each` does."""
         fillets = [solid for solid in solids if isinstance(solid, FilletSolid)]
         counts = np.diff(ends)
         step = np.repeat([fillet.step for fillet in fillets], counts)
@@ -159,9 +161,7 @@ def _sampled(
     return Sample(value, gradient)
 
 
-def _flank(
-    operation: Operation, first: Sample, second: Sample, reach: Array, sunk: Array
-) -> Array:
+def _flank(operation: Operation, first: Sample, second: Sample, reach: Array, sunk: Array) -> Array:
     """Return how far within the blend points are, less where it adds half of `sunk`."""
     safe = np.maximum(reach, 1e-300)
     if operation == "merge":

@@ -9,7 +9,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -90,22 +89,25 @@ class Placed(Joint):
     @property
     @override
     def kind(self) -> Hashable:
+        """What solids have in common that can be sampled at once."""
         return Placed
 
     @staticmethod
     @override
     def sample_row(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
-        placed = [solid for solid in solids if isinstance(solid, Placed)]
-        parts = [slice(low, high) for low, high in pairwise(ends.tolist())]
-        inside = np.empty_like(points)
-        for solid, part in zip(placed, parts, strict=True):
-            inside[part] = solid._back.points(points[part])
-        found = sample_each([solid.inner for solid in placed], inside, ends)
-        scale = np.repeat([solid.placement.scale for solid in placed], np.diff(ends))
-        gradient = np.empty_like(points)
-        for solid, part in zip(placed, parts, strict=True):
-            gradient[part] = solid.placement.directions(found.gradient[part])
-        return Sample(found.value * scale, gradient, found.curvature / scale)
+        """Sample solids of this kind, each at points of its own, as `sample_each` does."""
+        number = {solid: k for k, solid in enumerate(dict.fromkeys(solids))}
+        placed = [solid for solid in number if isinstance(solid, Placed)]
+        own = np.repeat([number[solid] for solid in solids], np.diff(ends))
+        back = np.array([solid._into for solid in placed])
+        inside = _moved(back, own, points) + back[:, :, 3].take(own, axis=0)
+        inner = [solid.inner for solid in solids if isinstance(solid, Placed)]
+        found = sample_each(inner, inside, ends)
+        scale = np.array([solid.placement.scale for solid in placed]).take(own)
+        turns = np.array([solid.placement.rotation for solid in placed]).reshape(-1, 3, 3)
+        return Sample(
+            found.value * scale, _moved(turns, own, found.gradient), found.curvature / scale
+        )
 
     @cached_property
     def bounds(self) -> Array:
@@ -120,6 +122,13 @@ class Placed(Joint):
     def _back(self) -> Placement:
         return self.placement.inverse()
 
+    @cached_property
+    def _into(self) -> Array:
+        """The matrix (3, 4) that takes points into the inner frame."""
+        back = self._back
+        turn = back.scale * np.reshape(back.rotation, (3, 3))
+        return np.column_stack([turn, back.offset])
+
     def value(self, points: Array) -> Array:
         """Return the values at points (n, 3)."""
         return self.inner.value(self._back.points(points)) * self.placement.scale
@@ -129,6 +138,16 @@ class Placed(Joint):
         value, gradient, curvature = self.inner.sample(self._back.points(points))
         scale = self.placement.scale
         return Sample(value * scale, self.placement.directions(gradient), curvature / scale)
+
+
+def _moved(matrices: Array, own: Index, vectors: Array) -> Array:
+    """Multiply vectors (n, 3), each by the matrix with a number (n,); these are (s, 3, 3 or 4)."""
+    x, y, z = np.ascontiguousarray(vectors.T)
+    result = np.empty_like(vectors)
+    for k in range(3):
+        one, two, three = (np.ascontiguousarray(matrices[:, k, j]).take(own) for j in range(3))
+        result[:, k] = one * x + two * y + three * z
+    return result
 
 
 def sample_each(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:

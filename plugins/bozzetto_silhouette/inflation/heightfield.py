@@ -17,9 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Index
 from bozzetto.plugin import cached_property, override
@@ -28,6 +29,8 @@ from bozzetto_silhouette.inflation.sewing import plan_gradients
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.numerics.grid_interpolant import BORDER, Cells, Lattice, on_nodes
 from bozzetto_silhouette.outline.signed_distance import RimDistance
+
+Value = TypeVar("Value", bound=np.generic)
 
 _SHARE = 0.75
 """Step of the lattice as a share of the plan's: limbs are quadratic across, and so is the
@@ -80,6 +83,7 @@ class Relief(Joint):
     @property
     @override
     def kind(self) -> Hashable:
+        """What solids have in common that can be sampled at once."""
         return Relief
 
     @cached_property
@@ -99,6 +103,7 @@ class Relief(Joint):
     @staticmethod
     @override
     def sample_row(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+        """Sample solids of this kind, each at points of its own, as `sample_each` does."""
         reliefs = [solid for solid in solids if isinstance(solid, Relief)]
         if len(reliefs) == 1:
             row, own = reliefs[0].row, np.zeros(len(points), np.intp)
@@ -107,11 +112,11 @@ class Relief(Joint):
             row = _Row.of(list(number))
             own = np.repeat([number[relief] for relief in reliefs], np.diff(ends))
         count = len(points)
-        found = Sample(np.empty(count), np.empty((count, 3)), np.empty(count))
+        value, gradient, curvature = np.empty(count), np.empty((count, 3)), np.empty(count)
         for first in range(0, count, _CHUNK):
             part = slice(first, first + _CHUNK)
-            row.sample(points[part], own[part], Sample(*(column[part] for column in found)))
-        return found
+            row.sample(points[part], own[part], value[part], gradient[part], curvature[part])
+        return Sample(value, gradient, curvature)
 
     @cached_property
     def row(self) -> _Row:
@@ -232,17 +237,24 @@ class _Row(NamedTuple):
             np.array([[side.thin for side in pair] for pair in sides]),
         )
 
-    def sample(self, points: Array, own: Index, found: Sample) -> None:
-        """Sample the reliefs at points (n, 3), each of the relief with a number (n,)."""
+    def sample(
+        self, points: Array, own: Index, value: Array, gradient: Array, curvature: Array
+    ) -> None:
+        """Sample reliefs at points (n, 3), each the one with a number (n,), into the last three."""
 
-        def of(values: Array) -> Array:
+        def of(values: NDArray[Value]) -> NDArray[Value]:
             """Return something of the reliefs for each point."""
             return values[0] if len(values) == 1 else values.take(own)
 
         x, y, z = np.ascontiguousarray(points.T)
         within_x = np.clip(x, of(self.low[:, 0]), of(self.high[:, 0]))
         within_y = np.clip(y, of(self.low[:, 1]), of(self.high[:, 1]))
-        step, width, start, thin = of(self.step), of(self.width), of(self.front), of(self.thin[:, 0])
+        step, width, start, thin = (
+            of(self.step),
+            of(self.width),
+            of(self.front),
+            of(self.thin[:, 0]),
+        )
         if (self.front != self.back).any():
             behind = z < 0.0
             start = np.where(behind, of(self.back), start)
@@ -258,10 +270,13 @@ class _Row(NamedTuple):
         square = u - z * z
         # Around no ball the gradient is shorter; in valleys far outside it vanishes.
         fitted = np.maximum(g2, -square)
-        value, gradient, curvature = found
         np.subtract(np.sqrt(fitted + square), np.sqrt(fitted), out=value)
         length = np.maximum(np.sqrt(g2), of(self.faint))
-        gradient[:, 0], gradient[:, 1], gradient[:, 2] = half_x / length, half_y / length, -z / length
+        gradient[:, 0], gradient[:, 1], gradient[:, 2] = (
+            half_x / length,
+            half_y / length,
+            -z / length,
+        )
         np.divide(1.0, np.maximum(cells.linear(self.radii), thin), out=curvature)
         beyond_x, beyond_y = x - within_x, y - within_y
         far = np.flatnonzero((beyond_x != 0.0) | (beyond_y != 0.0))

@@ -122,9 +122,7 @@ class Blend:
         Spacing of the finer of the two meshes.
     """
 
-    def __init__(
-        self, solid: Composite, box: Array, bodies: Sequence[Body], step: float
-    ) -> None:
+    def __init__(self, solid: Composite, box: Array, bodies: Sequence[Body], step: float) -> None:
         self.solid = solid
         self.box = box
         self.bodies = tuple(body for body in bodies if meet(body.bounds, box))
@@ -160,6 +158,7 @@ def fillets_of(
     Parameters
     ----------
     blends : sequence of Blend
+        Of any composites.
     checkpoint : callable
         Called with (fraction, step) between steps; may raise `Cancelled`.
 

@@ -51,8 +51,8 @@ node lies on the surface."""
 
 
 FAR = 1.5
-"""Distance from the surface, in cells, from which on a node's value is taken from the corners of the
-block of two cells around it: off by a cell at most, it has the right sign."""
+"""Distance from the surface, in cells, from which on a node's value is taken from the corners of
+the block of two cells around it: off by a cell at most, it has the right sign."""
 
 _CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 _NODES = np.array([[i, j, k] for i in (0, 1, 2) for j in (0, 1, 2) for k in (0, 1, 2)])
@@ -230,7 +230,7 @@ class _Lattice:
         return np.array([self.shape[1] * self.shape[2], self.shape[2], 1])
 
     def _closed(self) -> NDArray[np.float32]:
-        """Return the values at all nodes: of one sign where none is known, outside at the border."""
+        """Return the values at all nodes: of one sign where none is known, outside at the end."""
         grid = self._values.reshape(self.shape)
         evaluated = ~np.isnan(grid)
         known = grid[evaluated]
@@ -248,9 +248,7 @@ class _Lattice:
         return grid
 
 
-def _polished(
-    lattices: list[_Lattice], cuts: list[_Cut], checkpoint: Checkpoint
-) -> list[Surface]:
+def _polished(lattices: list[_Lattice], cuts: list[_Cut], checkpoint: Checkpoint) -> list[Surface]:
     """Move vertices onto the zero surfaces, except those at the borders; find normals, too."""
     ends = np.cumsum([0, *(len(cut.vertices) for cut in cuts)])
     vertices = np.concatenate([cut.vertices for cut in cuts])
@@ -273,10 +271,10 @@ def _polished(
     normals = -gradient / np.maximum(length, 1e-300)[:, None]
     surfaces = []
     for cut, low, high in zip(cuts, ends[:-1], ends[1:], strict=True):
-        own, normal = vertices[low:high], normals[low:high]
-        facing = vertex_normals(own, cut.faces)
+        places, normal = vertices[low:high], normals[low:high]
+        facing = vertex_normals(places, cut.faces)
         # Where the function has no slope, or the border cuts it, the faces know better.
         astray = cut.border | (length[low:high] < 1e-6) | ((normal * facing).sum(axis=1) < 0.0)
         normal[astray] = facing[astray]
-        surfaces.append(Surface(own, cut.faces, normal))
+        surfaces.append(Surface(places, cut.faces, normal))
     return surfaces

@@ -55,7 +55,7 @@ FLATTEST = 0.2
 RINGS = 2
 """Rings of vertices around fillets that may be moved, too."""
 
-MEETING = 4
+MEETING = 2
 """Rings of vertices around those where two seams meet that are made even after both."""
 
 SPREAD = 60
@@ -146,7 +146,7 @@ def _with_even(mesh: Sewn, number: Index, spacing: Array, solid: Implicit) -> Se
 
 
 def _around_vertices(mesh: Sewn, chosen: Flags) -> Index:
-    """Number the places (v,) around some vertices of a mesh, of vertices that were moved."""
+    """Return the number (v,) of the place around some vertices, of moved ones; elsewhere -1."""
     a, b = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
     for _ in range(MEETING):
         chosen = chosen.copy()

@@ -171,7 +171,9 @@ def test_an_early_part_of_a_large_tree_costs_neither_fillets_nor_a_union(
 ) -> None:
     made: list[object] = []
     real = fillet.extracted
-    monkeypatch.setattr(fillet, "extracted", lambda some, *more: made.extend(some) or real(some, *more))
+    monkeypatch.setattr(
+        fillet, "extracted", lambda some, *more: made.extend(some) or real(some, *more)
+    )
 
     def united(*_: object) -> None:
         raise AssertionError("the tree was united")
