@@ -13,8 +13,8 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.plugin import cached_property, override
 from bozzetto_silhouette.implicit.blend import flipped, smooth_maximum, summed
 from bozzetto_silhouette.implicit.implicit_solid import (
+    Batched,
     Implicit,
-    Joint,
     Placed,
     Sample,
     sample_each,
@@ -48,7 +48,7 @@ class Sides(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Composite(Joint):
+class Composite(Batched):
     """The result of an operation on two implicit solids.
 
     Parameters

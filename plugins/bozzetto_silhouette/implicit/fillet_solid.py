@@ -16,7 +16,7 @@ from bozzetto.arrays import Array, Index
 from bozzetto.plugin import override
 from bozzetto_silhouette.implicit.blend import ORDER, flipped, reach_by_angle
 from bozzetto_silhouette.implicit.composite import Composite, Row
-from bozzetto_silhouette.implicit.implicit_solid import Implicit, Joint, Sample
+from bozzetto_silhouette.implicit.implicit_solid import Batched, Implicit, Sample
 from bozzetto_silhouette.model.state import Operation
 from bozzetto_silhouette.numerics.isotropic_remeshing import dot
 
@@ -91,7 +91,7 @@ def _part(sample: Sample, low: int, high: int) -> Sample:
 
 
 @dataclass(frozen=True, eq=False)
-class FilletSolid(Joint):
+class FilletSolid(Batched):
     """The solid between the blended surface and the sharp one, and a little below that.
 
     Parameters

@@ -65,8 +65,8 @@ class Implicit(Protocol):
         ...
 
 
-class Joint(ABC):
-    """An implicit solid made of others: many of one kind are sampled as fast as one."""
+class Batched(ABC):
+    """An implicit solid of which many of one kind are sampled as one batch."""
 
     @property
     @abstractmethod
@@ -80,7 +80,7 @@ class Joint(ABC):
 
 
 @dataclass(frozen=True, eq=False)
-class Placed(Joint):
+class Placed(Batched):
     """An implicit solid that was moved, turned, scaled or mirrored."""
 
     inner: Implicit
@@ -167,7 +167,7 @@ def sample_each(solids: Sequence[Implicit], points: Array, ends: Index) -> Sampl
     alike: dict[Hashable, list[int]] = {}
     for k, solid in enumerate(solids):
         if ends[k] < ends[k + 1]:
-            kind: Hashable = solid.kind if isinstance(solid, Joint) else id(solid)
+            kind: Hashable = solid.kind if isinstance(solid, Batched) else id(solid)
             alike.setdefault((type(solid), kind), []).append(k)
     if len(alike) == 1:
         (members,) = alike.values()
@@ -184,6 +184,6 @@ def sample_each(solids: Sequence[Implicit], points: Array, ends: Index) -> Sampl
 
 def _alike(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
     """Sample solids of one kind, or the same solid several times."""
-    if len(solids) > 1 and isinstance(solids[0], Joint):
+    if len(solids) > 1 and isinstance(solids[0], Batched):
         return solids[0].sample_row(solids, points, ends)
     return solids[0].sample(points)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Index
 from bozzetto.plugin import cached_property, override
-from bozzetto_silhouette.implicit.implicit_solid import Implicit, Joint, Sample
+from bozzetto_silhouette.implicit.implicit_solid import Batched, Implicit, Sample
 from bozzetto_silhouette.inflation.sewing import plan_gradients
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.numerics.grid_interpolant import BORDER, Cells, Lattice, on_nodes
@@ -75,7 +75,7 @@ class _Side:
 
 
 @dataclass(frozen=True, eq=False)
-class Relief(Joint):
+class Relief(Batched):
     """A solid that was made by `solidify`, in its object frame."""
 
     solid: SilhouetteSolid

@@ -23,7 +23,7 @@ from bozzetto_silhouette.numerics.isotropic_remeshing import (
     relaxed,
     unit,
 )
-from bozzetto_silhouette.solids.asked_together import each
+from bozzetto_silhouette.solids.questions import each
 
 SLIVER = 0.5
 """Edges shorter than this share of the spacing are collapsed."""
