@@ -10,9 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto.plugin import cached_property
+from bozzetto.plugin import cached_property, override
 from bozzetto_silhouette.implicit.blend import flipped, smooth_maximum, summed
-from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed, Sample
+from bozzetto_silhouette.implicit.implicit_solid import (
+    Batched,
+    Implicit,
+    Placed,
+    Sample,
+    sample_each,
+)
 from bozzetto_silhouette.model.state import Operation
 
 _DOUBLINGS = 3
@@ -42,7 +48,7 @@ class Sides(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Composite:
+class Composite(Batched):
     """The result of an operation on two implicit solids.
 
     Parameters
@@ -75,17 +81,30 @@ class Composite:
         swell = 0.25 * self.reach
         return np.stack([np.minimum(low, other_low) - swell, np.maximum(high, other_high) + swell])
 
+    @property
+    @override
+    def kind(self) -> Hashable:
+        """What solids have in common that can be sampled at once."""
+        return self.operation, self.blend > 0.0
+
+    @staticmethod
+    @override
+    def sample_row(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+        """Sample solids of this kind, each at points of its own, as `sample_each` does."""
+        composites = [solid for solid in solids if isinstance(solid, Composite)]
+        return Row(composites, ends).sample(points)
+
     def value(self, points: Array) -> Array:
         """Return the values at points (n, 3)."""
         return self.sample(points).value
 
     def sample(self, points: Array) -> Sample:
         """Return the values and gradients at points (n, 3)."""
-        return self.blended(self.sides(points))
+        return Row((self,), np.array([0, len(points)])).sample(points)
 
     def sides(self, points: Array) -> Sides:
         """Sample both solids; where one cannot matter, only its bound is given."""
-        return _Several((self,), np.array([0, len(points)])).sides(points)
+        return Row((self,), np.array([0, len(points)])).sides(points)
 
     def within(self, box: Array, margin: float) -> Composite:
         """Return the same solid with `localized` operands."""
@@ -112,10 +131,10 @@ class Composite:
 
 
 @dataclass(frozen=True, eq=False)
-class _Several:
-    """Composites of one operation, each with points of its own in a row of points.
+class Row:
+    """Composites of one `kind`, each with points of its own in a row of points.
 
-    Attributes
+    Parameters
     ----------
     solids : sequence of Composite
     ends : (s + 1,) int array
@@ -126,8 +145,43 @@ class _Several:
     ends: Index
 
     def sample(self, points: Array) -> Sample:
-        """Return the values and gradients at points (n, 3)."""
-        return self.solids[0].blended(self.sides(points))
+        """Return the values and gradients at points (n, 3); blended only where it may be felt."""
+        reach = self._spread([solid.reach for solid in self.solids])
+        first, second = self._samples(points, reach)
+        if self.operation == "merge":
+            return self.blended(Sides(first, second, self._local_reach(first, second, reach)))
+        found, apart = self._sharp(first, second)
+        near = np.flatnonzero(apart < reach)
+        if len(near):
+            some = Row(self.solids, np.searchsorted(near, self.ends))
+            one, other = (_at(sample, near) for sample in (first, second))
+            within = reach if reach.ndim == 0 else reach[near]
+            blended = some.blended(Sides(one, other, some._local_reach(one, other, within)))
+            for column, values in zip(found, blended, strict=True):
+                np.asarray(column)[near] = values
+        return found
+
+    def _sharp(self, first: Sample, second: Sample) -> tuple[Sample, Array]:
+        """Combine two samples without a blend; return how far the values (n,) are apart, too."""
+        a, b = first.value, second.value
+        if self.operation == "carve":
+            b = -b
+        leads = a <= b if self.operation in ("carve", "intersect") else a >= b
+        other = -second.gradient if self.operation == "carve" else second.gradient
+        return Sample(
+            np.where(leads, a, b),
+            np.where(leads[:, None], first.gradient, other),
+            np.where(leads, first.curvature, second.curvature),
+        ), np.abs(a - b)
+
+    @property
+    def operation(self) -> Operation:
+        """The operation of all of them."""
+        return self.solids[0].operation
+
+    def blended(self, sides: Sides) -> Sample:
+        """Combine two samples into one by the operation and its blend."""
+        return self.solids[0].blended(sides)
 
     def sides(self, points: Array) -> Sides:
         """Sample both solids; where one cannot matter, only its bound is given."""
@@ -149,7 +203,7 @@ class _Several:
     def _samples(self, points: Array, reach: Array) -> tuple[Sample, Sample]:
         firsts = [solid.first for solid in self.solids]
         seconds = [solid.second for solid in self.solids]
-        operation = self.solids[0].operation
+        operation = self.operation
         if operation == "intersect":
             return sample_each(firsts, points, self.ends), sample_each(seconds, points, self.ends)
         far = self._fall(points, seconds)
@@ -186,48 +240,6 @@ class _Several:
         return np.broadcast_to(reach / narrowed, len(first.value))
 
 
-def sample_each(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
-    """Sample several solids, each at points of its own; what they have in common is asked once.
-
-    Parameters
-    ----------
-    solids : sequence of Implicit
-        Any kinds.
-    points : (n, 3) float array
-        Those of all solids in a row.
-    ends : (s + 1,) int array
-        The points of solid k are those from ``ends[k]`` up to ``ends[k + 1]``.
-    """
-    if len(solids) == 1:
-        return solids[0].sample(points)
-    alike: dict[Hashable, list[int]] = {}
-    for k, solid in enumerate(solids):
-        if ends[k] < ends[k + 1]:
-            kind: Hashable = id(solid)
-            if isinstance(solid, Composite):
-                kind = solid.operation, solid.blend > 0.0
-            alike.setdefault(kind, []).append(k)
-    if len(alike) == 1:
-        (members,) = alike.values()
-        return _alike([solids[k] for k in members], points, np.unique(ends))
-    count = len(points)
-    value, gradient, curvature = np.empty(count), np.empty((count, 3)), np.empty(count)
-    for members in alike.values():
-        at = np.concatenate([np.arange(ends[k], ends[k + 1]) for k in members])
-        own_ends = np.cumsum([0, *(ends[k + 1] - ends[k] for k in members)])
-        found = _alike([solids[k] for k in members], points[at], own_ends)
-        value[at], gradient[at], curvature[at] = found
-    return Sample(value, gradient, curvature)
-
-
-def _alike(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
-    """Sample composites of one operation, or the same solid several times."""
-    composites = [solid for solid in solids if isinstance(solid, Composite)]
-    if len(composites) < len(solids):
-        return solids[0].sample(points)
-    return _Several(composites, ends).sample(points)
-
-
 def localized(solid: Implicit, box: Array, margin: float) -> Implicit:
     """Drop the operands of a solid that are too far from a box (2, 3) to matter in it.
 
@@ -258,6 +270,14 @@ def signature(solid: Implicit) -> object:
         own = (solid.operation, solid.blend, solid.reach)
         return (signature(solid.first), signature(solid.second), *own)
     return solid
+
+
+def _at(sample: Sample, chosen: Index) -> Sample:
+    """Return a sample at some of its points."""
+    value, gradient, curvature = sample
+    if np.ndim(curvature):
+        curvature = np.asarray(curvature)[chosen]
+    return Sample(value[chosen], gradient[chosen], curvature)
 
 
 def _corners(box: Array) -> Array:

@@ -6,15 +6,18 @@ within what it is added to, so that uniting both has no faces in common to decid
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
+from bozzetto.plugin import override
 from bozzetto_silhouette.implicit.blend import ORDER, flipped, reach_by_angle
-from bozzetto_silhouette.implicit.composite import Composite
-from bozzetto_silhouette.implicit.implicit_solid import Sample
+from bozzetto_silhouette.implicit.composite import Composite, Row
+from bozzetto_silhouette.implicit.implicit_solid import Batched, Implicit, Sample
+from bozzetto_silhouette.model.state import Operation
 from bozzetto_silhouette.numerics.isotropic_remeshing import dot
 
 SUNK = 0.012
@@ -52,8 +55,8 @@ class Layers(NamedTuple):
     reach: Array
 
 
-def layers(solid: Composite, points: Array) -> Layers:
-    """Sample a composite as the union that it is, or whose complement it is."""
+def layers(solid: Composite | Row, points: Array) -> Layers:
+    """Sample composites as the unions that they are, or whose complements they are."""
     sides = solid.sides(points)
     first, second, blended = sides.first, sides.second, solid.blended(sides)
     if solid.operation in ("carve", "intersect"):
@@ -63,8 +66,32 @@ def layers(solid: Composite, points: Array) -> Layers:
     return Layers(first, second, blended, sides.reach)
 
 
+def layers_each(solids: Sequence[Composite], places: Sequence[Array]) -> list[Layers]:
+    """Sample several composites, each at places (n, 3) of its own, as `layers` does."""
+    counts = [len(some) for some in places]
+    alike: dict[Hashable, list[int]] = {}
+    for k, solid in enumerate(solids):
+        alike.setdefault(solid.kind, []).append(k)
+    found: dict[int, Layers] = {}
+    for members in alike.values():
+        ends = np.cumsum([0, *(counts[k] for k in members)])
+        row = layers(Row([solids[k] for k in members], ends),
+                     np.concatenate([places[k] for k in members]))  # fmt: skip
+        for k, low, high in zip(members, ends[:-1], ends[1:], strict=True):
+            first, second, blended = (_part(sample, low, high) for sample in row[:3])
+            found[k] = Layers(first, second, blended, row.reach[low:high])
+    return [found[k] for k in range(len(solids))]
+
+
+def _part(sample: Sample, low: int, high: int) -> Sample:
+    value, gradient, curvature = sample
+    if isinstance(curvature, np.ndarray):
+        curvature = curvature[low:high]
+    return Sample(value[low:high], gradient[low:high], curvature)
+
+
 @dataclass(frozen=True, eq=False)
-class FilletSolid:
+class FilletSolid(Batched):
     """The solid between the blended surface and the sharp one, and a little below that.
 
     Parameters
@@ -86,35 +113,59 @@ class FilletSolid:
         """The box around both."""
         return self.solid.bounds
 
+    @property
+    @override
+    def kind(self) -> Hashable:
+        """What solids have in common that can be sampled at once."""
+        return self.solid.kind
+
+    @staticmethod
+    @override
+    def sample_row(solids: Sequence[Implicit], points: Array, ends: Index) -> Sample:
+        """Sample solids of this kind, each at points of its own, as `sample_each` does."""
+        fillets = [solid for solid in solids if isinstance(solid, FilletSolid)]
+        counts = np.diff(ends)
+        step = np.repeat([fillet.step for fillet in fillets], counts)
+        cell = np.repeat([fillet.cell for fillet in fillets], counts)
+        return _sampled(Row([fillet.solid for fillet in fillets], ends), step, cell, points)
+
     def value(self, points: Array) -> Array:
         """Return the values at points (n, 3)."""
         return self.sample(points).value
 
     def sample(self, points: Array) -> Sample:
         """Return the values and gradients at points (n, 3)."""
-        first, second, blended, reach = layers(self.solid, points)
-        leads = first.value >= second.value
-        sharp = np.where(leads, first.value, second.value)
-        slope = np.where(leads[:, None], first.gradient, second.gradient)
-        added = blended.value - sharp
-        sunk = np.clip(SUNK_LEAST * self.step, SUNK * reach, SUNK_MOST * reach)
-        top = blended.value - sunk * np.clip(2.0 - added / np.maximum(sunk, 1e-300), 0.0, 1.0)
-        floor = np.maximum(DEPTH * reach, 2.0 * self.cell) - sharp
-        apart = np.where(leads[:, None], second.gradient - first.gradient,
-                         first.gradient - second.gradient)  # fmt: skip
-        steep = STEEP / np.maximum(np.sqrt(dot(apart, apart)), 1.0)
-        flank = steep * self._flank(first, second, reach, sunk)
-        value = np.minimum(np.minimum(top, floor), flank)
-        gradient = np.where((value == top)[:, None], blended.gradient, -slope)
-        ends = (value == flank) & (flank < top)
-        gradient = np.where(ends[:, None], steep[:, None] * apart, gradient)
-        return Sample(value, gradient)
+        return _sampled(self.solid, self.step, self.cell, points)
 
-    def _flank(self, first: Sample, second: Sample, reach: Array, sunk: Array) -> Array:
-        """Return how far within the blend points are, less where it adds half of `sunk`."""
-        safe = np.maximum(reach, 1e-300)
-        if self.solid.operation == "merge":
-            within = reach + np.minimum(first.value, second.value)
-            return within - reach * (0.5 * ORDER * sunk / safe) ** (1.0 / ORDER)
-        angled = reach_by_angle(first, second, reach)
-        return angled - np.abs(first.value - second.value) - np.sqrt(2.0 * angled * sunk)
+
+def _sampled(
+    solid: Composite | Row, step: Array | float, cell: Array | float, points: Array
+) -> Sample:
+    """Sample the fillets of one composite, or of a row of them."""
+    first, second, blended, reach = layers(solid, points)
+    leads = first.value >= second.value
+    sharp = np.where(leads, first.value, second.value)
+    slope = np.where(leads[:, None], first.gradient, second.gradient)
+    added = blended.value - sharp
+    sunk = np.clip(SUNK_LEAST * step, SUNK * reach, SUNK_MOST * reach)
+    top = blended.value - sunk * np.clip(2.0 - added / np.maximum(sunk, 1e-300), 0.0, 1.0)
+    floor = np.maximum(DEPTH * reach, 2.0 * cell) - sharp
+    apart = np.where(leads[:, None], second.gradient - first.gradient,
+                     first.gradient - second.gradient)  # fmt: skip
+    steep = STEEP / np.maximum(np.sqrt(dot(apart, apart)), 1.0)
+    flank = steep * _flank(solid.operation, first, second, reach, sunk)
+    value = np.minimum(np.minimum(top, floor), flank)
+    gradient = np.where((value == top)[:, None], blended.gradient, -slope)
+    ends = (value == flank) & (flank < top)
+    gradient = np.where(ends[:, None], steep[:, None] * apart, gradient)
+    return Sample(value, gradient)
+
+
+def _flank(operation: Operation, first: Sample, second: Sample, reach: Array, sunk: Array) -> Array:
+    """Return how far within the blend points are, less where it adds half of `sunk`."""
+    safe = np.maximum(reach, 1e-300)
+    if operation == "merge":
+        within = reach + np.minimum(first.value, second.value)
+        return within - reach * (0.5 * ORDER * sunk / safe) ** (1.0 / ORDER)
+    angled = reach_by_angle(first, second, reach)
+    return angled - np.abs(first.value - second.value) - np.sqrt(2.0 * angled * sunk)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,9 +13,6 @@ from bozzetto.plugin import cached_property
 BORDER = 6
 """Nodes along the edge of a lattice where the spline is bent: it goes on there as in a mirror,
 and each node takes off three quarters of the error."""
-
-_CHUNK = 4_096
-"""Points evaluated at a time: the sixteen coefficients of each stay in the cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,44 +44,60 @@ class Lattice:
         last = np.array(self.coefficients.shape) - 1.0
         return self.low + self.step * np.stack([np.full(2, BORDER), last - BORDER])
 
-    def sample(self, xy: Array) -> tuple[Array, Array]:
-        """Return values (n,) and gradients (n, 2) at points (n, 2) within the lattice."""
-        parts = [self._sample(xy[i : i + _CHUNK]) for i in range(0, max(1, len(xy)), _CHUNK)]
-        value, x, y = np.concatenate(parts, axis=1)
-        return value, np.stack([x, y], axis=1)
-
-    def _sample(self, xy: Array) -> Array:
-        rows, width, corner = self._padded
-        at = (xy - self.low) / self.step
-        cell = np.clip(np.floor(at).astype(np.intp), 0, np.array(self.coefficients.shape) - 2)
-        weights, slopes = _weights((at - cell).T)
-        first = cell[:, 0] * width + cell[:, 1]
-        near = rows.take(first + corner[:, None]).reshape(4, 4, -1)
-        value, x, y = np.zeros((3, len(xy)))
-        for k in range(4):
-            along = near[k, 0] * weights[0][1] + near[k, 1] * weights[1][1]
-            along += near[k, 2] * weights[2][1] + near[k, 3] * weights[3][1]
-            across = near[k, 0] * slopes[0][1] + near[k, 1] * slopes[1][1]
-            across += near[k, 2] * slopes[2][1] + near[k, 3] * slopes[3][1]
-            value += along * weights[k][0]
-            x += along * slopes[k][0]
-            y += across * weights[k][0]
-        return np.stack([value, x / self.step, y / self.step])
-
     @cached_property
-    def _padded(self) -> tuple[Array, int, Index]:
-        """All coefficients in one row, mirrored at the border, and how to find sixteen of them.
+    def padded(self) -> Array:
+        """The coefficients mirrored at the border, with a node more on every side."""
+        return np.pad(self.coefficients, 1, mode="reflect")
 
-        With the row come the number of nodes across, and where the others around a cell lie after
-        the first.
-        """
-        padded = np.pad(self.coefficients, 1, mode="reflect")
-        width = padded.shape[1]
-        return padded.ravel(), width, (width * np.arange(4)[:, None] + np.arange(4)).ravel()
+
+class Cells(NamedTuple):
+    """Places in the cells of lattices whose numbers stand in one row.
+
+    Attributes
+    ----------
+    first : (n,) int array
+        Where in the row the node before the cell's first stands, along both axes.
+    width : (n,) int array or int
+        Nodes across, those at the border included.
+    along, across : (n,) float array
+        From 0 to 1 within the cell.
+    """
+
+    first: Index
+    width: Index | int
+    along: Array
+    across: Array
+
+    def cubic(self, row: Array) -> tuple[Array, Array, Array]:
+        """Return values and slopes (n,), per cell, of the spline with a row of coefficients."""
+        near = [
+            [row.take(start + k) for k in range(4)]
+            for start in (self.first + k * self.width for k in range(4))
+        ]
+        (w, v), (s, r) = _weights(self.along), _weights(self.across)
+        value, x, y = np.zeros((3, len(self.first)))
+        for k in range(4):
+            one, two, three, four = near[k]
+            middle = one * s[0] + two * s[1] + three * s[2] + four * s[3]
+            value += middle * w[k]
+            x += middle * v[k]
+            y += (one * r[0] + two * r[1] + three * r[2] + four * r[3]) * w[k]
+        return value, x, y
+
+    def linear(self, row: Array) -> Array:
+        """Return values (n,) between the four nodes of the cells."""
+        start = self.first + self.width + 1
+        low = row.take(start)
+        low += self.across * (row.take(start + 1) - low)
+        start = start + self.width
+        high = row.take(start)
+        high += self.across * (row.take(start + 1) - high)
+        result: Array = low + self.along * (high - low)
+        return result
 
 
 def _weights(t: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-    """Return the four uniform cubic B-splines over a cell and their slopes at places in it."""
+    """Return the four uniform cubic B-splines over a cell and their slopes at places (n,) in it."""
     s = 1.0 - t
     t2, s2 = t * t, s * s
     t3, s3 = t2 * t / 6.0, s2 * s / 6.0

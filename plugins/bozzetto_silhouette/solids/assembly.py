@@ -18,7 +18,7 @@ from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Operation
 from bozzetto_silhouette.solids.body import Body, meet, places_in
 from bozzetto_silhouette.solids.field_body import field_body
-from bozzetto_silhouette.solids.fillet import Fillet, common_box, fillets_between
+from bozzetto_silhouette.solids.fillet import Blend, Fillet, common_box, fillets_of
 from bozzetto_silhouette.solids.lump import Lump, Remainder, united
 from bozzetto_silhouette.solids.polygonize import Surface
 from bozzetto_silhouette.solids.volume_check import is_allowed, is_lost
@@ -51,11 +51,13 @@ class Assembly:
 
     Attributes
     ----------
-    lumps : tuple of Lump
-        Their union is the solid.
+    solids : tuple of Lump
+        Their union with the fillets of `loose` is the solid.
     pieces : tuple of Piece
         In the order of their sources.
-    fillets : tuple of Fillet
+    blends : tuple of Blend
+    loose : tuple of Blend
+        Those of them whose fillets are not in the solids: what is carved has them in it.
     implicit : Implicit
         Its zero set is the surface.
     radius : float
@@ -64,9 +66,10 @@ class Assembly:
         The finest spacing of the meshes.
     """
 
-    lumps: tuple[Lump, ...]
+    solids: tuple[Lump, ...]
     pieces: tuple[Piece, ...]
-    fillets: tuple[Fillet, ...]
+    blends: tuple[Blend, ...]
+    loose: tuple[Blend, ...]
     implicit: Implicit
     radius: float
     step: float
@@ -76,12 +79,12 @@ class Assembly:
         """Return one body by itself."""
         surface = Surface(body.vertices, body.faces, body.normals)
         lump = Lump(body, body.bounds, surface)
-        return cls((lump,), (Piece(body, 1),), (), body.implicit, body.radius, body.step)
+        return cls((lump,), (Piece(body, 1),), (), (), body.implicit, body.radius, body.step)
 
     @property
     def alone(self) -> Body | None:
         """The body that it consists of; None where several were put together."""
-        return self.pieces[0].body if len(self.pieces) == 1 and not self.fillets else None
+        return self.pieces[0].body if len(self.pieces) == 1 and not self.blends else None
 
     @property
     def sources(self) -> tuple[str, ...]:
@@ -89,9 +92,20 @@ class Assembly:
         return tuple(source for piece in self.pieces for source in piece.body.sources)
 
     @cached_property
+    def fillets(self) -> tuple[Fillet, ...]:
+        """The fillets of all blends."""
+        return _fillets(self.blends)
+
+    @cached_property
+    def lumps(self) -> tuple[Lump, ...]:
+        """What is to be united."""
+        return self.solids + _lumps(self.loose)
+
+    @cached_property
     def box(self) -> Array:
-        """Corners of the box around all lumps, (2, 3)."""
-        boxes = np.stack([lump.box for lump in self.lumps])
+        """Corners of a box around all lumps, (2, 3)."""
+        known = [lump.box for lump in self.solids], [blend.bounds for blend in self.loose]
+        boxes = np.stack([box for boxes in known for box in boxes])
         return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
     @cached_property
@@ -138,17 +152,17 @@ def assembled(
     step = min(first.step, second.step)
     reach = 0.0 if apart else reach
     solid = Composite(first.implicit, second.implicit, operation, blend if reach else 0.0, reach)
-    fillets: tuple[Fillet, ...] = ()
+    added: tuple[Blend, ...] = ()
     if reach > 0.0:
         bodies = [piece.body for piece in first.pieces + second.pieces]
         box = common_box(first.box, second.box, 2.0 * reach)
-        fillets = fillets_between(solid, box, bodies, step, checkpoint)
-    added = tuple(Lump(fillet, fillet.box, fillet.surface) for fillet in fillets)
+        added = (Blend(solid, box, bodies, step),)
     side = -1 if operation == "carve" else 1
     whole = Assembly(
-        first.lumps + second.lumps + added,
+        first.solids + second.solids,
         first.pieces + tuple(Piece(body, side * sign) for body, sign in second.pieces),
-        first.fillets + second.fillets + fillets,
+        first.blends + second.blends + added,
+        first.loose + second.loose + added,
         solid,
         max(first.radius, second.radius),
         step,
@@ -156,7 +170,8 @@ def assembled(
     if operation in ("add", "merge"):
         return whole
     checkpoint(0.8, "combine")
-    left = _remainder(first, second, operation, added)
+    fillets_of(whole.loose, checkpoint)  # all at once, and remembered
+    left = _remainder(first, second, operation, _lumps(added))
     if left is not None and left.is_empty() and is_lost(solid, solid.bounds, step):
         left = None
     if left is None:
@@ -164,7 +179,15 @@ def assembled(
     if first.whole is None or not left.volume() > CRUMBS * first.whole.volume():
         return None
     low_high = np.array(left.bounding_box()).reshape(2, 3)
-    return replace(whole, lumps=(Lump(Remainder(left), low_high),))
+    return replace(whole, solids=(Lump(Remainder(left), low_high),), loose=())
+
+
+def _fillets(blends: tuple[Blend, ...]) -> tuple[Fillet, ...]:
+    return tuple(fillet for fillets in fillets_of(blends) for fillet in fillets)
+
+
+def _lumps(blends: tuple[Blend, ...]) -> tuple[Lump, ...]:
+    return tuple(Lump(fillet, fillet.box, fillet.surface) for fillet in _fillets(blends))
 
 
 def remade(whole: Assembly, checkpoint: Checkpoint = ignore) -> Assembly | None:

@@ -16,6 +16,7 @@ from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.handle_removal import without_narrow_handles
 from bozzetto_silhouette.solids.assembly import Assembly, assembled, remade
 from bozzetto_silhouette.solids.body import Body, meet
+from bozzetto_silhouette.solids.fillet import fillets_of
 from bozzetto_silhouette.solids.seams import Sewn, sewn
 from bozzetto_silhouette.solids.union_mesh import UnionMesh, found, union_mesh
 from bozzetto_silhouette.solids.variational_csg import variational_combined
@@ -101,6 +102,7 @@ def meshed(assembly: Assembly, checkpoint: Checkpoint = ignore) -> Body:
     """
     if assembly.alone is not None:
         return assembly.alone
+    fillets_of(assembly.blends, checkpoint)  # all at once, and remembered
     checkpoint(0.8, "combine")
     whole = union_mesh(assembly.lumps)
     if whole is None:

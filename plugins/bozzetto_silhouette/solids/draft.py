@@ -27,7 +27,7 @@ from bozzetto_silhouette.model.state import Group, Operation, Part, SilhouetteSt
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
 from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
-from bozzetto_silhouette.solids.fillet import Fillet, common_box, fillets_between
+from bozzetto_silhouette.solids.fillet import Blend, Fillet, common_box, fillets_of
 from bozzetto_silhouette.solids.lump import Held, Lump, Remainder
 from bozzetto_silhouette.solids.part_cells import FEWEST_IN_DRAFTS, cells_of
 from bozzetto_silhouette.solids.part_solid import body_of
@@ -257,7 +257,7 @@ class _Making:
             if self.leaves_out:
                 return ()
         box = common_box(first.box, second.box, 2.0 * solid.reach)
-        fillets = fillets_between(solid, box, bodies, step, self.checkpoint)
+        (fillets,) = fillets_of([Blend(solid, box, bodies, step)], self.checkpoint)
         owner = second.shells[0].owner
         return tuple(
             Shell(Lump(f, f.box, _as_blended(f, solid)), owner, fills=True) for f in fillets

@@ -6,8 +6,9 @@ bodies keep their meshes, and what is far from a crease is not looked at.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,13 +17,14 @@ import numpy as np
 from bozzetto.arrays import Array, Flags
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite, signature
-from bozzetto_silhouette.implicit.fillet_solid import DEPTH, FilletSolid, layers
+from bozzetto_silhouette.implicit.fillet_solid import DEPTH, FilletSolid, Layers, layers_each
 from bozzetto_silhouette.inflation.manifold_check import as_manifold, original_numbers
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
 from bozzetto_silhouette.solids.body import Body, meet, places_in
-from bozzetto_silhouette.solids.polygonize import Surface, extract
+from bozzetto_silhouette.solids.polygonize import Surface, Wanted, extracted
+from bozzetto_silhouette.solids.questions import each
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -47,6 +49,9 @@ MOST_PLACES = 2500
 
 CLIMBS = 12
 """Steps on the way from a place of a fillet to the crease."""
+
+SPARSE = 8
+"""Of so many vertices of a fillet one is led to the crease first: mostly it gets there."""
 
 TOUCHING = 0.1
 """Gap, in cells, across which solids count as touching."""
@@ -102,14 +107,8 @@ def common_box(first: Array, second: Array, margin: float) -> Array:
     return np.stack([low - margin, high + margin])
 
 
-def fillets_between(
-    solid: Composite,
-    box: Array,
-    bodies: Sequence[Body],
-    step: float,
-    checkpoint: Checkpoint = ignore,
-) -> tuple[Fillet, ...]:
-    """Return what the blend of a composite adds to the sharp result, or takes away.
+class Blend:
+    """A blend of two solids, whose fillets are made when they are asked for.
 
     Parameters
     ----------
@@ -121,80 +120,142 @@ def fillets_between(
         Of which both consist.
     step : float
         Spacing of the finer of the two meshes.
+    """
+
+    def __init__(self, solid: Composite, box: Array, bodies: Sequence[Body], step: float) -> None:
+        self.solid = solid
+        self.box = box
+        self.bodies = tuple(body for body in bodies if meet(body.bounds, box))
+        self.step = step
+
+    @cached_property
+    def key(self) -> Hashable:
+        """What the fillets depend on, by the bodies: their vertices are not looked at."""
+        boxes = self.box, self.solid.first.bounds, self.solid.second.bounds
+        marks = tuple(body.mark for body in self.bodies)
+        return signature(self.local), marks, self.step, *(some.tobytes() for some in boxes)
+
+    @cached_property
+    def local(self) -> Composite:
+        """The solid with what matters around its box."""
+        margin = np.array([[-self.solid.reach], [self.solid.reach]])
+        return self.solid.within(self.box + margin, BEYOND * self.solid.reach)
+
+    @cached_property
+    def bounds(self) -> Array:
+        """A box (2, 3) around the fillets."""
+        low, high = self.solid.bounds
+        return np.stack([np.maximum(low, self.box[0]), np.minimum(high, self.box[1])])
+
+
+def fillets_of(
+    blends: Sequence[Blend], checkpoint: Checkpoint = ignore
+) -> list[tuple[Fillet, ...]]:
+    """Return what each of some blends adds to its sharp result, or takes away.
+
+    What is not remembered is made all at once.
+
+    Parameters
+    ----------
+    blends : sequence of Blend
+        Of any composites.
     checkpoint : callable
         Called with (fraction, step) between steps; may raise `Cancelled`.
 
     Returns
     -------
-    tuple of Fillet
+    list of tuples of Fillet
         Closed meshes. Those of a union are to be united with it; those of a carved solid are to
         be taken away, and those of an intersection, too.
     """
-    near = tuple(body for body in bodies if meet(body.bounds, box))
-    margin = np.array([[-solid.reach], [solid.reach]])
-    local = solid.within(box + margin, BEYOND * solid.reach)
-    return _between(solid, local, box, near, step, checkpoint)
-
-
-def _asked_between(
-    solid: Composite,
-    local: Composite,
-    box: Array,
-    bodies: tuple[Body, ...],
-    step: float,
-    checkpoint: Checkpoint,
-) -> Hashable:
-    boxes = box, solid.first.bounds, solid.second.bounds
-    marks = tuple(body.mark for body in bodies)
-    return signature(local), marks, step, *(some.tobytes() for some in boxes)
+    return each(_between, partial(_all_between, checkpoint=checkpoint), blends)
 
 
 # By the bodies, so that their vertices are not looked at again. Where one was made anew just as it
 # was, the fillets are found by these.
-@remembered(limit=512, key=_asked_between)
-def _between(
-    solid: Composite,
-    local: Composite,
-    box: Array,
-    bodies: tuple[Body, ...],
-    step: float,
-    checkpoint: Checkpoint,
-) -> tuple[Fillet, ...]:
-    places = places_in(bodies, box)
+@remembered(limit=512, key=lambda blend: blend.key)
+def _between(blend: Blend) -> tuple[Fillet, ...]:
+    return _all_between([blend], ignore)[0]
+
+
+def _all_between(blends: Sequence[Blend], checkpoint: Checkpoint) -> list[tuple[Fillet, ...]]:
+    creases = [_crease(blend) for blend in blends]
+    known = [crease for crease in creases if crease is not None]
+    made = iter(each(_made, partial(_all_made, checkpoint=checkpoint), known))
+    return [() if crease is None else next(made) for crease in creases]
+
+
+class _Crease(NamedTuple):
+    """Where two solids may be blended.
+
+    Attributes
+    ----------
+    solid : Composite
+    places : (n, 3) float array
+        On the surfaces, where the blend may be felt.
+    step : float
+    """
+
+    solid: Composite
+    places: Array
+    step: float
+
+
+def _crease(blend: Blend) -> _Crease | None:
+    """Return where a blend may be felt; None where it is not."""
+    solid = blend.solid
+    places = places_in(blend.bodies, blend.box)
     near = places[solid.felt(places)]
     if not len(near):
-        return ()
+        return None
     near = near[np.lexsort(near.T)]
     around = np.stack([near.min(axis=0) - solid.reach, near.max(axis=0) + solid.reach])
-    return _made(local.within(around, BEYOND * solid.reach), near, step, checkpoint)
+    return _Crease(blend.local.within(around, BEYOND * solid.reach), near, blend.step)
 
 
-def _depends_on(solid: Composite, places: Array, step: float, checkpoint: Checkpoint) -> Hashable:
+def _depends_on(crease: _Crease) -> Hashable:
     """Return what a fillet depends on: the same, whatever was done to the rest of the tree."""
+    solid, places, step = crease
     return signature(solid), step, len(places), places.sum(axis=0).tobytes()
 
 
 @remembered(limit=512, key=_depends_on)
-def _made(
-    solid: Composite, places: Array, step: float, checkpoint: Checkpoint
-) -> tuple[Fillet, ...]:
-    found = []
-    for zone in _zones(solid, places[:: len(places) // MOST_PLACES + 1], step):
-        checkpoint(0.6, "blend")
-        longest = float(np.ptp(zone.box, axis=0).max())
-        cell = max(FINENESS * zone.reach, FINEST * step, longest / MOST_CELLS)
-        thin = FilletSolid(solid.within(zone.box, BEYOND * solid.reach), step, cell)
-        surface = extract(thin, zone.box, cell, checkpoint)
-        if solid.operation != "merge":
-            surface = _on_creases(surface, solid, cell)
+def _made(crease: _Crease) -> tuple[Fillet, ...]:
+    return _all_made([crease], ignore)[0]
+
+
+def _all_made(creases: Sequence[_Crease], checkpoint: Checkpoint) -> list[tuple[Fillet, ...]]:
+    checkpoint(0.6, "blend")
+    owners, thin, wanted = [], [], []
+    for k, zones in enumerate(_zones(creases)):
+        solid, _, step = creases[k]
+        for zone in zones:
+            longest = float(np.ptp(zone.box, axis=0).max())
+            cell = max(FINENESS * zone.reach, FINEST * step, longest / MOST_CELLS)
+            local = solid.within(zone.box, BEYOND * solid.reach)
+            owners.append(k)
+            thin.append(local)
+            wanted.append(Wanted(FilletSolid(local, step, cell), zone.box, cell))
+    surfaces = extracted(wanted, checkpoint)
+    surfaces = _on_creases(surfaces, thin, [some.step for some in wanted])
+    found: list[list[Fillet]] = [[] for _ in creases]
+    for k, surface, some in zip(owners, surfaces, wanted, strict=True):
         if len(surface.faces):
-            found.append(Fillet(surface, cell))
-    return tuple(found)
+            found[k].append(Fillet(surface, some.step))
+    return [tuple(fillets) for fillets in found]
 
 
-def _zones(solid: Composite, places: Array, step: float) -> list[_Zone]:
-    """Find where the blend tells, from places on the surfaces; zones whose boxes meet are one."""
-    first, second, blended, reach = layers(solid, places)
+def _zones(creases: Sequence[_Crease]) -> Iterator[list[_Zone]]:
+    """Find where each blend tells, from places on the surfaces."""
+    places = [some.places[:: len(some.places) // MOST_PLACES + 1] for some in creases]
+    sampled = layers_each([some.solid for some in creases], places)
+    for crease, points, found in zip(creases, places, sampled, strict=True):
+        yield _told(points, found, crease.step)
+
+
+def _told(places: Array, sampled: Layers, step: float) -> list[_Zone]:
+    """Find where a blend tells, from places on the surfaces; zones whose boxes meet are one."""
+    first, second, blended, reach = sampled
     sharp = np.maximum(first.value, second.value)
     told = (sharp < DEPTH * reach) & (blended.value - sharp > 1e-3 * reach)
     told &= blended.value > -0.25 * reach
@@ -237,30 +298,45 @@ def _merged(zones: list[_Zone]) -> list[_Zone]:
         zones[pair[0]] = _Zone(np.stack([low, high]), min(one.reach, other.reach))
 
 
-def _on_creases(surface: Surface, solid: Composite, cell: float) -> Surface:
-    """Keep the pieces of a fillet where both solids meet; none bridges a gap between them."""
-    if not len(surface.faces):
-        return surface
-    a, b = surface.faces[:, :2].ravel(), surface.faces[:, 1:].ravel()
-    pieces, piece = connected_pieces(a, b, len(surface.vertices))
-    meets = np.zeros(pieces, dtype=bool)
-    points = surface.vertices.copy()
-    for _ in range(CLIMBS):
-        left = np.flatnonzero(~meets[piece])
-        if not len(left):
-            break
-        higher, within = _uphill(points[left], solid)
-        meets[piece[left[within > -TOUCHING * cell]]] = True
-        points[left] = higher
-    return _part(surface, meets[piece])
+def _on_creases(
+    surfaces: Sequence[Surface], solids: Sequence[Composite], cells: Sequence[float]
+) -> list[Surface]:
+    """Keep the pieces of fillets where both solids meet; none bridges a gap between them.
+
+    What merges may bridge it.
+    """
+    pieces, meets, points = [], [], []
+    for surface, solid in zip(surfaces, solids, strict=True):
+        a, b = surface.faces[:, :2].ravel(), surface.faces[:, 1:].ravel()
+        count, piece = connected_pieces(a, b, len(surface.vertices))
+        pieces.append(piece)
+        meets.append(np.full(count, solid.operation == "merge"))
+        points.append(surface.vertices.copy())
+    for turn in range(2 * CLIMBS):
+        every_nth = SPARSE if turn < CLIMBS else 1
+        left = {
+            k: some
+            for k in range(len(surfaces))
+            if len(some := np.flatnonzero(~meets[k][pieces[k]])[::every_nth])
+        }
+        asked = [points[k][some] for k, some in left.items()]
+        every = layers_each([solids[k] for k in left], asked)
+        for (k, some), places, sampled in zip(left.items(), asked, every, strict=True):
+            higher, within = _uphill(places, sampled)
+            meets[k][pieces[k][some[within > -TOUCHING * cells[k]]]] = True
+            points[k][some] = higher
+    return [
+        _part(surface, known[piece])
+        for surface, known, piece in zip(surfaces, meets, pieces, strict=True)
+    ]
 
 
-def _uphill(points: Array, solid: Composite) -> tuple[Array, Array]:
+def _uphill(points: Array, sampled: Layers) -> tuple[Array, Array]:
     """Go a step further into both solids; return the places, and how far within both they were.
 
     Between sides that face each other across a gap no way leads into both.
     """
-    first, second, _, reach = layers(solid, points)
+    first, second, _, reach = sampled
     lower = np.where((first.value < second.value)[:, None], first.gradient, second.gradient)
     level = np.abs(first.value - second.value) < 0.5 * STRIDE * reach
     both = 0.5 * (unit(first.gradient) + unit(second.gradient))

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.implicit.composite import localized, sample_each, signature
-from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample
+from bozzetto_silhouette.implicit.composite import localized, signature
+from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample, sample_each
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import (
     Patch,
     border_edges,
@@ -22,6 +23,7 @@ from bozzetto_silhouette.numerics.isotropic_remeshing import (
     relaxed,
     unit,
 )
+from bozzetto_silhouette.solids.questions import each
 
 SLIVER = 0.5
 """Edges shorter than this share of the spacing are collapsed."""
@@ -53,6 +55,9 @@ FLATTEST = 0.2
 RINGS = 2
 """Rings of vertices around fillets that may be moved, too."""
 
+MEETING = 2
+"""Rings of vertices around those where two seams meet that are made even after both."""
+
 SPREAD = 60
 """Rings at most of those that are not on the blended surface."""
 
@@ -67,9 +72,6 @@ DIFFERENCE = 0.1
 
 OVERTURNED = -0.2
 """Cosine between a face and the gradient below which it counts as turned over."""
-
-Asked = TypeVar("Asked")
-Answer = TypeVar("Answer")
 
 _TETRAHEDRON = np.array([[1, -1, -1], [-1, -1, 1], [-1, 1, -1], [1, 1, 1.0]]) / np.sqrt(3.0)
 
@@ -99,7 +101,8 @@ def sewn(
 ) -> Sewn:
     """Even out the triangles of a mesh at its seams, and bring them onto a solid's surface.
 
-    Every seam is done by itself; where two meet, vertices are only brought onto the surface.
+    Every seam is done by itself, so that it can be remembered: where two meet, vertices are only
+    brought onto the surface at first, and the triangles around these are made even after that.
 
     Parameters
     ----------
@@ -120,18 +123,38 @@ def sewn(
     between = np.zeros(len(vertices), dtype=bool)
     between[a[(seam[a] >= 0) & (seam[a] < seam[b])]] = True
     vertices, normals = _settled(vertices, np.where(between, seam, -1), spacing, solid)
-    own = np.where(between, -1, seam)
-    of_face = own[faces].max(axis=1)
+    moved = Sewn(vertices, faces, np.arange(len(vertices)), between, normals)
+    first = _with_even(moved, np.where(between, -1, seam), spacing, solid)
+    if not between.any():
+        return first
+    places = _around_vertices(first, between[first.parents])
+    return _with_even(first, places, spacing[first.parents], solid)
+
+
+def _with_even(mesh: Sewn, number: Index, spacing: Array, solid: Implicit) -> Sewn:
+    """Return a mesh with even triangles around the vertices of each number (v,), -1 for none."""
+    of_face = number[mesh.faces].max(axis=1)
     numbers, zones = [], []
-    for zone in _by_number(faces, of_face):
-        mine, inner = _in_order(vertices, zone)
-        local = _around(solid, vertices[mine], spacing[mine])
+    for zone in _by_number(mesh.faces, of_face):
+        mine, inner = _in_order(mesh.vertices, zone)
+        local = _around(solid, mesh.vertices[mine], spacing[mine])
         numbers.append(mine)
-        zones.append(_Zone(vertices[mine], inner, own[mine] >= 0, spacing[mine], local))
-    rest = Sewn(vertices, faces[of_face < 0], np.arange(len(vertices)), between, normals)
-    return _set_in(
-        rest, list(zip(numbers, _each(_even.known, _even.put, _evened, zones), strict=True))
-    )
+        zones.append(_Zone(mesh.vertices[mine], inner, number[mine] >= 0, spacing[mine], local))
+    rest = mesh._replace(faces=mesh.faces[of_face < 0])
+    found = each(_even, _evened, zones)
+    return _set_in(rest, list(zip(numbers, found, strict=True)))
+
+
+def _around_vertices(mesh: Sewn, chosen: Flags) -> Index:
+    """Return the number (v,) of the place around some vertices, of moved ones; elsewhere -1."""
+    a, b = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    for _ in range(MEETING):
+        chosen = chosen.copy()
+        chosen[b[chosen[a]]] = True
+        chosen &= mesh.moved
+    inner = chosen[a] & chosen[b]
+    _, number = connected_pieces(a[inner], b[inner], len(chosen))
+    return np.where(chosen, number, -1)
 
 
 def _by_number(rows: Index, number: Index) -> list[Index]:
@@ -170,18 +193,24 @@ def _grown(
 
 def _off_surface(vertices: Array, seam: Index, spacing: Array, solid: Implicit) -> Flags:
     """Mark the vertices in the boxes of seams, without these, that are not on the surface."""
-    known = seam >= 0
     off = np.zeros(len(vertices), dtype=bool)
+    free = np.flatnonzero(seam < 0)
+    free = free[np.argsort(vertices[free, 0])]  # only few have an x as in a seam's box
+    x = vertices[free, 0]
+    rows, asked = [], []
     for mine in _by_number(np.arange(len(vertices)), seam):
         place = vertices[mine]
         room = ROOM * float(spacing[mine].max())
         low, high = place.min(axis=0) - room, place.max(axis=0) + room
-        near = np.flatnonzero(((vertices >= low) & (vertices <= high)).all(axis=1) & ~known)
+        near = free[np.searchsorted(x, low[0], "left") : np.searchsorted(x, high[0], "right")]
+        near = near[((vertices[near] >= low) & (vertices[near] <= high)).all(axis=1)]
         if len(near):
             near = near[np.lexsort(vertices[near].T)]
-            width = spacing[near]
-            local = _around(solid, vertices[near], width)
-            off[near] = _is_off(_Places(vertices[near], width, local))
+            rows.append(near)
+            local = _around(solid, vertices[near], spacing[near])
+            asked.append(_Places(vertices[near], spacing[near], local))
+    for near, found in zip(rows, each(_is_off, _all_off, asked), strict=True):
+        off[near] = found
     return off
 
 
@@ -199,31 +228,18 @@ def _asked_at(some: _Places) -> Hashable:
 
 @remembered(limit=512, key=_asked_at)
 def _is_off(some: _Places) -> Flags:
-    off: Flags = np.abs(some.solid.value(some.points)) > OFF * some.spacing
-    return off
+    return _all_off([some])[0]
 
 
-def _each(
-    known: Callable[[Asked], Answer | None],
-    put: Callable[[Answer, Asked], None],
-    every: Callable[[list[Asked]], list[Answer]],
-    asked: list[Asked],
-) -> list[Answer]:
-    """Ask a question of each seam; those that are not remembered are answered all at once.
-
-    Every step takes arrays, and a seam has some hundred faces: of many seams most of the time
-    would go into the calls. What is done to one seam depends on no other.
-    """
-    found = [known(question) for question in asked]
-    fresh = [question for question, answer in zip(asked, found, strict=True) if answer is None]
-    made = iter(every(fresh) if fresh else [])
-    answers = []
-    for question, answer in zip(asked, found, strict=True):
-        if answer is None:
-            answer = next(made)
-            put(answer, question)
-        answers.append(answer)
-    return answers
+def _all_off(asked: list[_Places]) -> list[Flags]:
+    """Mark the places that are not on their surface."""
+    ends = np.cumsum([0, *(len(some.points) for some in asked)])
+    points = np.concatenate([some.points for some in asked])
+    values = sample_each([some.solid for some in asked], points, ends).value
+    return [
+        np.abs(value) > OFF * some.spacing
+        for value, some in zip(np.split(values, ends[1:-1]), asked, strict=True)
+    ]
 
 
 def _settled(
@@ -240,7 +256,7 @@ def _settled(
         _Places(vertices[mine], spacing[mine], _around(solid, vertices[mine], spacing[mine]))
         for mine in rows
     ]
-    settled = _each(_on_surface.known, _on_surface.put, _all_on_surface, asked)
+    settled = each(_on_surface, _all_on_surface, asked)
     for mine, found in zip(rows, settled, strict=True):
         vertices[mine], normals[mine] = found
     return vertices, normals
@@ -480,7 +496,7 @@ def _set_in(rest: Sewn, parts: list[tuple[Index, Sewn]]) -> Sewn:
         points.append(part.vertices[part.moved])
         normals.append(part.normals[part.moved])
         moved.append(np.ones(new, dtype=bool))
-        parents.append(numbers[part.parents[part.moved]])
+        parents.append(rest.parents[numbers[part.parents[part.moved]]])
     every = np.concatenate(rows)
     used = np.zeros(count, dtype=bool)
     used[every] = True

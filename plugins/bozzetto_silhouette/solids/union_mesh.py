@@ -135,9 +135,15 @@ def _pieces(lumps: tuple[Lump, ...]) -> tuple[int, list[Piece]]:
 
 
 def _grouped(base: Lump, pieces: list[Piece]) -> list[list[Piece]]:
-    """Put small pieces into groups: few, as each costs the base once more, and none large."""
-    sizes = [sum(lump.manifold.num_tri() for lump in piece) for piece in pieces]
-    enough = np.sqrt(float(sum(sizes)) * base.manifold.num_tri())
+    """Put small pieces into groups: few, as each costs the base once more, and none large.
+
+    Sizes are told by powers of two, so that a piece that changes a little seldom moves others into
+    another group, which would have to be united anew.
+    """
+    sizes = [
+        2.0 ** round(np.log2(sum(lump.manifold.num_tri() for lump in piece))) for piece in pieces
+    ]
+    enough = np.sqrt(sum(sizes) * base.manifold.num_tri())
     groups: list[list[Piece]] = []
     full = enough
     for piece, size in zip(pieces, sizes, strict=True):

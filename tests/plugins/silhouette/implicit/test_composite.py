@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from bozzetto_silhouette.implicit.composite import Composite, localized
-from bozzetto_silhouette.implicit.implicit_solid import Implicit, Sample
+from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed, Sample, sample_each
+from bozzetto_silhouette.inflation.heightfield import Relief
+from tests.plugins.silhouette import bodies as b
 
 Points = NDArray[np.float64]
 
@@ -74,3 +76,31 @@ def test_in_its_box_what_is_localized_is_the_same() -> None:
         ball.asked.clear()
     part.value(points)
     assert sum(len(ball.asked) > 0 for ball in balls) < 10
+
+
+def test_many_are_sampled_as_each_by_itself() -> None:
+    random = np.random.default_rng(7)
+    relief, other = b.ball(0.0, 30.0, 24).implicit, b.capsule(20.0, 12.0, 24).implicit
+    assert isinstance(relief, Relief)
+    flat = Relief(replace(relief.solid, back=0.3 * relief.solid.back))
+    placed = [Placed(relief, b.turn("x", 40.0, (5.0, 0.0, 2.0))), Placed(other, b.turn("y", 70.0))]
+    solids: list[Implicit] = [
+        relief,
+        placed[0],
+        Composite(placed[0], placed[1], "add", 0.5, 6.0),
+        Composite(relief, placed[1], "carve", 0.5, 6.0),
+        Composite(other, placed[0], "merge", 0.5, 6.0),
+        Composite(Composite(relief, other, "add", 0.3, 4.0), placed[1], "add", 0.5, 6.0),
+        flat,
+        placed[1],
+        Composite(flat, other, "intersect", 0.5, 6.0),
+        relief,
+    ]
+    counts = random.integers(0, 300, len(solids))
+    ends = np.cumsum([0, *counts])
+    points = random.uniform(-80.0, 80.0, (ends[-1], 3))
+    found = sample_each(solids, points, ends)
+    for solid, low, high in zip(solids, ends[:-1], ends[1:], strict=True):
+        alone = solid.sample(points[low:high])
+        for column, own in zip(found, alone, strict=True):
+            assert np.asarray(column)[low:high] == pytest.approx(own, rel=1e-9, abs=1e-9)

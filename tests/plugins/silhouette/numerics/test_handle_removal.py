@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bozzetto_silhouette.inflation.manifold_check import as_manifold, topology_of
+from bozzetto_silhouette.numerics import handle_removal
 from bozzetto_silhouette.numerics.handle_loops import shortest_loop
 from bozzetto_silhouette.numerics.handle_removal import without_narrow_handles
 
@@ -84,6 +85,30 @@ def test_where_the_mesh_is_to_stay_holes_stay() -> None:
     left, parents = without_narrow_handles(vertices, faces, longest)
     assert topology_of(vertices[parents], left).genus == 1
     assert (vertices[parents[len(vertices) :], 0] > 2.0).all()
+
+
+def test_several_places_are_mended_each_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes: list[int] = []
+    real = handle_removal.shortest_loop
+
+    def counted(vertices, faces, *rest) -> object:
+        sizes.append(len(faces))
+        return real(vertices, faces, *rest)
+
+    monkeypatch.setattr(handle_removal, "shortest_loop", counted)
+    plate = drilled((1.5, 1.0, 0.3, 32))
+    ring = manifold3d.CrossSection.circle(0.02, 8).translate([0.1, 0.0]).revolve(24)
+    centres = [(0.5, 0.5), (1.2, 1.6), (2.5, 1.5)]
+    for x, y in centres:
+        plate += ring.rotate([90.0, 0.0, 0.0]).translate([x, y, 0.3])
+    vertices, faces = meshed(plate)
+    near = np.min([np.hypot(*(vertices[:, :2] - centre).T) for centre in centres], axis=0)
+    left, parents = without_narrow_handles(vertices, faces, np.where(near < 0.2, 0.2, 0.0))
+    found = topology_of(vertices[parents], left)
+    assert topology_of(vertices, faces).genus == 4
+    assert (found.genus, found.watertight) == (1, True)  # what is drilled stays
+    assert max(sizes[:3]) < 0.2 * len(faces)
+    assert found.volume == pytest.approx(plate.volume(), rel=1e-9)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.3, 1.1])

@@ -112,13 +112,13 @@ def test_what_did_not_change_is_not_put_together_again(monkeypatch: pytest.Monke
 
 def test_a_change_makes_only_the_fillets_beside_it_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[float] = []
-    real = fillet.extract
+    real = fillet.extracted
 
-    def counted(solid, bounds, step, checkpoint) -> Surface:
-        made.append(float(bounds[:, 0].mean()))
-        return real(solid, bounds, step, checkpoint)
+    def counted(wanted, checkpoint) -> list[Surface]:
+        made.extend(float(some.bounds[:, 0].mean()) for some in wanted)
+        return real(wanted, checkpoint)
 
-    monkeypatch.setattr(fillet, "extract", counted)
+    monkeypatch.setattr(fillet, "extracted", counted)
     nodes = [part(f"n{k}", 80.0 * k, blend=0.4) for k in range(8)]
     whole = volume(*nodes)
     assert len(made) == 7

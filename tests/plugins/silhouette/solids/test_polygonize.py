@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import Cancelled
 from bozzetto_silhouette.implicit.implicit_solid import Sample
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
-from bozzetto_silhouette.solids.polygonize import extract
+from bozzetto_silhouette.solids.polygonize import Wanted, extract, extracted
 
 Points = NDArray[np.float64]
 
@@ -149,3 +149,25 @@ def test_work_can_be_stopped() -> None:
     solid = Torus()
     with pytest.raises(Cancelled):
         extract(solid, solid.bounds, 0.05, stop)
+
+
+def test_several_are_extracted_as_each_by_itself() -> None:
+    empty = np.array([[5.0] * 3, [6.0] * 3])
+    solids = [Torus(), Capsules(np.array([ball(0.0, 0.0, 0.0, 1.0)])), Torus()]
+    wanted = [
+        Wanted(solid, solid.bounds, step)
+        for solid, step in zip(solids, (0.05, 0.08, 0.07), strict=True)
+    ]
+    wanted.insert(1, Wanted(Torus(), empty, 0.1))
+    for found, some in zip(extracted(wanted), wanted, strict=True):
+        alone = extract(*some)
+        assert found.vertices == pytest.approx(alone.vertices, abs=1e-12)
+        assert np.array_equal(found.faces, alone.faces)
+        assert found.normals == pytest.approx(alone.normals, abs=1e-9)
+
+
+def test_what_is_far_from_the_surface_is_not_asked_for() -> None:
+    solid = Capsules(np.array([ball(0.0, 0.0, 0.0, 1.0)]))
+    found = extract(solid, solid.bounds, 0.04)
+    # 3.0 for each vertex, coarse blocks included; 5.1 when nodes far off were asked for, too.
+    assert solid.asked < 4.0 * len(found.vertices)
