@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
-from bozzetto.plugin.put_off_curves import PutOffCurves
+from bozzetto.plugin.lazy_curves import LazyCurves
 from bozzetto.scene.display_list import Image, Layer, Scene, Shaded
 from bozzetto.scene.ink_projection import ProjectedInk, project_stroke
 from bozzetto.scene.picking import Hits, cast_rays
@@ -129,6 +129,6 @@ class Context:
 
 def _moved(curves: Sequence[Curve], placement: Placement) -> Sequence[Curve]:
     """Return curves moved by a placement; those that are put off stay so."""
-    if isinstance(curves, PutOffCurves):
-        return PutOffCurves(lambda: Shapes(curves=tuple(curves)).placed(placement).curves)
+    if isinstance(curves, LazyCurves):
+        return LazyCurves(lambda: Shapes(curves=tuple(curves)).placed(placement).curves)
     return Shapes(curves=tuple(curves)).placed(placement).curves

@@ -27,7 +27,7 @@ from bozzetto.ink.steps import (
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.job import Job
-from bozzetto.plugin.put_off_curves import PutOffCurves
+from bozzetto.plugin.lazy_curves import LazyCurves
 from bozzetto.scene.display_list import Scene
 from bozzetto.workbench.part_edits import PartEdit
 
@@ -118,7 +118,7 @@ def _after(
                 _ = own.layers  # they are told when the model is solved
                 return (*context.curves, *bench.curves.of((model,)))
 
-            curves = PutOffCurves(learnt)
+            curves = LazyCurves(learnt)
         return replace(context, camera=camera, scene=context.scene + own, curves=curves)
 
     def gesture(tool_id: str, made: Gesture) -> PartEdit:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from bozzetto.geometry.shapes import Curve
 
 
-class PutOffCurves(Sequence["Curve"]):
+class LazyCurves(Sequence["Curve"]):
     """A row of curves that is made when it is first looked at, and then kept.
 
     Parameters
