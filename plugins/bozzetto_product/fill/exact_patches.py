@@ -120,10 +120,10 @@ def _mending(half: HalfSide, across: Array) -> Array:
         Control values over the knots of the half, nought with slope nought at both ends.
     """
     made = np.zeros_like(half.points)
-    at, fit = spline_fit(half.knots)
-    normals = half.normals(at)
+    normals = half.fitted_normals
     if normals is None:
         return made
+    at, fit = spline_fit(half.knots)
     wanted = -((bernstein(at) @ across) * normals).sum(axis=1)[:, None] * normals
     made[2:-2] = fit @ wanted
     return made
