@@ -219,7 +219,7 @@ def angle_about(axis: Array, one: Array, other: Array) -> float:
 
 
 def _reflections(vectors: Array, least: float) -> Array:
-    """Return the matrices (n, 3, 3) that reflect along vectors (n, 3) of larger squares than that."""
+    """Return the matrices (n, 3, 3) that reflect along longer vectors (n, 3)."""
     square = (vectors * vectors).sum(axis=1)
     factors = np.divide(2.0, square, out=np.zeros_like(square), where=square > least)
     return np.asarray(np.eye(3) - factors[:, None, None] * vectors[:, :, None] * vectors[:, None])
