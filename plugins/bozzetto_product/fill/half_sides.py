@@ -20,6 +20,9 @@ from bozzetto_product.fill.quintic import DEGREE, POINTS, bernstein, gauss, spli
 SPEED_RATIO: Final = 3.0
 """Most that the speeds of pieces of a half differ from those by length, to meet evenly."""
 
+IDLE: Final = 1e-10
+"""How far a control point may be from where it makes no corner, as share of the curve's size."""
+
 FIT_NODES: Final = 24
 """Places at which a half is fitted by one polynomial."""
 
@@ -128,8 +131,26 @@ class HalfSide:
         return made
 
     @cached_property
+    def fit_knots(self) -> Array:
+        """The knots without those at which the curve might have a corner and has none, (k + 6,).
+
+        What is added to a surface along the half is fitted over these: else it would have a corner
+        there, if only by the rounding of a fit, where CAD cuts a surface or complains.
+        """
+        p, t = self.points, self.knots
+        _, first, counts = np.unique(t, return_index=True, return_counts=True)
+        at = first[1:-1][counts[1:-1] == DEGREE]
+        if not len(at):
+            return t
+        leave, enter = t[at] - t[at - 1], t[at + DEGREE] - t[at]
+        share = (leave / (leave + enter))[:, None]
+        idle = (1.0 - share) * p[at - 2] + share * p[at]
+        off = np.abs(p[at - 1] - idle).max(axis=1)
+        return np.delete(t, at[off <= IDLE * float(np.linalg.norm(np.ptp(p, axis=0)))])
+
+    @cached_property
     def _known_normals(self) -> Array | None:
-        return self.normals(np.concatenate((side_nodes()[0], spline_fit(self.knots)[0])))
+        return self.normals(np.concatenate((side_nodes()[0], spline_fit(self.fit_knots)[0])))
 
     @property
     def held_normals(self) -> Array | None:
