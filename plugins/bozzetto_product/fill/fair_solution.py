@@ -15,8 +15,8 @@ from bozzetto_product.fill.half_sides import Side
 from bozzetto_product.fill.mean_curvature import (
     Curvature,
     curvature_of,
+    even_terms,
     is_folded,
-    quadratics,
     variation,
 )
 from bozzetto_product.fill.patch_space import (
@@ -45,8 +45,8 @@ GAIN: Final = 0.3
 """Share of the variation of curvature below which an evened surface is believed: profiles like
 an S lose their shape where less is gained."""
 
-BOTH_GAIN: Final = (0.8, 0.7)
-"""The same share for the rate of bending and for a plate, where both gain..."""
+BOTH_GAIN: Final = 0.8
+"""The same share where both the rate of bending and a plate gain..."""
 
 SAME: Final = 1e-3
 """...and become one surface: root mean square distance as share of the size."""
@@ -175,7 +175,7 @@ class _Candidate:
 
     @cached_property
     def score(self) -> float:
-        """Variation of the mean curvature that no quadratic explains, times the loop's size."""
+        """Variation of the mean curvature that no polynomial explains, times the loop's size."""
         return variation(self.curvature, self.solution.space)
 
     @cached_property
@@ -261,7 +261,7 @@ def _evened(asked: _Conditions, start: _Candidate) -> FairSolution:
     """Return the surface after one Gauss–Newton step on the variation of its mean curvature.
 
     With L the Laplace–Beltrami operator of the surface at the start, n its normals and Q
-    orthonormal quadratics of the domain, it minimises ``|(I - Q Qᵀ) n·Lx / 2|²`` and, weakly, the
+    orthonormal polynomials of the domain, it minimises ``|(I - Q Qᵀ) n·Lx / 2|²`` and, weakly, the
     part of ``Lx`` in the surface and the energy of the start.
     """
     space, loop, order = asked.space, asked.loop, start.solution.order
@@ -273,7 +273,7 @@ def _evened(asked: _Conditions, start: _Candidate) -> FairSolution:
     operator = curvature.operator
     laplace = (operator @ space.own_basis).reshape(-1, size) * root[:, None]
     known = (operator @ (space.own_sides @ loop.controls)).reshape(-1, 3) * root[:, None]
-    ortho = np.linalg.qr(quadratics(space) * root[:, None])[0]
+    ortho = np.linalg.qr(even_terms(space) * root[:, None])[0]
     turned = (normals[:, :, None] * laplace[:, None, :]).reshape(len(normals), 3 * size)
     explained = ortho.T @ turned
     across = turned.T @ turned
@@ -342,8 +342,8 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     if (
         even.solution.evened
         and even_plate.solution.evened
-        and even.score < BOTH_GAIN[0] * start.score
-        and even_plate.score < BOTH_GAIN[1] * plate.score
+        and even.score < BOTH_GAIN * start.score
+        and even_plate.score < BOTH_GAIN * plate.score
         and _apart(even, even_plate) < SAME
     ):
         return even.solution

@@ -12,6 +12,10 @@ from bozzetto.arrays import Array
 from bozzetto_product.fill.patch_space import PatchSpace
 from bozzetto_product.fill.quintic import NODES, POINTS, WEIGHTS, bernstein
 
+CUBIC: Final = 5
+"""Sides from which on a cubic may explain how the mean curvature varies: with fewer, what is held
+along the sides does not tell one."""
+
 FOLD_GRID: Final = 9
 """Places along each direction of a patch at which folds are looked for."""
 
@@ -78,21 +82,27 @@ def curvature_of(nets: Array) -> Curvature:
     return Curvature(factors, area * weights, normals, mean)
 
 
-def quadratics(space: PatchSpace) -> Array:
-    """Return the quadratic polynomials of the domain at the Gauss points of all patches, (m, 6)."""
+def even_terms(space: PatchSpace) -> Array:
+    """Return the polynomials of the domain at the Gauss points of all patches, (m, 6 or 10).
+
+    Those that the mean curvature may be: quadratic, and cubic from `CUBIC` sides on.
+    """
     u, v = (x.ravel() for x in np.meshgrid(NODES, NODES, indexing="ij"))
     s, t = np.moveaxis(space.domain.places(u, v).reshape(-1, 2), 1, 0)
-    return np.column_stack((np.ones_like(s), s, t, s * s, s * t, t * t))
+    terms = [np.ones_like(s), s, t, s * s, s * t, t * t]
+    if space.count >= CUBIC:
+        terms += [s**3, s * s * t, s * t * t, t**3]
+    return np.column_stack(terms)
 
 
 def variation(curvature: Curvature, space: PatchSpace) -> float:
-    """Return the root mean square of what of the mean curvature no quadratic explains.
+    """Return the root mean square of what of the mean curvature no polynomial explains.
 
     Per area, times the size of the loop; 0 of planes, spheres and all of constant mean curvature.
     """
     root = np.sqrt(np.maximum(curvature.areas, 1e-14)).ravel()
     height = curvature.mean.ravel() * root
-    terms = quadratics(space) * root[:, None]
+    terms = even_terms(space) * root[:, None]
     rest = height - terms @ np.linalg.lstsq(terms, height, rcond=None)[0]
     return float(np.linalg.norm(rest) / np.linalg.norm(root))
 
