@@ -322,7 +322,8 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     Where two sides are swept into one another, that sweep takes their place, unless the tangent
     planes along all sides tell a surface of even curvature, such as a sphere, or the sides are no
     nearer to the sweep than it is to the surface of least energy. An evened surface that gains less
-    is believed if those of both energies gain and are the same. What folds is taken only if all do.
+    is believed if those of both energies gain and are the same; where they are not, one more step
+    is taken. What folds is taken only if all do.
     """
     asked = _Conditions.of(space, loop)
     start = _Candidate(_started(asked, BENDING_RATE))
@@ -339,14 +340,12 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
         return best.solution
     plate = _Candidate(_started(asked, PLATE))
     even_plate = _evened_or(asked, plate)
-    if (
-        even.solution.evened
-        and even_plate.solution.evened
-        and even.score < BOTH_GAIN * start.score
-        and even_plate.score < BOTH_GAIN * plate.score
-        and _apart(even, even_plate) < SAME
-    ):
-        return even.solution
+    both = even.solution.evened and even_plate.solution.evened
+    if both and _apart(even, even_plate) < SAME:
+        if even.score < BOTH_GAIN * start.score and even_plate.score < BOTH_GAIN * plate.score:
+            return even.solution
+    elif even_plate.solution.evened and even_plate.score >= GAIN * plate.score:
+        even_plate = _evened_or(asked, even_plate)
     if even_plate.score < GAIN * plate.score:
         plate = even_plate
     judged = [
