@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -137,10 +138,12 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         curves = _curves_in(tuple(drawing.strokes))
         for number, strokes in enumerate(curves):
             job.checkpoint(number / len(curves), drawing.name)
-            solved = self.solve(state, Job(cancelled=job.cancelled))
-            scene = context.scene + self.scene(state, solved)
-            state = with_drawn(state, strokes, replace(context, scene=scene))
+            own = Scene.put_off(partial(self._solved_scene, state, job))
+            state = with_drawn(state, strokes, replace(context, scene=context.scene + own))
         return state
+
+    def _solved_scene(self, state: ProductState, job: Job) -> Scene:
+        return self.scene(state, self.solve(state, Job(cancelled=job.cancelled)))
 
     @override
     def read_shapes(self, shapes: Shapes) -> ProductState:

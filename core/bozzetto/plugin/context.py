@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
+from bozzetto.plugin.lazy_curves import LazyCurves
 from bozzetto.scene.display_list import Image, Layer, Scene, Shaded
 from bozzetto.scene.ink_projection import ProjectedInk, project_stroke
 from bozzetto.scene.picking import Hits, cast_rays
@@ -52,9 +53,9 @@ class Context:
     facts : mapping
         What an ink file says beyond its strokes (`Drawing.facts`), plain JSON values; empty
         where nothing is read from a file. For `Modeler.create`.
-    curves : tuple of Curve
+    curves : sequence of Curve
         Those of all visible models that are solved, in world coordinates: to snap to, and to
-        start from.
+        start from. Where steps of an ink file are taken they are learnt when a tool first asks.
     pictures : mapping of str to Picture
         Those that `facts` name, by the names of their files as they stand there.
     drawings : mapping of str to Drawing
@@ -76,7 +77,7 @@ class Context:
     symmetry_normal: tuple[float, float, float] = (0.0, 1.0, 0.0)
     underlay: Image | None = None
     facts: Mapping[str, Any] = field(default_factory=dict)
-    curves: tuple[Curve, ...] = ()
+    curves: Sequence[Curve] = ()
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     drawings: Mapping[str, Drawing] = field(default_factory=dict)
     seen: tuple[Any, ...] = ()
@@ -122,5 +123,12 @@ class Context:
             symmetry_point=triple(placement.points(self.symmetry_point)),
             symmetry_normal=triple(placement.directions(self.symmetry_normal)),
             underlay=underlay,
-            curves=Shapes(curves=self.curves).placed(placement).curves,
+            curves=_moved(self.curves, placement),
         )
+
+
+def _moved(curves: Sequence[Curve], placement: Placement) -> Sequence[Curve]:
+    """Return curves moved by a placement; those that are put off stay so."""
+    if isinstance(curves, LazyCurves):
+        return LazyCurves(lambda: Shapes(curves=tuple(curves)).placed(placement).curves)
+    return Shapes(curves=tuple(curves)).placed(placement).curves

@@ -254,8 +254,17 @@ class Scene:
         """Whether the layers are there; False while they are put off."""
         return "layers" in self.__dict__
 
+    @property
+    def known(self) -> Scene:
+        """What is there without a wait: of a sum, whatever is not put off; else all or nothing."""
+        return self if self.is_made else self.__dict__.get("_known", EMPTY)
+
     def __add__(self, other: Scene) -> Scene:
-        return Scene(self.layers + other.layers)
+        if self.is_made and other.is_made:
+            return Scene(self.layers + other.layers)
+        both = Scene.put_off(lambda: Scene(self.layers + other.layers))
+        both.__dict__["_known"] = self.known + other.known
+        return both
 
     def under(self, live: Scene) -> Scene:
         """Show this scene with what is there only for a moment.
@@ -281,7 +290,9 @@ class Scene:
         if placement.is_identity:
             return self
         if not self.is_made:
-            return Scene.put_off(lambda: Scene(self.layers).placed(placement))
+            moved = Scene.put_off(lambda: Scene(self.layers).placed(placement))
+            moved.__dict__["_known"] = self.known.placed(placement)
+            return moved
         return Scene(
             tuple(
                 Layer(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, assert_never
 
@@ -27,11 +27,13 @@ from bozzetto.ink.steps import (
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.job import Job
+from bozzetto.plugin.lazy_curves import LazyCurves
 from bozzetto.scene.display_list import Scene
 from bozzetto.workbench.part_edits import PartEdit
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
+    from bozzetto.geometry.shapes import Curve
     from bozzetto.ink.drawing import Drawing
     from bozzetto.plugin.context import Context
     from bozzetto.view.camera import Camera
@@ -71,7 +73,7 @@ def steps_taken(
         The strokes and the steps.
     context : Context
         The world around; what the model itself shows is added before every gesture, in
-        preview quality, and made only if the gesture looks at it.
+        preview quality, and made only if the gesture looks at it or asks for curves.
     job : Job, optional
         Is told of each step, and stops in the middle of one when nobody waits any more.
     first : int
@@ -108,11 +110,16 @@ def _after(
     strokes = drawing.strokes
 
     def seen(camera: Camera) -> Context:
-        scene = Scene.put_off(lambda: context.scene + _scene(bench, model, job))
-        if bench.curves.are_offered(model):  # told when the model is solved: it cannot wait
-            scene = Scene(scene.layers)
-        curves = context.curves + bench.curves.of((model,))
-        return replace(context, camera=camera, scene=scene, curves=curves)
+        own = Scene.put_off(lambda: _scene(bench, model, job))
+        curves: Sequence[Curve] = context.curves
+        if bench.curves.are_offered(model):
+
+            def learnt() -> tuple[Curve, ...]:
+                _ = own.layers  # they are told when the model is solved
+                return (*context.curves, *bench.curves.of((model,)))
+
+            curves = LazyCurves(learnt)
+        return replace(context, camera=camera, scene=context.scene + own, curves=curves)
 
     def gesture(tool_id: str, made: Gesture) -> PartEdit:
         tool = bench.tool(model.modeler, tool_id)

@@ -43,7 +43,7 @@ def local_energies(quads: Array, orders: Sequence[int]) -> tuple[Array, ...]:
         [np.einsum("ai,bj->abij", values[a], values[b]).reshape(len(u), 36) for a, b in ORDERS], 1
     )
     maps, area = _jets_of_maps(quads, u, v)
-    by_place = np.linalg.solve(maps, jets[None])
+    by_place = np.linalg.inv(maps) @ jets
     size = np.sqrt(weights * np.abs(area))[..., None]
     return tuple(
         np.concatenate(
@@ -63,30 +63,26 @@ def _jets_of_maps(quads: Array, u: Array, v: Array) -> tuple[Array, Array]:
     by_u = (1 - v)[:, None] * (b - a) + v[:, None] * (c - d)
     by_v = (1 - u)[:, None] * (d - a) + u[:, None] * (c - b)
     twist = np.broadcast_to(a - b + c - d, by_u.shape)
-    steps = np.zeros((2, *by_u.shape[:2], 4, 4))
-    for axis in range(2):
-        steps[axis, ..., 1, 0] = by_u[..., axis]
-        steps[axis, ..., 0, 1] = by_v[..., axis]
-        steps[axis, ..., 1, 1] = twist[..., axis]
-    one = np.zeros(steps.shape[1:])
-    one[..., 0, 0] = 1.0
-    powers = [[one], [one]]
-    for axis in range(2):
-        for _ in range(3):
-            powers[axis].append(_product(powers[axis][-1], steps[axis]))
-    maps = np.zeros((*by_u.shape[:2], len(ORDERS), len(ORDERS)))
-    for column, (i, j) in enumerate(ORDERS):
-        term = _product(powers[0][i], powers[1][j]) / (factorial(i) * factorial(j))
-        for row, (k, m) in enumerate(ORDERS):
-            maps[..., row, column] = term[..., k, m] * factorial(k) * factorial(m)
+    shape = by_u.shape[:2]
+    steps = np.zeros((4, 4, 2, *shape))
+    steps[1, 0], steps[0, 1], steps[1, 1] = (np.moveaxis(x, 2, 0) for x in (by_u, by_v, twist))
+    powers = [np.zeros_like(steps)]
+    powers[0][0, 0] = 1.0
+    for _ in range(3):
+        powers.append(_product(powers[-1], steps))
+    by_x, by_y = (np.stack([power[:, :, axis] for power in powers], axis=2) for axis in range(2))
+    i, j = np.transpose(ORDERS)
+    counts = np.array([factorial(a) * factorial(b) for a, b in ORDERS], float)
+    terms = _product(by_x[:, :, i], by_y[:, :, j])[i, j]
+    maps = np.moveaxis(terms, (0, 1), (2, 3)) * (counts[:, None] / counts)
     return maps, by_u[..., 0] * by_v[..., 1] - by_u[..., 1] * by_v[..., 0]
 
 
 def _product(one: Array, two: Array) -> Array:
-    """Return the product of polynomials in two variables up to the third order, (…, 4, 4)."""
-    made = np.zeros(np.broadcast_shapes(one.shape, two.shape))
+    """Return the product of polynomials in two variables up to the third order, (4, 4, …)."""
+    made = np.zeros_like(one)
     for i, j in ((0, 0), *ORDERS):
         for k, m in ((0, 0), *ORDERS):
             if i + j + k + m <= 3:
-                made[..., i + k, j + m] += one[..., i, j] * two[..., k, m]
+                made[i + k, j + m] += one[i, j] * two[k, m]
     return made

@@ -58,6 +58,9 @@ STEP: Final = 1e-3
 """What turns of normals are multiples of, radians: what is far from an edit stays the very same
 surface."""
 
+MOST_DENSE: Final = 200
+"""Unknowns up to which a full matrix is solved sooner than a sparse one."""
+
 HUMP: Final = 4.0 / 27.0
 """Largest turn along an edge of length one by a change of the torsion of one of its ends."""
 
@@ -169,6 +172,19 @@ def even_torsions(
     return made
 
 
+def _solved(rows: Index, columns: Index, values: Array, right: Array) -> Array:
+    """Solve the equations whose matrix has the sums of values in these rows and columns."""
+    size = len(right)
+    if size <= MOST_DENSE:
+        matrix = np.bincount(rows * size + columns, values, size * size).reshape(size, size)
+        return np.asarray(np.linalg.solve(matrix, right))
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.linalg import spsolve
+
+    sparse: Any = coo_matrix((values, (rows, columns)), shape=(size, size))
+    return np.asarray(spsolve(sparse.tocsc(), right))
+
+
 class _Problem:
     """The least squares problem of all edges and fans.
 
@@ -240,9 +256,6 @@ class _Problem:
 
     def improve(self) -> None:
         """Take one Gauss-Newton step."""
-        from scipy.sparse import coo_matrix
-        from scipy.sparse.linalg import spsolve
-
         count, edges = len(self.lengths), len(self.arcs)
         numbers, rows, rest = self._along()
         square = np.einsum("eri,erj->eij", rows, rows)
@@ -267,9 +280,8 @@ class _Problem:
         right[:count] -= weights[0] ** 2 * self.amounts
         right[count : 2 * count] -= weights[1] ** 2 * (self.sums - expected)
         right[2 * count :] -= weights[2] ** 2 * self.turns
-        rows_, columns_, values_ = (np.concatenate(part) for part in zip(*entries, strict=True))
-        matrix: Any = coo_matrix((values_, (rows_, columns_)), shape=(len(right),) * 2)
-        step = spsolve(matrix.tocsc(), right)
+        i, j, values = (np.concatenate(part) for part in zip(*entries, strict=True))
+        step = _solved(i, j, values, right)
         self.amounts += step[:count]
         self.sums += step[count : 2 * count]
         self.turns += step[2 * count :]

@@ -119,11 +119,9 @@ def _mending(half: HalfSide, across: Array) -> Array:
     (m, 3) float
         Control values over the knots of the half, nought with slope nought at both ends.
     """
-    made = np.zeros_like(half.points)
-    at, fit = spline_fit(half.knots)
-    normals = half.normals(at)
+    normals = half.fitted_normals
     if normals is None:
-        return made
+        return np.zeros_like(half.points)
+    at, fit = spline_fit(half.fit_knots)
     wanted = -((bernstein(at) @ across) * normals).sum(axis=1)[:, None] * normals
-    made[2:-2] = fit @ wanted
-    return made
+    return refined(half.fit_knots, np.pad(fit @ wanted, ((2, 2), (0, 0))), half.knots)

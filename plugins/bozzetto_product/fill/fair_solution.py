@@ -13,10 +13,10 @@ from bozzetto.plugin import cached_property
 from bozzetto_product.fill.domain import cross
 from bozzetto_product.fill.half_sides import Side
 from bozzetto_product.fill.mean_curvature import (
-    BeltramiRows,
-    beltrami_rows,
+    Curvature,
+    curvature_of,
+    even_terms,
     is_folded,
-    quadratics,
     variation,
 )
 from bozzetto_product.fill.patch_space import (
@@ -45,8 +45,8 @@ GAIN: Final = 0.3
 """Share of the variation of curvature below which an evened surface is believed: profiles like
 an S lose their shape where less is gained."""
 
-BOTH_GAIN: Final = (0.8, 0.7)
-"""The same share for the rate of bending and for a plate, where both gain..."""
+BOTH_GAIN: Final = 0.8
+"""The same share where both the rate of bending and a plate gain..."""
 
 SAME: Final = 1e-3
 """...and become one surface: root mean square distance as share of the size."""
@@ -106,11 +106,10 @@ class LoopSides:
         origin = controls.mean(axis=0)
         size = float(np.linalg.norm(np.ptp(controls, axis=0)))
         size = size if size > 0.0 else 1.0
-        at = side_nodes()[0]
         normals = np.full((len(sides), 2, SIDE_NODES, 3), np.nan)
         for number, side in enumerate(sides):
             for half in range(2):
-                found = side.halves[half].normals(at)
+                found = side.halves[half].held_normals
                 if found is not None:
                     normals[number, half] = found
         return cls(tuple(sides), (controls - origin) / size, normals, origin, size)
@@ -149,8 +148,6 @@ class FairSolution:
         Of the energy that was least.
     evened : bool
         The variation of its mean curvature was reduced.
-    score : float
-        Variation of the mean curvature that no quadratic explains, times the loop's size.
     """
 
     space: PatchSpace
@@ -158,7 +155,6 @@ class FairSolution:
     free: Array
     order: int
     evened: bool = False
-    score: float = np.inf
 
     @cached_property
     def nets(self) -> Array:
@@ -166,9 +162,88 @@ class FairSolution:
         return self.space.nets(self.free, self.loop.controls)
 
 
-def started(space: PatchSpace, loop: LoopSides, order: int) -> FairSolution:
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    """A surface that may be the fairest, with its curvature."""
+
+    solution: FairSolution
+
+    @cached_property
+    def curvature(self) -> Curvature:
+        """At the Gauss points."""
+        return curvature_of(self.solution.nets)
+
+    @cached_property
+    def score(self) -> float:
+        """Variation of the mean curvature that no polynomial explains, times the loop's size."""
+        return variation(self.curvature, self.solution.space)
+
+    @cached_property
+    def folds(self) -> bool:
+        """Whether it is folded."""
+        return is_folded(self.solution.nets)
+
+
+@dataclass(frozen=True, eq=False)
+class _Conditions:
+    """What the sides of a loop ask of a surface: squares of rows, and loads of what is known.
+
+    Parameters
+    ----------
+    space : PatchSpace
+    loop : LoopSides
+    tangency : (Array, Array)
+        (3 z, 3 z) and (3, z): what derivatives across the sides have along the normals.
+    pull : (Array, Array)
+        (z, z) and (3, z): what they differ from likely ones.
+    """
+
+    space: PatchSpace
+    loop: LoopSides
+    tangency: tuple[Array, Array] | None
+    pull: tuple[Array, Array] | None
+
+    @classmethod
+    def of(cls, space: PatchSpace, loop: LoopSides) -> _Conditions:
+        """Return the conditions along the sides with normals."""
+        held = np.isfinite(loop.normals[..., 0])
+        if not held.any():
+            return cls(space, loop, None, None)
+        by_basis, by_sides = space.across
+        weights = np.sqrt(np.broadcast_to(side_nodes()[1], held.shape)[held])[:, None]
+        known = by_sides[held] @ loop.controls
+        normals = loop.normals[held] * weights
+        rows = (normals[:, :, None] * by_basis[held][:, None, :]).reshape(len(normals), -1)
+        offset = -(normals * known).sum(axis=1)
+        basis = by_basis[held] * weights
+        target = _likely_slopes(space, loop)[held] / DEGREE - known
+        return cls(
+            space,
+            loop,
+            (rows.T @ rows, (rows.T @ offset).reshape(3, -1)),
+            (basis.T @ basis, (basis.T @ (weights * target)).T),
+        )
+
+    def hold(self, matrix: Array, right: Array, scale: float) -> None:
+        """Add tangent planes to a system of equations."""
+        if self.tangency is not None:
+            matrix += TANGENCY * scale * self.tangency[0]
+            right += TANGENCY * scale * self.tangency[1]
+
+    def draw(self, matrix: Array, right: Array, scale: float) -> None:
+        """Add the likely ways off the sides to a system of equations."""
+        if self.pull is not None:
+            size = right.shape[1]
+            for axis in range(3):
+                part = slice(axis * size, (axis + 1) * size)
+                matrix[part, part] += PULL * scale * self.pull[0]
+            right += PULL * scale * self.pull[1]
+
+
+def _started(asked: _Conditions, order: int) -> FairSolution:
     """Return the surface of least energy."""
-    stiffness, load = space.stiffness(order)
+    loop = asked.loop
+    stiffness, load = asked.space.stiffness(order)
     size = len(stiffness)
     matrix = np.zeros((3 * size, 3 * size))
     right = np.empty((3, size))
@@ -177,27 +252,28 @@ def started(space: PatchSpace, loop: LoopSides, order: int) -> FairSolution:
         matrix[part, part] = stiffness
     right[:] = -(load @ loop.controls).T
     scale = float(np.trace(stiffness)) / size
-    _add_tangency(matrix, right, space, loop, scale)
-    _add_pull(matrix, right, space, loop, scale)
-    return _solved(matrix, right, space, loop, order, scale)
+    asked.hold(matrix, right, scale)
+    asked.draw(matrix, right, scale)
+    return _solved(matrix, right, asked, order, scale)
 
 
-def evened(start: FairSolution) -> FairSolution:
+def _evened(asked: _Conditions, start: _Candidate) -> FairSolution:
     """Return the surface after one Gauss–Newton step on the variation of its mean curvature.
 
     With L the Laplace–Beltrami operator of the surface at the start, n its normals and Q
-    orthonormal quadratics of the domain, it minimises ``|(I - Q Qᵀ) n·Lx / 2|²`` and, weakly, the
+    orthonormal polynomials of the domain, it minimises ``|(I - Q Qᵀ) n·Lx / 2|²`` and, weakly, the
     part of ``Lx`` in the surface and the energy of the start.
     """
-    space, loop = start.space, start.loop
-    rows = beltrami_rows(start.nets)
-    stiffness, load = space.stiffness(start.order)
+    space, loop, order = asked.space, asked.loop, start.solution.order
+    curvature = start.curvature
+    stiffness, load = space.stiffness(order)
     size = len(stiffness)
-    root = np.sqrt(np.maximum(rows.areas, 1e-14)).ravel()
-    normals = rows.normals.reshape(-1, 3)
-    laplace = (rows.operator @ space.own_basis).reshape(-1, size) * root[:, None]
-    known = (rows.operator @ (space.own_sides @ loop.controls)).reshape(-1, 3) * root[:, None]
-    ortho = np.linalg.qr(quadratics(space) * root[:, None])[0]
+    root = np.sqrt(np.maximum(curvature.areas, 1e-14)).ravel()
+    normals = curvature.normals.reshape(-1, 3)
+    operator = curvature.operator
+    laplace = (operator @ space.own_basis).reshape(-1, size) * root[:, None]
+    known = (operator @ (space.own_sides @ loop.controls)).reshape(-1, 3) * root[:, None]
+    ortho = np.linalg.qr(even_terms(space) * root[:, None])[0]
     turned = (normals[:, :, None] * laplace[:, None, :]).reshape(len(normals), 3 * size)
     explained = ortho.T @ turned
     across = turned.T @ turned
@@ -212,17 +288,17 @@ def evened(start: FairSolution) -> FairSolution:
         matrix[part, part] += share * stiffness + TANGENTIAL * along
     right -= share * (load @ loop.controls).T
     scale = float(np.trace(matrix)) / (3 * size)
-    _add_tangency(matrix, right, space, loop, scale)
-    made = _solved(matrix, right, space, loop, start.order, scale)
+    asked.hold(matrix, right, scale)
+    made = _solved(matrix, right, asked, order, scale)
     return replace(made, evened=True)
 
 
-def fitted(start: FairSolution, sweep: Sweep) -> FairSolution:
+def _fitted(asked: _Conditions, start: _Candidate, sweep: Sweep) -> FairSolution:
     """Return the surface nearest to a sweep, with a little of the energy of a start."""
-    space, loop = start.space, start.loop
-    stiffness, load = space.stiffness(start.order)
+    space, loop, order = asked.space, asked.loop, start.solution.order
+    stiffness, load = space.stiffness(order)
     size = len(stiffness)
-    root = np.sqrt(np.maximum(beltrami_rows(start.nets).areas, 1e-14)).reshape(-1, 1)
+    root = np.sqrt(np.maximum(start.curvature.areas, 1e-14)).reshape(-1, 1)
     values = bernstein(NODES)
     values = np.einsum("ai,bj->abij", values, values).reshape(len(NODES) ** 2, -1)
     basis = root * (values @ space.own_basis).reshape(len(root), size)
@@ -236,8 +312,8 @@ def fitted(start: FairSolution, sweep: Sweep) -> FairSolution:
         matrix[part, part] = square + share * stiffness
     right = (basis.T @ wanted - share * (load @ loop.controls)).T
     scale = float(np.trace(matrix)) / (3 * size)
-    _add_tangency(matrix, right, space, loop, scale)
-    return _solved(matrix, right, space, loop, start.order, scale)
+    asked.hold(matrix, right, scale)
+    return _solved(matrix, right, asked, order, scale)
 
 
 def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
@@ -246,63 +322,59 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     Where two sides are swept into one another, that sweep takes their place, unless the tangent
     planes along all sides tell a surface of even curvature, such as a sphere, or the sides are no
     nearer to the sweep than it is to the surface of least energy. An evened surface that gains less
-    is believed if those of both energies gain and are the same. What folds is taken only if all do.
+    is believed if those of both energies gain and are the same; where they are not, one more step
+    is taken. What folds is taken only if all do.
     """
-    start = scored(started(space, loop, BENDING_RATE))
-    even = _evened_or(start)
+    asked = _Conditions.of(space, loop)
+    start = _Candidate(_started(asked, BENDING_RATE))
+    even = _evened_or(asked, start)
     best = even if even.score < GAIN * start.score else start
-    if not (best.evened and best.score < EVEN and np.isfinite(loop.normals).all()):
+    is_even = best.solution.evened
+    if not (is_even and best.score < EVEN and np.isfinite(loop.normals).all()):
         sweep = sweep_of(loop.sides, loop.origin, loop.size)
         if sweep is not None:
-            swept = scored(fitted(start, sweep))
-            if not is_folded(swept.nets) and _apart(swept, best) > TOLD * sweep.off:
-                return swept
-    if best.evened:
-        return best
-    plate = scored(started(space, loop, PLATE))
-    even_plate = _evened_or(plate)
-    if (
-        even.evened
-        and even_plate.evened
-        and even.score < BOTH_GAIN[0] * start.score
-        and even_plate.score < BOTH_GAIN[1] * plate.score
-        and _apart(even, even_plate) < SAME
-    ):
-        return even
+            swept = _Candidate(_fitted(asked, start, sweep))
+            if not swept.folds and _apart(swept, best) > TOLD * sweep.off:
+                return swept.solution
+    if is_even:
+        return best.solution
+    plate = _Candidate(_started(asked, PLATE))
+    even_plate = _evened_or(asked, plate)
+    both = even.solution.evened and even_plate.solution.evened
+    if both and _apart(even, even_plate) < SAME:
+        if even.score < BOTH_GAIN * start.score and even_plate.score < BOTH_GAIN * plate.score:
+            return even.solution
+    elif even_plate.solution.evened and even_plate.score >= GAIN * plate.score:
+        even_plate = _evened_or(asked, even_plate)
     if even_plate.score < GAIN * plate.score:
         plate = even_plate
     judged = [
-        (is_folded(made.nets), handicap * made.score)
+        (made.folds, handicap * made.score)
         for made, handicap in ((best, 1.0), (plate, PLATE_HANDICAP))
     ]
-    return plate if judged[1] < judged[0] else best
+    return (plate if judged[1] < judged[0] else best).solution
 
 
-def _apart(one: FairSolution, other: FairSolution) -> float:
+def _apart(one: _Candidate, other: _Candidate) -> float:
     """Return the root mean square distance of two surfaces along the normals of the first."""
     values = bernstein(NODES)
-    apart = np.einsum("ai,kijd,bj->kabd", values, one.nets - other.nets, values, optimize=True)
-    rows = beltrami_rows(one.nets)
-    along = (apart.reshape(rows.normals.shape) * rows.normals).sum(axis=-1)
-    return float(np.sqrt((rows.areas * along**2).sum() / max(float(rows.areas.sum()), 1e-300)))
+    nets = one.solution.nets - other.solution.nets
+    apart = np.einsum("ai,kijd,bj->kabd", values, nets, values, optimize=True)
+    areas, normals = one.curvature.areas, one.curvature.normals
+    along = (apart.reshape(normals.shape) * normals).sum(axis=-1)
+    return float(np.sqrt((areas * along**2).sum() / max(float(areas.sum()), 1e-300)))
 
 
-def _evened_or(start: FairSolution) -> FairSolution:
+def _evened_or(asked: _Conditions, start: _Candidate) -> _Candidate:
     """Return the surface with evened curvature; the start if that folds or has rough sides."""
-    if start.loop.rest >= ROUGH:
+    if asked.loop.rest >= ROUGH:
         return start
-    even = scored(evened(start))
-    return start if is_folded(even.nets) else even
-
-
-def scored(solution: FairSolution) -> FairSolution:
-    """Return a solution with its score."""
-    rows: BeltramiRows = beltrami_rows(solution.nets)
-    return replace(solution, score=variation(rows, solution.nets, solution.space))
+    even = _Candidate(_evened(asked, start))
+    return start if even.folds else even
 
 
 def _solved(
-    matrix: Array, right: Array, space: PatchSpace, loop: LoopSides, order: int, scale: float
+    matrix: Array, right: Array, asked: _Conditions, order: int, scale: float
 ) -> FairSolution:
     from scipy.linalg import cho_factor, cho_solve
 
@@ -310,45 +382,9 @@ def _solved(
     matrix[np.diag_indices_from(matrix)] += RIDGE * scale
     factor = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
     found = cho_solve(factor, right.ravel(), check_finite=False).reshape(3, size).T
+    space, loop = asked.space, asked.loop
     free = space.basis @ found + space.particular @ loop.controls
     return FairSolution(space, loop, free, order)
-
-
-def _add_tangency(
-    matrix: Array, right: Array, space: PatchSpace, loop: LoopSides, scale: float
-) -> None:
-    """Add the squares of what the derivatives across the sides have along the normals."""
-    held = np.isfinite(loop.normals[..., 0])
-    if not held.any():
-        return
-    by_basis, by_sides = space.across
-    weights = np.sqrt(np.broadcast_to(side_nodes()[1], held.shape)[held])[:, None]
-    normals = loop.normals[held] * weights
-    basis = by_basis[held]
-    known = by_sides[held] @ loop.controls
-    rows = (normals[:, :, None] * basis[:, None, :]).reshape(len(normals), -1)
-    offset = -(normals * known).sum(axis=1)
-    matrix += TANGENCY * scale * (rows.T @ rows)
-    right += TANGENCY * scale * (rows.T @ offset).reshape(3, -1)
-
-
-def _add_pull(
-    matrix: Array, right: Array, space: PatchSpace, loop: LoopSides, scale: float
-) -> None:
-    """Add the squares of what the derivatives across the sides differ from likely ones."""
-    held = np.isfinite(loop.normals[..., 0])
-    if not held.any():
-        return
-    by_basis, by_sides = space.across
-    weights = np.sqrt(np.broadcast_to(side_nodes()[1], held.shape)[held])[:, None]
-    basis = by_basis[held] * weights
-    target = _likely_slopes(space, loop)[held] / DEGREE - by_sides[held] @ loop.controls
-    square, load = basis.T @ basis, (basis.T @ (weights * target)).T
-    size = basis.shape[1]
-    for axis in range(3):
-        part = slice(axis * size, (axis + 1) * size)
-        matrix[part, part] += PULL * scale * square
-    right += PULL * scale * load
 
 
 def _likely_slopes(space: PatchSpace, loop: LoopSides) -> Array:
@@ -393,8 +429,8 @@ def _speed_across(space: PatchSpace, loop: LoopSides, side: int, half: int) -> f
         after = (side + 1) % count
         other, beside = loop.sides[after].halves[0], domain.middles[after]
     own = loop.sides[side].halves[half]
-    tangent = own.end_slopes()[0]
-    slope = other.end_slopes()[0] / loop.size
+    tangent = own.end_slopes[0]
+    slope = other.end_slopes[0] / loop.size
     straight = float(np.linalg.norm(slope)) / max(float(np.hypot(*(beside - corner))), 1e-12)
     normal = loop.normals[side, half, 0]
     if not np.isfinite(normal[0]):

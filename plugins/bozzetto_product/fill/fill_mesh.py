@@ -153,14 +153,14 @@ def places_and_normals(patch: BSplineSurface, parameters: Array) -> tuple[Array,
     count = len(parameters)
     net = patch.control_points
     rows, slopes = ((rows @ net.reshape(len(net), -1)).reshape(count, -1, 3) for rows in along_u)
-    values, by_v = along_v[0][..., None], along_v[1][..., None]
-    across = np.cross((slopes * values).sum(axis=1), (rows * by_v).sum(axis=1))
+    values, by_v = (each[:, None] for each in along_v)
+    across = np.cross((values @ slopes)[:, 0], (by_v @ rows)[:, 0])
     length = np.linalg.norm(across, axis=1)
     flat = length <= FLAT * length.max(initial=0.0)
     across /= np.where(flat, 1.0, length)[:, None]
     if flat.any():
         across[flat] = patch.normals(*parameters[flat].T)
-    return (rows * values).sum(axis=1), across
+    return (values @ rows)[:, 0], across
 
 
 @remembered(limit=1000, key=lambda knots, at: (knots.tobytes(), at.tobytes()))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -13,10 +14,14 @@ from bozzetto.arrays import Array
 from bozzetto.plugin import cached_property
 from bozzetto_product.fill.edge_pieces import EdgePiece, run_from
 from bozzetto_product.fill.normal_field import NormalField
-from bozzetto_product.fill.quintic import DEGREE, POINTS, bernstein, gauss
+from bozzetto_product.fill.patch_space import SIDE_NODES, side_nodes
+from bozzetto_product.fill.quintic import DEGREE, POINTS, bernstein, gauss, spline_fit
 
 SPEED_RATIO: Final = 3.0
 """Most that the speeds of pieces of a half differ from those by length, to meet evenly."""
+
+IDLE: Final = 1e-10
+"""How far a control point may be from where it makes no corner, as share of the curve's size."""
 
 FIT_NODES: Final = 24
 """Places at which a half is fitted by one polynomial."""
@@ -125,8 +130,41 @@ class HalfSide:
             made[own] = piece.field.value(begin + share * (end - begin))
         return made
 
+    @cached_property
+    def fit_knots(self) -> Array:
+        """The knots without those at which the curve might have a corner and has none, (k + 6,).
+
+        What is added to a surface along the half is fitted over these: else it would have a corner
+        there, if only by the rounding of a fit, where CAD cuts a surface or complains.
+        """
+        p, t = self.points, self.knots
+        _, first, counts = np.unique(t, return_index=True, return_counts=True)
+        at = first[1:-1][counts[1:-1] == DEGREE]
+        if not len(at):
+            return t
+        leave, enter = t[at] - t[at - 1], t[at + DEGREE] - t[at]
+        share = (leave / (leave + enter))[:, None]
+        idle = (1.0 - share) * p[at - 2] + share * p[at]
+        off = np.abs(p[at - 1] - idle).max(axis=1)
+        return np.delete(t, at[off <= IDLE * float(np.linalg.norm(np.ptp(p, axis=0)))])
+
+    @cached_property
+    def _known_normals(self) -> Array | None:
+        return self.normals(np.concatenate((side_nodes()[0], spline_fit(self.fit_knots)[0])))
+
+    @property
+    def held_normals(self) -> Array | None:
+        """Unit normals at the Gauss nodes of `side_nodes`, (11, 3); None at a crease."""
+        return None if self._known_normals is None else self._known_normals[:SIDE_NODES]
+
+    @property
+    def fitted_normals(self) -> Array | None:
+        """Unit normals at the places of `spline_fit`, (n, 3); None at a crease."""
+        return None if self._known_normals is None else self._known_normals[SIDE_NODES:]
+
+    @cached_property
     def end_slopes(self) -> tuple[Array, Array]:
-        """Return the derivatives at the corner and at the middle; where one is nought, nearly."""
+        """The derivatives at the corner and at the middle; where one is nought, nearly."""
         p, t = self.points, self.knots
         first = DEGREE * (p[1] - p[0]) / (t[POINTS] - t[1])
         last = DEGREE * (p[-1] - p[-2]) / (t[-2] - t[-1 - POINTS])
@@ -159,13 +197,19 @@ class HalfSide:
         made = np.empty((POINTS, 3))
         made[0], made[-1] = first, last
         made[1], made[-2] = first + leave / DEGREE, last - slope / DEGREE
-        at, weights = gauss(FIT_NODES)
-        size = np.sqrt(weights)[:, None]
-        values = bernstein(at)
         outer = [0, 1, DEGREE - 1, DEGREE]
-        rest = self.value(at) - values[:, outer] @ made[outer]
-        made[2:4] = np.linalg.lstsq(size * values[:, 2:4], size * rest, rcond=None)[0]
+        at, values, inverse = _fit_of_middle()
+        made[2:4] = inverse @ (self.value(at) - values[:, outer] @ made[outer])
         return made
+
+
+@cache
+def _fit_of_middle() -> tuple[Array, Array, Array]:
+    """Return places, Bernstein polynomials there, and what fits the two in the middle, (2, 24)."""
+    at, weights = gauss(FIT_NODES)
+    values, size = bernstein(at), np.sqrt(weights)
+    inverse = np.asarray(np.linalg.pinv(size[:, None] * values[:, 2:4]))
+    return at, values, inverse * size
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +233,7 @@ class Side:
         one, two = self.halves
         if self.bend:
             return one.polynomial(), two.polynomial()
-        before, after = one.end_slopes()[1], -two.end_slopes()[1]
+        before, after = one.end_slopes[1], -two.end_slopes[1]
         first, second = self.shares
         common = 0.5 * (before / first + after / second)
         return one.polynomial(first * common), two.polynomial(-second * common)
@@ -200,7 +244,7 @@ class Side:
         one, two = self.halves
         if self.bend:
             return one.length, two.length
-        speeds = [float(np.linalg.norm(half.end_slopes()[1])) for half in self.halves]
+        speeds = [float(np.linalg.norm(half.end_slopes[1])) for half in self.halves]
         whole = sum(speeds)
         share = float(np.clip(speeds[0] / whole, 0.15, 0.85)) if whole > 0 else 0.5
         return share, 1.0 - share

@@ -12,6 +12,10 @@ from bozzetto.arrays import Array
 from bozzetto_product.fill.patch_space import PatchSpace
 from bozzetto_product.fill.quintic import NODES, POINTS, WEIGHTS, bernstein
 
+CUBIC: Final = 5
+"""Sides from which on a cubic may explain how the mean curvature varies: with fewer, what is held
+along the sides does not tell one."""
+
 FOLD_GRID: Final = 9
 """Places along each direction of a patch at which folds are looked for."""
 
@@ -20,13 +24,13 @@ FINE_GRID: Final = 4 * FOLD_GRID - 3
 
 
 @dataclass(frozen=True, eq=False)
-class BeltramiRows:
-    """The Laplace–Beltrami operator of a surface at its Gauss points.
+class Curvature:
+    """A surface at its Gauss points.
 
     Parameters
     ----------
-    operator : (n, 49, 36) float
-        Rows for the control points of each patch.
+    factors : (n, 49, 5) float
+        Of the derivatives by u, v, uu, uv, vv in the Laplace–Beltrami operator.
     areas : (n, 49) float
         That each Gauss point stands for.
     normals : (n, 49, 3) float
@@ -35,10 +39,16 @@ class BeltramiRows:
         Mean curvature.
     """
 
-    operator: Array
+    factors: Array
     areas: Array
     normals: Array
     mean: Array
+
+    @property
+    def operator(self) -> Array:
+        """Rows of the Laplace–Beltrami operator for control points of patches, (n, 49, 36)."""
+        jets = _tables()[1]
+        return np.asarray(np.matmul(self.factors[:, :, None], jets.transpose(1, 0, 2))[:, :, 0])
 
 
 @cache
@@ -50,8 +60,8 @@ def _tables() -> tuple[Array, Array]:
     return np.outer(WEIGHTS, WEIGHTS).ravel(), np.reshape(jets, (5, len(NODES) ** 2, POINTS**2))
 
 
-def beltrami_rows(nets: Array) -> BeltramiRows:
-    """Return the operator of the surface of control nets, (n, 6, 6, 3)."""
+def curvature_of(nets: Array) -> Curvature:
+    """Return the curvature of the surface of control nets, (n, 6, 6, 3)."""
     weights, jets = _tables()
     points = nets.reshape(len(nets), -1, 3)
     by_u, by_v, by_uu, by_uv, by_vv = (jet @ points for jet in jets)
@@ -65,29 +75,34 @@ def beltrami_rows(nets: Array) -> BeltramiRows:
     along_u, along_v = (bend * by_u).sum(axis=-1), (bend * by_v).sum(axis=-1)
     lower_u, lower_v = a * along_u + b * along_v, b * along_u + c * along_v
     factors = np.stack((-lower_u, -lower_v, a, 2 * b, c), axis=-1)
-    operator = np.einsum("kgr,rgi->kgi", factors, jets)
     normals = np.cross(by_u, by_v)
     area = np.linalg.norm(normals, axis=-1)
     normals /= np.maximum(area, 1e-15)[..., None]
-    mean = 0.5 * ((operator @ points) * normals).sum(axis=-1)
-    return BeltramiRows(operator, area * weights, normals, mean)
+    mean = 0.5 * (bend * normals).sum(axis=-1)
+    return Curvature(factors, area * weights, normals, mean)
 
 
-def quadratics(space: PatchSpace) -> Array:
-    """Return the quadratic polynomials of the domain at the Gauss points of all patches, (m, 6)."""
+def even_terms(space: PatchSpace) -> Array:
+    """Return the polynomials of the domain at the Gauss points of all patches, (m, 6 or 10).
+
+    Those that the mean curvature may be: quadratic, and cubic from `CUBIC` sides on.
+    """
     u, v = (x.ravel() for x in np.meshgrid(NODES, NODES, indexing="ij"))
     s, t = np.moveaxis(space.domain.places(u, v).reshape(-1, 2), 1, 0)
-    return np.column_stack((np.ones_like(s), s, t, s * s, s * t, t * t))
+    terms = [np.ones_like(s), s, t, s * s, s * t, t * t]
+    if space.count >= CUBIC:
+        terms += [s**3, s * s * t, s * t * t, t**3]
+    return np.column_stack(terms)
 
 
-def variation(rows: BeltramiRows, nets: Array, space: PatchSpace) -> float:
-    """Return the root mean square of what of the mean curvature no quadratic explains.
+def variation(curvature: Curvature, space: PatchSpace) -> float:
+    """Return the root mean square of what of the mean curvature no polynomial explains.
 
     Per area, times the size of the loop; 0 of planes, spheres and all of constant mean curvature.
     """
-    root = np.sqrt(np.maximum(rows.areas, 1e-14)).ravel()
-    height = rows.mean.ravel() * root
-    terms = quadratics(space) * root[:, None]
+    root = np.sqrt(np.maximum(curvature.areas, 1e-14)).ravel()
+    height = curvature.mean.ravel() * root
+    terms = even_terms(space) * root[:, None]
     rest = height - terms @ np.linalg.lstsq(terms, height, rcond=None)[0]
     return float(np.linalg.norm(rest) / np.linalg.norm(root))
 

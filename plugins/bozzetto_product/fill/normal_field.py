@@ -15,6 +15,12 @@ from bozzetto.plugin import cached_property, remembered
 STEPS: Final = 12
 """Steps of the moving frame on every span of a curve."""
 
+MOST_SHARED: Final = 128
+"""Parameters of a field up to which its cubic spline is shared by all fields that have them."""
+
+VANISHING: Final = 1e-24
+"""Square of the turn of a tangent that tells no direction."""
+
 SHORT: Final = 1e-9
 """Length of a tangent, as share of the curve's size, that tells no direction."""
 
@@ -38,15 +44,20 @@ class NormalField:
     normals: Array
 
     @cached_property
-    def _curve(self) -> Any:
+    def _own_spline(self) -> Any:
         from scipy.interpolate import CubicSpline
 
         return CubicSpline(self.parameters, self.normals)
 
+    def _between(self, at: Array, order: int = 0) -> Array:
+        """Return the normals between those given, or their derivative, (n, 3)."""
+        if len(self.parameters) > MOST_SHARED:
+            return np.asarray(self._own_spline(at, order))
+        return np.asarray(_shares_of(self.parameters)(at, order) @ self.normals)
+
     def value(self, at: Array) -> Array:
         """Return unit normals, exactly across the curve, (n, 3)."""
-        tangents = unit_tangents(self.spline, at)
-        return across(np.asarray(self._curve(at)), tangents)
+        return across(self._between(at), unit_tangents(self.spline, at))
 
     @cached_property
     def end_torsions(self) -> Array:
@@ -55,7 +66,7 @@ class NormalField:
         tangents = unit_tangents(self.spline, at)
         normals = self.value(at)
         speed = np.linalg.norm(self.spline.derivative(at), axis=1)
-        rate = (self._curve(at, 1) * np.cross(tangents, normals)).sum(axis=1)
+        rate = (self._between(at, 1) * np.cross(tangents, normals)).sum(axis=1)
         return np.asarray(rate / np.where(speed > 0.0, speed, np.inf))
 
     @cached_property
@@ -89,6 +100,14 @@ class NormalField:
         angle = angles(length_shares(self.spline, self.parameters))
         normals = across(self.normals, tangents)
         return NormalField(self.spline, self.parameters, rotated(normals, tangents, angle))
+
+
+@remembered(limit=256, key=lambda parameters: parameters.tobytes())
+def _shares_of(parameters: Array) -> Any:
+    """Return the cubic spline of the share that each of the values at parameters has, (m,)."""
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(parameters, np.eye(len(parameters)))
 
 
 def unit_tangents(spline: Spline, at: Array) -> Array:
@@ -162,13 +181,15 @@ def frame_of(spline: Spline, first: Array) -> NormalField:
         Normal at its start.
     """
     at = frame_parameters(spline)
-    places, tangents = spline.value(at), unit_tangents(spline, at)
-    normals = np.empty_like(places)
+    tangents = unit_tangents(spline, at)
+    steps = np.diff(spline.value(at), axis=0)
+    one = _reflections(steps, 0.0)
+    bends = tangents[1:] - np.einsum("kij,kj->ki", one, tangents[:-1])
+    two = _reflections(bends, VANISHING)
+    normals = np.empty_like(tangents)
     normals[0] = across(np.asarray(first, float)[None], tangents[:1])[0]
-    for k in range(len(at) - 1):
-        normals[k + 1] = _reflected(
-            normals[k], tangents[k], places[k + 1] - places[k], tangents[k + 1]
-        )
+    for k, turn in enumerate(two @ one):
+        normals[k + 1] = turn @ normals[k]
     return NormalField(spline, at, across(normals, tangents))
 
 
@@ -197,15 +218,8 @@ def angle_about(axis: Array, one: Array, other: Array) -> float:
     )
 
 
-def _reflected(normal: Array, tangent: Array, step: Array, tangent_after: Array) -> Array:
-    """Return a normal carried one step by two reflections."""
-    square = float(step @ step)
-    if square == 0.0:
-        return normal
-    one = normal - 2.0 / square * float(step @ normal) * step
-    way = tangent - 2.0 / square * float(step @ tangent) * step
-    bend = tangent_after - way
-    square = float(bend @ bend)
-    if square < 1e-24:
-        return one
-    return np.asarray(one - 2.0 / square * float(bend @ one) * bend)
+def _reflections(vectors: Array, least: float) -> Array:
+    """Return the matrices (n, 3, 3) that reflect along longer vectors (n, 3)."""
+    square = (vectors * vectors).sum(axis=1)
+    factors = np.divide(2.0, square, out=np.zeros_like(square), where=square > least)
+    return np.asarray(np.eye(3) - factors[:, None, None] * vectors[:, :, None] * vectors[:, None])

@@ -143,15 +143,40 @@ def common_fields(
         Of each smooth edge the loop, the place in it, and whether it runs in the edge's sense,
         once or twice.
     """
+    told = {edge: known for edge in smooth if (known := net.edges[edge].normals) is not None}
+    fields = _found_fields(net, loops, corners, smooth, frozenset(told))
+    for edge, known in told.items():
+        spline = opened(net.edges[edge].spline)
+        fields[edge] = NormalField(spline, known.parameters, known.normals)
+    return fields
+
+
+def _found_fields(
+    net: Net,
+    loops: Sequence[Loop],
+    corners: Sequence[Sequence[Corner]],
+    smooth: Mapping[int, Sequence[tuple[int, int, bool]]],
+    told: frozenset[int],
+) -> dict[int, NormalField]:
+    """Return the fields of smooth edges that are not told.
+
+    Edges that are told tell nothing themselves: what lies on a surface may bend in it as it likes.
+    """
+
+    def counts(one: tuple[int, int]) -> bool:
+        loop, place = loops[one[0]], one[1]
+        return loop[place][0] not in told and loop[place - 1][0] not in told
+
     fans = _fans(smooth, corners, loops)
-    planes = {
-        one: sense * normal
-        for fan in fans
-        for normal in [_common_normal([_of(corners, one) for one in fan], list(fan.values()))]
-        for one, sense in fan.items()
-    }
+    planes = {}
+    for fan in fans:
+        chosen = [one for one in fan if counts(one)] or list(fan)
+        normal = _common_normal([_of(corners, one) for one in chosen], [fan[one] for one in chosen])
+        planes.update({one: sense * normal for one, sense in fan.items()})
     fields = {}
     for edge, uses in smooth.items():
+        if edge in told:
+            continue
         number, place, forward = uses[0]
         ends = planes[number, place], planes[number, (place + 1) % len(loops[number])]
         fields[edge] = carried(opened(net.edges[edge].spline), *(ends if forward else ends[::-1]))
@@ -159,7 +184,7 @@ def common_fields(
         [
             _twist(loops[number], corners[number], place)
             for number, place in fan
-            if _has_twist(loops[number], corners[number], place, smooth)
+            if counts((number, place)) and _has_twist(loops[number], corners[number], place, smooth)
         ]
         for fan in fans
     ]

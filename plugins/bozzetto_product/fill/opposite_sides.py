@@ -13,11 +13,17 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Curve
 from bozzetto.plugin import cached_property
 from bozzetto_product.fill.domain import Domain, cross
 from bozzetto_product.fill.half_sides import HalfSide
-from bozzetto_product.fill.quintic import DEGREE, POINTS, bernstein, spline_fit, spline_rows
+from bozzetto_product.fill.quintic import (
+    DEGREE,
+    POINTS,
+    bernstein,
+    insertion,
+    spline_fit,
+    spline_rows,
+)
 
 ALIKE: Final = 0.5
 """Likeness of two rests, 0 … 1, up to which nothing is carried: what two hands tremble differs."""
@@ -172,6 +178,4 @@ def _common_knots(one: Array, two: Array) -> Array | None:
 
 def refined(knots: Array, points: Array, finer: Array) -> Array:
     """Return control points of the same spline over more knots."""
-    if np.array_equal(knots, finer):
-        return points
-    return Curve(DEGREE, knots, points).with_knots(finer).control_points
+    return points if np.array_equal(knots, finer) else insertion(knots, finer) @ points

@@ -151,8 +151,8 @@ def _filled(frame: LoopSides, loop: Loop, spacing: float, key: bytes) -> PatchFi
 def domain_of_sides(sides: Sequence[Side]) -> Domain:
     """Return the domain of a loop of sides."""
     lengths = np.array([side.lengths for side in sides])
-    enter = np.array([-side.halves[1].end_slopes()[0] for side in sides])
-    leave = np.array([side.halves[0].end_slopes()[0] for side in sides])
+    enter = np.array([-side.halves[1].end_slopes[0] for side in sides])
+    leave = np.array([side.halves[0].end_slopes[0] for side in sides])
     enter = np.roll(enter, 1, axis=0)
     cosine = (enter * leave).sum(axis=1)
     cosine /= np.maximum(np.linalg.norm(enter, axis=1) * np.linalg.norm(leave, axis=1), 1e-300)

@@ -92,29 +92,32 @@ class PatchSpace:
         """Return the control nets, (n, 6, 6, 3), of free control points and those of the sides."""
         return np.concatenate((free, sides))[self.numbers]
 
-    @property
+    @cached_property
     def plate(self) -> tuple[Array, Array]:
         """Stiffness (z, z) of a plate, and its load by the control points of the sides."""
-        return self._energies[0]
+        return self._energy(self._squares[0])
 
-    @property
+    @cached_property
     def bending_rate(self) -> tuple[Array, Array]:
         """Stiffness (z, z) of the rate of bending, and its load by those of the sides."""
-        return self._energies[1]
+        return self._energy(self._squares[1])
 
     def stiffness(self, order: int) -> tuple[Array, Array]:
         """Return stiffness and load of the energy of an order."""
         return self.plate if order == PLATE else self.bending_rate
 
     @cached_property
-    def _energies(self) -> list[tuple[Array, Array]]:
-        """Stiffness and load of both energies, which need the same derivatives."""
-        made = []
-        for rows in local_energies(self.domain.quads, (PLATE, BENDING_RATE)):
-            inner, outer = rows @ self.own_basis, rows @ self.own_sides
-            flat = inner.reshape(-1, inner.shape[-1])
-            made.append((flat.T @ flat, flat.T @ outer.reshape(-1, outer.shape[-1])))
-        return made
+    def _squares(self) -> tuple[Array, Array]:
+        """Both energies of each patch, (n, 36, 36), which need the same derivatives."""
+        plate, rate = local_energies(self.domain.quads, (PLATE, BENDING_RATE))
+        return plate.transpose(0, 2, 1) @ plate, rate.transpose(0, 2, 1) @ rate
+
+    def _energy(self, squares: Array) -> tuple[Array, Array]:
+        inner, outer = (
+            part.reshape(-1, part.shape[-1]) for part in (self.own_basis, self.own_sides)
+        )
+        half = (squares @ self.own_basis).reshape(inner.shape).T
+        return half @ inner, half @ outer
 
     @cached_property
     def across(self) -> tuple[Array, Array]:

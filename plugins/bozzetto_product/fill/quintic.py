@@ -89,6 +89,7 @@ def spline_fit(knots: Array) -> tuple[Array, Array]:
     return at, inverse * size
 
 
+@remembered(limit=1000, key=lambda knots: knots.tobytes())
 def refinement(knots: Array) -> Array:
     """Return the matrix from control points of one polynomial to those over a knot vector.
 
@@ -108,5 +109,37 @@ def refinement(knots: Array) -> Array:
     rows = np.repeat(np.eye(POINTS)[None], count, axis=0)
     for level in range(DEGREE):
         at = knots[np.arange(count) + 1 + level][:, None, None]
+        rows = (1.0 - at) * rows[:, :-1] + at * rows[:, 1:]
+    return np.asarray(rows[:, 0])
+
+
+@remembered(limit=1000, key=lambda knots, finer: (knots.tobytes(), finer.tobytes()))
+def insertion(knots: Array, finer: Array) -> Array:
+    """Return the matrix from control points of a spline to those over more knots.
+
+    Each row is a blossom, as in `refinement`, of the polynomial of the old span that holds most of
+    where the new control point acts; the ends stay to the last bit.
+
+    Parameters
+    ----------
+    knots : (m + 6,) float
+        Clamped.
+    finer : (k + 6,) float
+        Of the same range; holds them, but for rounding.
+
+    Returns
+    -------
+    (k, m) float
+    """
+    size, count = len(knots) - POINTS, len(finer) - POINTS
+    begin = np.arange(count)[:, None] + np.arange(POINTS)
+    widest = np.argmax(finer[begin + 1] - finer[begin], axis=1) + np.arange(count)
+    middles = 0.5 * (finer[widest] + finer[widest + 1])
+    spans = np.searchsorted(knots, middles, "right") - 1
+    rows = np.eye(size)[spans[:, None] + np.arange(-DEGREE, 1)]
+    for level in range(1, POINTS):
+        number = spans[:, None] + np.arange(level - DEGREE, 1)
+        low, high = knots[number], knots[number + POINTS - level]
+        at = ((finer[level : count + level, None] - low) / (high - low))[..., None]
         rows = (1.0 - at) * rows[:, :-1] + at * rows[:, 1:]
     return np.asarray(rows[:, 0])

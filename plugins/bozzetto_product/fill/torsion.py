@@ -114,8 +114,7 @@ def agreeing(
             rows[number, column[corner.enter]] += 1.0
             held = sum(torsions[edge][end] for edge, end in (corner.leave, corner.enter))
             lacks[number] = corner.wanted(fields) - held
-        inverse = np.linalg.pinv(rows, rcond=1e-9)
-        for (edge, end), change in zip(ends, inverse @ lacks, strict=True):
+        for (edge, end), change in zip(ends, _inverse(rows) @ lacks, strict=True):
             changes[edge][end] = _at_most(change, fields[edge])
         left_open += [
             OpenFan(
@@ -136,6 +135,12 @@ def agreeing(
         )
         for edge, field in fields.items()
     }
+
+
+@remembered(limit=256, key=lambda rows: (rows.shape, rows.tobytes()))
+def _inverse(rows: Array) -> Array:
+    """Return what takes sums at corners to the least torsions: alike nodes have the same."""
+    return np.asarray(np.linalg.pinv(rows, rcond=1e-9))
 
 
 def _at_most(change: Array, field: NormalField) -> Array:

@@ -45,21 +45,21 @@ def plane_outlines(sampled: SampledNet) -> list[tuple[int, ...]]:
         if len(halves) < 2:
             continue
         ends = sampled.leaving[list(halves)]
-        for one, first in enumerate(halves):
-            for two, second in enumerate(halves):
-                normal = np.cross(ends[one], ends[two])
-                sine = float(np.linalg.norm(normal))
-                if one == two or sine < LEAST_SINE or (second ^ 1, first) in tried:
-                    continue
-                loop = _walked(sampled, second ^ 1, first, normal / sine)
-                if loop is None:
-                    continue
-                backwards = tuple(half ^ 1 for half in reversed(loop))
-                for way in (loop, backwards):
-                    tried.update(zip(way, (*way[1:], way[0]), strict=True))
-                edges = frozenset(half // 2 for half in loop)
-                if edges not in found and _is_simple(sampled, loop):
-                    found[edges] = loop
+        normals = np.cross(ends[:, None], ends)
+        sines = np.linalg.norm(normals, axis=2)
+        for one, two in np.argwhere(sines >= LEAST_SINE).tolist():
+            first, second = halves[one], halves[two]
+            if (second ^ 1, first) in tried:
+                continue
+            loop = _walked(sampled, second ^ 1, first, normals[one, two] / sines[one, two])
+            if loop is None:
+                continue
+            backwards = tuple(half ^ 1 for half in reversed(loop))
+            for way in (loop, backwards):
+                tried.update(zip(way, (*way[1:], way[0]), strict=True))
+            edges = frozenset(half // 2 for half in loop)
+            if edges not in found and _is_simple(sampled, loop):
+                found[edges] = loop
     return list(found.values())
 
 

@@ -9,6 +9,22 @@ from bozzetto.geometry import Spline
 
 
 @dataclass(frozen=True, eq=False)
+class ToldNormals:
+    """Normals of the surface along an edge that are known and need not be found.
+
+    Parameters
+    ----------
+    parameters : (m,) float
+        Of the edge's spline, rising, over its range.
+    normals : (m, 3) float
+        Unit, to any side.
+    """
+
+    parameters: Array
+    normals: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Edge:
     """A piece of a curve between two joints that follow one another.
 
@@ -30,6 +46,8 @@ class Edge:
         or is symmetric by itself; -1 for none.
     crease : float
         0 is smooth, 1 a crease; NaN where the network decides.
+    normals : ToldNormals, optional
+        Of a surface that it lies on.
     """
 
     spline: Spline
@@ -40,6 +58,7 @@ class Edge:
     mirrored: bool = False
     twin: int = -1
     crease: float = float("nan")
+    normals: ToldNormals | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
+from bozzetto.plugin import remembered
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.joints import Meeting
 from bozzetto_product.model.state import ProductState
@@ -46,7 +47,7 @@ def nearest_inside(
         if spline is None or curve.id in busy:
             continue
         across = flat and not lies_in(curve, state.symmetry)
-        low, high = spline.control_points.min(axis=0), spline.control_points.max(axis=0)
+        low, high = _box(spline)
         for mirrored in (False, True) if curve.mirrored else (False,):
             here = mirror_image(place, state.symmetry) if mirrored else place
             if (np.maximum(low - here, here - high) > reach).any():
@@ -69,6 +70,12 @@ def nearest_inside(
                 if best is None or found[:2] < best[:2]:
                     best = found
     return None if best is None else (best[2], best[0])
+
+
+@remembered(limit=4000)
+def _box(spline: Spline) -> tuple[Array, Array]:
+    points = spline.control_points
+    return points.min(axis=0), points.max(axis=0)
 
 
 def _foot_share(spline: Spline, place: Array) -> float:

@@ -15,12 +15,13 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
-from bozzetto_product.fill.edge_pieces import pieces_of
+from bozzetto_product.fill.edge_pieces import opened, pieces_of
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
+from bozzetto_product.fill.normal_field import frame_parameters
 from bozzetto_product.fill.normals import edge_normals
-from bozzetto_product.network.net import Edge, HalfEdge, Loop, Net
+from bozzetto_product.network.net import Edge, HalfEdge, Loop, Net, ToldNormals
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.displacement import displaced
 from bozzetto_product.projection.spline_basis import bent
@@ -74,6 +75,7 @@ def faired(
     """
     parts = hanging_parts(net, loops, sorted(members))
     moves: dict[int, Spline] = {}
+    surfaces: dict[int, Fill] = {}
     nodes = net.nodes.copy()
     whole = True
     for part in parts:
@@ -84,16 +86,17 @@ def faired(
             whole = whole and len(part) == 1
             continue
         _let_go(net, fill, inner, share, nodes, moves)
+        surfaces.update(dict.fromkeys(inner, fill))
     made = twins_mirrored(net, nodes, moves, mirror)
-    edges = tuple(
-        carried_edge(edge, made.get(number), nodes) for number, edge in enumerate(net.edges)
-    )
+    edges = [carried_edge(edge, made.get(number), nodes) for number, edge in enumerate(net.edges)]
+    for number, fill in surfaces.items() if share >= 1.0 else ():
+        edges[number] = _on_surface(edges, number, fill, mirror)
     moved = frozenset(
         number
         for number, (one, two) in enumerate(zip(net.edges, edges, strict=True))
         if one is not two
     )
-    return FairedNet(replace(net, nodes=nodes, edges=edges), moved, whole and bool(moves))
+    return FairedNet(replace(net, nodes=nodes, edges=tuple(edges)), moved, whole and bool(moves))
 
 
 # -- the group -------------------------------------------------------------------------------
@@ -201,6 +204,25 @@ def _let_go(
         moves[number] = displaced(edge.spline, at, shifts, np.full(len(at), 2.0 * CLOSE * size))
 
 
+def _on_surface(edges: Sequence[Edge], number: int, fill: Fill, mirror: Reflection) -> Edge:
+    """Return an edge with the normals of the surface that it went to; twins have one another's."""
+    edge = edges[number]
+    told = edges[edge.twin].normals if 0 <= edge.twin < number else None
+    if told is None:
+        spline = opened(edge.spline)
+        at = frame_parameters(spline)
+        told = ToldNormals(at, nearest_on(fill, spline.value(at))[1])
+    else:
+        twin, own = opened(edges[edge.twin].spline), opened(edge.spline)
+        normals = mirror.points(told.normals) - mirror.points(np.zeros((1, 3)))
+        at = told.parameters - twin.range[0] + own.range[0]
+        start, end = mirror.points(twin.control_points[[0, -1]]) - own.control_points[0]
+        if np.linalg.norm(end) < np.linalg.norm(start):
+            at, normals = (own.range[0] + own.range[1] - at)[::-1], normals[::-1]
+        told = ToldNormals(at, normals)
+    return replace(edge, normals=told)
+
+
 def _stations(spline: Spline) -> Array:
     begin, end = spline.range
     spans = np.unique(np.clip(spline.knots, begin, end))
@@ -249,4 +271,4 @@ def carried_edge(edge: Edge, spline: Spline | None, nodes: Array) -> Edge:
         ends = nodes[[edge.start, edge.end]]
         if not np.array_equal(curve.control_points[[0, -1]], ends):
             curve = bent(curve, ends[0], ends[1])
-    return edge if curve is edge.spline else replace(edge, spline=curve)
+    return edge if curve is edge.spline else replace(edge, spline=curve, normals=None)

@@ -131,8 +131,7 @@ def with_drawn(
         The curve that these strokes replace.
     """
     base = state if older is None else delete_curves(state, older.id)
-    seen = _with_rough_shapes(state, context.scene)
-    context = replace(context, scene=canvas_scene(state, seen, strokes))
+    context = replace(context, scene=canvas_scene(state, context.scene, strokes))
     plane = drawing_plane(state, strokes, context.scene)
     drawn = curve_from_ink(
         strokes,
@@ -165,12 +164,15 @@ def with_drawn(
 def _with_rough_shapes(state: ProductState, scene: Scene) -> Scene:
     """Return what is seen with the rough shapes, which are not there before the first stroke."""
     names = {layer.name for layer in scene.layers}
-    fresh = [part for part in state.shown(RoughShape) if canvas_layer_name(part.id) not in names]
-    return scene + Scene(
-        tuple(
-            Layer(canvas_layer_name(part.id), (Shaded(mesh_of_rough_shape(part)),))
-            for part in fresh
-        )
+    layers = (layer for layer in _rough_layers(state) if layer.name not in names)
+    return scene + Scene(tuple(layers))
+
+
+def _rough_layers(state: ProductState) -> tuple[Layer, ...]:
+    """Return the rough shapes of the product as they are drawn on."""
+    return tuple(
+        Layer(canvas_layer_name(part.id), (Shaded(mesh_of_rough_shape(part)),))
+        for part in state.shown(RoughShape)
     )
 
 
@@ -185,10 +187,23 @@ def canvas_scene(state: ProductState, scene: Scene, strokes: Sequence[Stroke]) -
     state : ProductState
         The product so far.
     scene : Scene
-        All that is seen, the rough shapes of the product among it.
+        All that is seen. What the product itself shows may be put off: it is not waited for while
+        the ink is on a rough shape.
     strokes : sequence of Stroke
         Drawn in one view.
     """
+    if not scene.is_made and not state.wall and not state.shown(FollowedShape):
+        rough = scene.known + Scene(_rough_layers(state))
+        canvas = _on_rough_shapes(state, rough, strokes)
+        if canvas is not None:
+            return canvas
+    seen = _with_rough_shapes(state, scene)
+    canvas = _on_rough_shapes(state, seen, strokes)
+    return seen if canvas is None else canvas
+
+
+def _on_rough_shapes(state: ProductState, scene: Scene, strokes: Sequence[Stroke]) -> Scene | None:
+    """Return what is seen without own surfaces; None where the ink is not on rough shapes."""
     kinds = (*state.shown(RoughShape), *state.shown(FollowedShape))
     names = {canvas_layer_name(part.id) for part in kinds}
     rough = tuple(layer for layer in scene.layers if layer.name in names)
@@ -197,7 +212,7 @@ def canvas_scene(state: ProductState, scene: Scene, strokes: Sequence[Stroke]) -
     chosen = pixels[np.linspace(0, len(pixels) - 1, LOOKS).astype(int)]
     hits = cast_rays(Scene(rough), strokes[0].camera.rays(chosen))
     if hits.hit.mean() < ON_ROUGH:
-        return scene
+        return None
     return Scene(
         tuple(
             layer for layer in scene.layers if layer.name != SURFACES or layer.owner not in owners

@@ -50,3 +50,23 @@ def test_a_scene_that_is_put_off_is_made_once_and_only_if_it_is_looked_at():
     assert len(made) == 2, "once in vain, and once"
     with pytest.raises(AttributeError):
         scene.nothing  # noqa: B018
+
+
+def test_of_a_sum_is_known_what_is_not_put_off():
+    line = Lines(np.array([[0, 0, 0], [10, 0, 5]], np.float32))
+    rest = Scene((Layer("rest", (line,)),))
+    made = []
+
+    def make():
+        made.append(1)
+        return Scene((Layer("own", (line,)),))
+
+    both = rest + Scene.put_off(make)
+    moved = both.placed(Placement(offset=(5.0, 0.0, 0.0)))
+    assert [layer.name for layer in both.known.layers] == ["rest"]
+    assert moved.known.bounds()[:, 0].tolist() == [5.0, 15.0]
+    assert not Scene.put_off(make).known.layers
+    assert not made
+    assert [layer.name for layer in moved.layers] == ["rest", "own"]
+    assert [layer.name for layer in both.known.layers] == ["rest", "own"]
+    assert made == [1]

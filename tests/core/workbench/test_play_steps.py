@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.errors import Cancelled, UserError
 from bozzetto.exchange.ink.ink_json import write_drawing
+from bozzetto.geometry import Placement
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.ink.steps import (
     DeleteStep,
@@ -109,8 +111,8 @@ def test_nothing_is_solved_for_steps_that_look_at_nothing(shell, monkeypatch):
     assert len(asked) == 1
 
 
-def test_a_modeler_that_offers_curves_is_solved_before_every_gesture(shell, monkeypatch):
-    """Else the next gesture could not snap to them."""
+def test_curves_are_learnt_when_a_gesture_asks_for_them(shell, monkeypatch):
+    """And then they are those of the state that it meets, so that it can snap to them."""
     modeler = shell.workbench.registry.modeler("example.ribbon")
     monkeypatch.setattr(
         type(modeler), "curves", lambda self, state, result: self.shapes(state, result).curves,
@@ -121,13 +123,15 @@ def test_a_modeler_that_offers_curves_is_solved_before_every_gesture(shell, monk
     snapped, tap = [], tool.tap
 
     def looking(self, state, gesture, context):
-        snapped.append(len(context.curves))
+        context = replace(context, camera=gesture.camera).moved(Placement(offset=(5.0, 0.0, 0.0)))
+        before = len(asked)
+        snapped.append((len(context.curves), len(asked) - before))
         return tap(self, state, gesture, context)
 
     monkeypatch.setattr(tool, "tap", looking)
     shell.workbench.sources.from_drawing("example.ribbon", drawing(LINES, *GESTURES), {})
-    assert snapped == [2]
-    assert len(asked) == 3, "once for every state that a gesture met"
+    assert snapped == [(2, 1)], "solved then, and not before"
+    assert len(asked) == 2, "the pen of a ribbon looks at what is under it"
 
 
 def test_a_fault_of_a_scene_that_a_tool_looks_at_is_one_fault(shell, monkeypatch):

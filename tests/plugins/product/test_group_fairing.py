@@ -50,6 +50,19 @@ def test_curves_that_are_let_go_leave_the_true_surface(noise: float) -> None:
     assert errors[2] <= 1e-3
 
 
+def test_surfaces_between_curves_that_are_let_go_are_one_surface_however_these_bend() -> None:
+    """Curves on a surface that wind in it tell nothing about how it leaves them."""
+    torus = list(sheets(0.05, 1))[1]
+    found = let_go(torus, 1.0)
+    assert error(torus, found) <= 1e-4
+    for number in found.moved:
+        told = found.net.edges[number].normals
+        assert told is not None
+        true = torus.surface.normal(found.net.edges[number].spline.value(told.parameters))
+        assert np.abs((told.normals * true).sum(axis=1)).min() > 1.0 - 1e-6
+    assert all(edge.normals is None for edge in let_go(torus, 0.9).net.edges)
+
+
 def test_only_curves_within_the_group_move_and_joints_stay_joined() -> None:
     sheet = example()
     found = let_go(sheet, 0.7)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from bozzetto.geometry import Spline
+from bozzetto.geometry import Curve, Spline
 from bozzetto_product.fill.network_fills import fill_net
+from bozzetto_product.fill.quintic import insertion
 from bozzetto_product.hand_over.point_fit import spline_through
 from tests.plugins.product.known_surfaces import net_of_splines
 
@@ -118,3 +119,15 @@ def test_a_bend_of_one_rail_only_fades():
         len(patch.knots_v) for patch in fill.patches
     } >= {12}
     assert over_spokes(fill)[0] < 1e-3
+
+
+def test_more_knots_change_no_curve_however_short_a_span_is():
+    random = np.random.default_rng(5)
+    for short in (0.3, 1e-4, 1e-9):
+        knots = np.concatenate((np.zeros(6), [short, 0.5, 0.5], np.ones(6)))
+        finer = np.sort(np.concatenate((knots, random.random(3), [0.5, 0.9, 0.9])))
+        points = random.normal(size=(9, 3))
+        more, at = insertion(knots, finer) @ points, np.linspace(0.0, 1.0, 99)
+        assert (more[[0, -1]] == points[[0, -1]]).all()
+        one, other = (Curve(5, *each).value(at) for each in ((knots, points), (finer, more)))
+        assert np.abs(one - other).max() < 1e-13

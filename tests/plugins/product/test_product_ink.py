@@ -20,6 +20,7 @@ from bozzetto.ink.steps import CommandStep, SelectStep
 from bozzetto.plugin import Context
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
+from bozzetto.scene import Scene
 from bozzetto.testing import Pen, Shell, same
 from bozzetto.workbench.play_steps import run_steps
 from bozzetto.workbench.workbench import Workbench
@@ -27,8 +28,11 @@ from bozzetto_product.commands.all_commands import all_commands
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.rough_shapes import RoughShape
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.report import report_of
 from bozzetto_product.rough_shapes.shapes import SIZES
+from bozzetto_product.solve.result import ProductResult
 from tests.plugins.product.pen_strokes import FRONT, TOP_EDGES, draw_rectangle, straight
 
 PEN = Pen(tremor=0.4, seed=2024, camera=FRONT)
@@ -207,6 +211,37 @@ def test_what_is_drawn_over_an_early_surface_lies_on_the_rough_shape(tmp_path: P
     steps.insert(-1, {"command": "hide-rough"})
     _, model = built(tmp_path, steps, across)
     assert model.state.of_kind(Curve)[-1].spline.sampled(50)[:, 2].max() > 65.0
+
+
+def test_a_file_makes_the_same_whether_shapes_are_solved_at_once_or_put_off(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a gesture never looks at cannot matter to it: on the box, over its rim, on surfaces."""
+    lines = (
+        straight((10.0, -28.0, 60.0), (10.0, 29.0, 60.0)),
+        straight((-20.0, 5.0, 60.0), (-20.0, 90.0, 60.0)),
+        straight((-30.0, -10.0, 60.0), (0.0, 10.0, 60.0)),
+        straight((90.0, 0.0, 0.0), (90.0, 0.0, 60.0)),
+    )
+    more = [stroke(line) for line in lines]
+    draws = [{"tool": "draw", "strokes": [n]} for n in range(4, 8)]
+    pressed = [{"select": "Surface 1"}, {"set": {"pressure": 0.4}}]
+    steps = [*RECTANGLE, *pressed, *draws[:2], {"command": "hide-rough"}, *draws[2:]]
+    solves: list[ProductState] = []
+    solve = ProductModeler.solve
+
+    def counting(self: ProductModeler, state: ProductState, job: Job) -> ProductResult:
+        solves.append(state)
+        return solve(self, state, job)
+
+    monkeypatch.setattr(ProductModeler, "solve", counting)
+    _, put_off = built(tmp_path, steps, more)
+    late = len(solves)
+    monkeypatch.setattr(Scene, "put_off", lambda make: make())
+    _, at_once = built(tmp_path, steps, more)
+    assert same(put_off.state, at_once.state)
+    assert late == 3, "where most of the ink is beside the box, and with the box hidden"
+    assert len(solves) - late > 8
 
 
 def test_a_stroke_along_the_plane_lies_in_it(tmp_path: Path) -> None:
