@@ -14,10 +14,9 @@ from itertools import pairwise
 import numpy as np
 
 from bozzetto_polyhedron.reconstruction.ranking import confidence_of_first
-from tests.plugins.polyhedron.fit_confidence import Outcome, outcome
+from tests.plugins.polyhedron.fit_confidence import BINS, Outcome, outcome
 
 FIRST_SEED = 70_000
-BINS = (0.0, 0.5, 0.7, 0.85, 0.95, 1.01)
 ASKED = 5.0
 """Points."""
 

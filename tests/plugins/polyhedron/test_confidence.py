@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from bozzetto_polyhedron.reconstruction.confidence_tables import TRAITS
-from tests.plugins.polyhedron.figures_confidence import BINS, FIRST_SEED, said
-from tests.plugins.polyhedron.fit_confidence import EVIDENCE, SEEDS, Outcome, outcome
+from tests.plugins.polyhedron.figures_confidence import FIRST_SEED, said
+from tests.plugins.polyhedron.fit_confidence import BINS, EVIDENCE, SEEDS, Outcome, outcome
 
 DRAWINGS = range(80_000, 80_600)
 
