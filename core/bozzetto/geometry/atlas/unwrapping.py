@@ -14,7 +14,6 @@ from bozzetto.geometry.atlas.chart_flattening import (
     borders,
     flattened_piece,
     folded,
-    lies_once,
     stretch,
 )
 from bozzetto.geometry.atlas.chart_packing import Outline, box_sizes, packed, side_of
@@ -27,10 +26,10 @@ if TYPE_CHECKING:
 MOST_STRETCH: Final = 2.0
 """By how much a chart is drawn out or pressed together at most, in all but a hundredth of it."""
 
-AWAY: Final = -0.1
+AWAY: Final = -0.35
 """Component of a face's normal along its chart's below which it looks away."""
 
-FEW: Final = 0.005
+FEW: Final = 0.02
 """Share of a chart that may look away when it is laid flat."""
 
 BENT: Final = 0.9
@@ -231,20 +230,20 @@ def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
     """Lay faces flat, or return the parts into which they have to be cut first."""
     piece = surface.piece(face)
     if len(face) == 1:
-        return _chart(surface, piece, flattened_piece(piece))
+        return _chart(surface, piece, flattened_piece(piece)[0])
     normals, size = surface.normals[face], surface.areas[face]
     mean = (size[:, None] * normals).sum(axis=0)
     away = normals @ mean < AWAY * float(np.linalg.norm(mean))
     if size[away].sum() > FEW * size.sum():
         return surface.by_sides(face)
-    places = flattened_piece(piece)
+    places, once = flattened_piece(piece)
     corners = places[piece.triangles]
     large, little = stretch(piece, places)
     worst = np.maximum(large, 1.0 / np.maximum(little, 1e-9))
     drawn_out = size[worst > MOST_STRETCH].sum() > 0.01 * size.sum()
     if drawn_out or folded(areas(corners)) > FOLDED:
         return surface.by_sides(face)
-    if lies_once(piece, places):
+    if once:
         return _chart(surface, piece, places)
     if float(np.linalg.norm(mean)) < BENT * float(size.sum()):
         return surface.by_sides(face)
