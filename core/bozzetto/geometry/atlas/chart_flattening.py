@@ -24,11 +24,14 @@ WEIGHTS: Final = (0.02, 20.0)
 """Bounds of a cotangent: triangles thin as needles would take all the say, or none."""
 
 
-RELIEVED: Final = 10
+RELIEVED: Final = 6
 """The same each time that something was pressed together."""
 
 MOST_RELIEFS: Final = 5
 """How often that is done."""
+
+HELPED: Final = 0.85
+"""Share of the edges that cover something from which pressing did not help."""
 
 MOST_PRESSED: Final = 0.47
 """By how much a triangle is pressed together at most there, as a share of its width."""
@@ -114,6 +117,7 @@ class _Laying:
         )
         # Edges as complex numbers: a rotation is a factor.
         self.edges = _opposite(rest)
+        self.over = count
         self.share: Array = np.zeros(len(triangles))
         squeezed = np.clip(stretch(piece, seen)[1], 0.0, 1.0)
         self.most: Array = np.minimum(MOST_PRESSED / np.maximum(1.0 - squeezed, 1e-6), 1.0)
@@ -147,14 +151,16 @@ class _Laying:
         Parameters
         ----------
         places : (v, 2) float array
+            Where it lies.
         number : int
             How often that was done: more and more is taken to be near.
         """
         from scipy.spatial import cKDTree
 
         over = covered_twice([places[ring] for ring in borders(self.piece.triangles)])
-        if not len(over):
+        if not 0 < len(over) <= HELPED * self.over:
             return False
+        self.over = len(over)
         reach = NEAR * self.size * (1.0 + 0.5 * number)
         middles = places[self.piece.triangles].mean(axis=1)
         away = np.minimum(cKDTree(over).query(middles, distance_upper_bound=reach)[0] / reach, 1.0)

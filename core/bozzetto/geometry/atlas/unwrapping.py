@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from bozzetto.cached_properties import cached_property
 from bozzetto.geometry.atlas.chart_cutting import Surface
 from bozzetto.geometry.atlas.chart_flattening import (
     FOLDED,
@@ -19,7 +21,7 @@ from bozzetto.geometry.atlas.chart_flattening import (
 from bozzetto.geometry.atlas.chart_packing import Outline, box_sizes, packed, side_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from bozzetto.arrays import Array, Index
 
@@ -60,6 +62,15 @@ LONG: Final = 0.7
 """Share of the square's side from which a chart is tried to be cut because it is long."""
 
 
+FLAT: Final = 0.5
+CUT: Final = 0.8
+"""Share of the work that is done when all lies flat, and when it is cut to fit, about."""
+
+
+def _nobody(fraction: float) -> None:
+    """Ignore progress that no one watches."""
+
+
 class Atlas(NamedTuple):
     """Where all faces are in the square.
 
@@ -78,7 +89,8 @@ class Atlas(NamedTuple):
     side: float
 
 
-class Chart(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Chart:
     """A piece that lies flat.
 
     Attributes
@@ -94,12 +106,12 @@ class Chart(NamedTuple):
     piece: Piece
     places: Array
 
-    @property
+    @cached_property
     def corners(self) -> Array:
         """Places of the corners of its triangles, (f, 3, 2)."""
         return self.places[self.piece.triangles]
 
-    @property
+    @cached_property
     def outline(self) -> Outline:
         """What packing needs."""
         rings = [self.places[ring] for ring in borders(self.piece.triangles)]
@@ -119,13 +131,17 @@ def unwrapped(vertices: Array, faces: Index) -> Atlas:
     return unwrapped_together([(vertices, faces)])[0]
 
 
-def unwrapped_together(meshes: Sequence[tuple[Array, Index]]) -> list[Atlas]:
+def unwrapped_together(
+    meshes: Sequence[tuple[Array, Index]], checkpoint: Callable[[float], None] = _nobody
+) -> list[Atlas]:
     """Cut surfaces into charts, lay them flat, and pack all of them into one square.
 
     Parameters
     ----------
     meshes : sequence of ((v, 3) float array, (f, 3) int array)
         As `unwrapped` takes them, in one unit; one of them has an area.
+    checkpoint : callable
+        Called with the fraction done (0 … 1) between steps and in loops; may raise to stop it.
 
     Returns
     -------
@@ -136,14 +152,21 @@ def unwrapped_together(meshes: Sequence[tuple[Array, Index]]) -> list[Atlas]:
         Surface(np.asarray(vertices, np.float64), np.asarray(faces, np.intp))
         for vertices, faces in meshes
     ]
-    charts = [
-        chart
-        for surface in surfaces
-        for chart in _laid_flat(surface, surface.regions() if len(surface.faces) else [])
-    ]
-    charts = _cut_to_fit(sum(float(one.areas.sum()) for one in surfaces), charts)
-    packing = packed([chart.outline for chart in charts], CELLS)
-    found = []
+    checkpoint(0.0)
+    count, done = sum(len(surface.faces) for surface in surfaces), 0
+    charts: list[Chart] = []
+    for surface in surfaces:
+        for found in _laid_flat(surface):
+            if found is not None:
+                charts.append(found)
+                done += len(found.piece.face)
+            checkpoint(FLAT * done / count)
+    area = sum(float(one.areas.sum()) for one in surfaces)
+    charts = _cut_to_fit(area, charts, lambda part: checkpoint(FLAT + part * (CUT - FLAT)))
+    packing = packed(
+        [chart.outline for chart in charts], CELLS, lambda part: checkpoint(CUT + part * (1 - CUT))
+    )
+    laid = []
     for surface in surfaces:
         corners = np.zeros((len(surface.faces), 3, 2))
         number = np.zeros(len(surface.faces), np.intp)
@@ -153,11 +176,13 @@ def unwrapped_together(meshes: Sequence[tuple[Array, Index]]) -> list[Atlas]:
                 number[chart.piece.face] = k
         corners = np.clip(corners / packing.side, 0.0, 1.0)  # but for its rounding it is
         corners[..., 1] = 1.0 - corners[..., 1]
-        found.append(Atlas(corners, number, packing.side))
-    return found
+        laid.append(Atlas(corners, number, packing.side))
+    return laid
 
 
-def _cut_to_fit(area: float, charts: list[Chart]) -> list[Chart]:
+def _cut_to_fit(
+    area: float, charts: list[Chart], checkpoint: Callable[[float], None]
+) -> list[Chart]:
     """Cut charts across that are long or leave much of their boxes free, as far as that pays."""
 
     def full(charts: list[Chart]) -> float:
@@ -167,7 +192,8 @@ def _cut_to_fit(area: float, charts: list[Chart]) -> list[Chart]:
     best, most, idle = charts, share, 0
     count = len(charts)
     whole: set[int] = set()
-    for _ in range(CUTS):
+    for number in range(CUTS):
+        checkpoint(number / CUTS)
         if share >= FULL or idle == PATIENCE:
             break
         needs = [0.0 if id(chart) in whole else _need(chart, area, share) for chart in charts]
@@ -212,18 +238,17 @@ def _part_of(chart: Chart, face: Index) -> Chart:
     return Chart(chart.surface, piece, places)
 
 
-def _laid_flat(surface: Surface, pieces: list[Index]) -> list[Chart]:
-    """Cut pieces of a surface until every one lies flat as it should."""
-    waiting = pieces[::-1]
-    done: list[Chart] = []
+def _laid_flat(surface: Surface) -> Iterator[Chart | None]:
+    """Cut a surface until every piece lies flat as it should; None after each cut."""
+    waiting = surface.regions()[::-1] if len(surface.faces) else []
     while waiting:
         face = waiting.pop()
         found = _tried(surface, face)
         if isinstance(found, Chart):
-            done.append(found)
+            yield found
         else:
             waiting += _in_two(face, found)[::-1]
-    return done
+            yield None
 
 
 def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
