@@ -237,7 +237,10 @@ class Exchange(QObject):
             objects = object_shapes(bench, models, job)
             job.checkpoint(1.0, ", ".join(path.name for path in paths))
             asked = handover or AS_USUAL
-            return objects, prepared_files(objects, paths, camera, whole=False, handover=asked)
+            made = prepared_files(
+                objects, paths, camera, whole=False, handover=asked, checkpoint=job.checkpoint
+            )
+            return objects, made
 
         return work
 

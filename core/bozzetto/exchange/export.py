@@ -20,6 +20,7 @@ from bozzetto.exchange.handover import AS_USUAL, LEVELS, UNIT_NAMES, FileFrame, 
 from bozzetto.exchange.left_out import LeftOut, parts_left_out, pictures_left_out, with_place
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.exchange.mesh.one_picture import MOST, in_one_picture
+from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint
 from bozzetto.exchange.triangle_budget import triangle_count, within_budget
 from bozzetto.geometry.meshed_shapes import meshed
 from bozzetto.geometry.placement import Placement
@@ -207,10 +208,14 @@ class Ready:
         As they are in the world, mm.
     handover : Handover
         What the person wants.
+    checkpoint : callable
+        Called with the fraction done (0 … 1) and the step's name where a file takes long; may raise
+        to stop it.
     """
 
     shapes: Shapes
     handover: Handover = AS_USUAL
+    checkpoint: Checkpoint = no_checkpoint
 
     @cached_property
     def placed(self) -> Shapes:
@@ -278,7 +283,7 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
     if "levels" in chosen.keeps:
         coarser = [_readably_named(with_place(one, chosen)) for one in ready.coarser]
     if "uvs" in chosen.keeps:
-        given["uvs"] = wanted.uvs
+        given |= {"uvs": wanted.uvs, "checkpoint": ready.checkpoint}
         if wanted.uvs:
             written, *coarser = in_one_picture([written, *coarser])
             notes += _pictures_apart(written)

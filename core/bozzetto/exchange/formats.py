@@ -17,7 +17,8 @@ image     –                                             ``read_pixels(data) ->
 
 Where a person may choose the unit or the axis that points up, ``write_shapes`` takes the
 ``frame`` of the file too, and gets shapes that are in it already. Coarser levels and places for a
-picture to come are asked for by ``coarser`` and ``uvs``, where the format keeps them.
+picture to come are asked for by ``coarser`` and ``uvs``, where the format keeps them; with ``uvs``
+comes a ``checkpoint`` that may stop it.
 """
 
 from __future__ import annotations

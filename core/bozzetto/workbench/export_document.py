@@ -17,6 +17,7 @@ from bozzetto.exchange.export import WRITERS, Exported, Ready, prepare_file
 from bozzetto.exchange.formats import find
 from bozzetto.exchange.handover import AS_USUAL, Handover
 from bozzetto.exchange.left_out import LeftOut
+from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint
 from bozzetto.exchange.svg.writer import is_plan
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cautions import Caution
@@ -172,6 +173,7 @@ def prepared_files(
     view: str | None = None,
     whole: bool = True,
     handover: Handover = AS_USUAL,
+    checkpoint: Checkpoint = no_checkpoint,
 ) -> list[Exported]:
     """Return files of some objects, each in the format that its ending names.
 
@@ -191,6 +193,8 @@ def prepared_files(
         Whether the person's view must show all of the shapes, or some are enough.
     handover : Handover
         Unit, axes, size, number of triangles, and whether flat files are drawings.
+    checkpoint : callable
+        As `Job.checkpoint`; asked where a file takes long.
 
     Raises
     ------
@@ -204,7 +208,7 @@ def prepared_files(
         raise UserError(" ".join(("There is nothing to export.", *said, *objects.warnings())))
     if view is not None:
         standard_view(Camera(), view)  # one that does not exist is told whatever is written
-    ready = Ready(objects.shapes, handover)
+    ready = Ready(objects.shapes, handover, checkpoint)
     made = []
     for chosen, path in zip(formats, paths, strict=True):
         shown = chosen.flat or (chosen.draws and handover.lines is not None)

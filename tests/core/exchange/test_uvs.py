@@ -8,9 +8,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bozzetto.exchange.export import prepare_export
+from bozzetto.errors import Cancelled
+from bozzetto.exchange.export import Ready, prepare_export, prepare_file
 from bozzetto.exchange.handover import Handover
 from bozzetto.exchange.import_file import read_mesh_file
+from bozzetto.exchange.mesh.picture_places import STEP
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.geometry.atlas.chart_flattening import areas
 from bozzetto.geometry.atlas.unwrapping import Atlas, unwrapped, unwrapped_together
@@ -181,6 +183,32 @@ def test_the_shape_is_the_same_with_and_without(tmp_path):
     one, two = (read_mesh_file(tmp_path / f"{n}.glb") for n in ("with", "without"))
     a, b = (next(iter(s.shapes.meshes())).mesh for s in (one, two))
     np.testing.assert_array_equal(a.vertices[a.faces], b.vertices[b.faces])
+
+
+@pytest.mark.parametrize("ending", ["glb", "obj", "usda", "usdz"])
+def test_making_them_tells_how_far_it_is_and_stops_when_nobody_waits(ending):
+    told: list[float] = []
+
+    def watched(done: float, step: str) -> None:
+        assert step == STEP
+        told.append(done)
+
+    def stopped(done: float, step: str) -> None:
+        if done > 0.85:
+            raise Cancelled(step)
+
+    shapes = Shapes(solids=(Solid(ball(), "ball"),))
+    wanted, path = Handover(uvs=True), f"a.{ending}"
+    prepare_file(Ready(shapes, wanted, watched), path, None)
+    assert told == sorted(told)
+    assert told[0] == 0.0
+    assert told[-1] > 0.9
+    assert np.diff(told).max() < 0.55
+    with pytest.raises(Cancelled):
+        prepare_file(Ready(shapes, wanted, stopped), path, None)
+    told.clear()
+    prepare_file(Ready(shapes, Handover(), watched), path, None)
+    assert told == []
 
 
 def test_other_formats_say_that_they_have_none():

@@ -29,7 +29,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
 )
 from bozzetto.exchange.mesh.gltf_skin import follows, rig_in_file, rig_nodes
 from bozzetto.exchange.mesh.gltf_texture import SAMPLER, Corners, corners_of, laid_out
-from bozzetto.exchange.mesh.picture_places import Places, picture_places
+from bozzetto.exchange.mesh.picture_places import Checkpoint, Places, no_checkpoint, picture_places
 from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.placement import Placement
@@ -75,6 +75,7 @@ def write_shapes(
     seconds: Sequence[float] = (),
     coarser: Sequence[Shapes] = (),
     uvs: bool = False,
+    checkpoint: Checkpoint = no_checkpoint,
 ) -> bytes:
     """Write GLB with one node and mesh per part, and a material for it or each of its groups.
 
@@ -93,6 +94,8 @@ def write_shapes(
         The same parts with fewer and fewer triangles, for whoever sees them from afar (MSFT_lod).
     uvs : bool
         Whether parts without a texture get places in one that somebody may paint: one for all.
+    checkpoint : callable
+        Called with the fraction done and the step's name meanwhile; may raise to stop it.
     """
     levels = [list(drawn_parts(level).meshes()) for level in (shapes, *coarser)]
     parts = levels[0]
@@ -105,7 +108,7 @@ def write_shapes(
     skins: list[dict[str, Any]] = []
     joint_nodes: list[dict[str, Any]] = []
     rigs: list[Rig] = []
-    laid = [picture_places(level) if uvs else [None] * len(level) for level in levels]
+    laid = [picture_places(level, checkpoint) if uvs else [None] * len(level) for level in levels]
     for number, part in enumerate(parts):
         skin = part.skin
         nodes[number]["mesh"] = len(meshes)

@@ -19,7 +19,7 @@ from bozzetto.exchange.color import WHITE, vertex_colors
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 from bozzetto.exchange.mesh.gltf_scene import LOOKS
 from bozzetto.exchange.mesh.gltf_texture import picture_file
-from bozzetto.exchange.mesh.picture_places import picture_places
+from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint, picture_places
 from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.geometry.shapes import Color, FaceGroup, Finish, Shapes, Solid, Surface
 from bozzetto.geometry.texture import Texture
@@ -42,7 +42,12 @@ class _Material:
 
 
 def write_shapes(
-    shapes: Shapes, frame: FileFrame = MILLIMETRES, *, beside: str = "", uvs: bool = False
+    shapes: Shapes,
+    frame: FileFrame = MILLIMETRES,
+    *,
+    beside: str = "",
+    uvs: bool = False,
+    checkpoint: Checkpoint = no_checkpoint,
 ) -> bytes:
     """Write OBJ with one object per part, and its groups; faces share the part's vertices.
 
@@ -56,6 +61,8 @@ def write_shapes(
         Name of the files beside it, without an ending; none if it is empty.
     uvs : bool
         Whether parts without a picture get places in one that somebody may paint: one for all.
+    checkpoint : callable
+        Called with the fraction done and the step's name meanwhile; may raise to stop it.
     """
     pieces = [f"{HEADER}{frame}\n"]
     materials = iter(_materials(shapes, _word(beside)) if beside else ())
@@ -63,7 +70,8 @@ def write_shapes(
         pieces.append(f"mtllib {_word(beside)}.mtl\n")
     first = np.zeros(3, np.int64) + 1  # of vertices, places in pictures, and normals
     parts = list(shapes.meshes())
-    for part, laid in zip(parts, _places(parts, pictures=bool(beside), uvs=uvs), strict=True):
+    all_laid = _places(parts, checkpoint, pictures=bool(beside), uvs=uvs)
+    for part, laid in zip(parts, all_laid, strict=True):
         texture = part.texture if beside else None
         pieces.append(f"o {_word(part.name)}\n{_vertices(part, texture)}")
         normals = part.normals or corner_normals(part.mesh)
@@ -96,14 +104,18 @@ def files_beside(shapes: Shapes, beside: str) -> tuple[tuple[str, bytes], ...]:
     return ((f"{_word(beside)}.mtl", "".join(pieces).encode()), *found)
 
 
-def _places(parts: Sequence[Solid | Surface], *, pictures: bool, uvs: bool) -> list[Floats | None]:
+def _places(
+    parts: Sequence[Solid | Surface], checkpoint: Checkpoint, *, pictures: bool, uvs: bool
+) -> list[Floats | None]:
     """Return the places of all triangles in their part's picture, or in one to come; (f, 3, 2)."""
     found: list[Floats | None] = [
         part.texture.corners if pictures and part.texture is not None else None for part in parts
     ]
     if not uvs:
         return found
-    for number, (part, laid) in enumerate(zip(parts, picture_places(parts), strict=True)):
+    for number, (part, laid) in enumerate(
+        zip(parts, picture_places(parts, checkpoint), strict=True)
+    ):
         if laid is not None:
             places = np.zeros((len(part.mesh.faces), 3, 2), np.float32)
             places[~is_degenerate(part.mesh.faces)] = laid

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +12,27 @@ from bozzetto.geometry.shapes import Solid, Surface
 
 Places = NDArray[np.float32]
 
+Checkpoint = Callable[[float, str], None]
 
-def picture_places(parts: Sequence[Solid | Surface]) -> list[Places | None]:
+STEP = "Texture coordinates"
+
+
+def no_checkpoint(fraction: float, step: str) -> None:
+    """Ignore progress that no one watches."""
+
+
+def picture_places(
+    parts: Sequence[Solid | Surface], checkpoint: Checkpoint = no_checkpoint
+) -> list[Places | None]:
     """Return the places of all parts that have no picture, in one square; None for the others.
 
     Parameters
     ----------
     parts : sequence of Solid or Surface
         In one frame; those with a skin are laid out as they are at rest.
+
+    checkpoint : callable
+        Called with the fraction done (0 … 1) and the step's name; may raise to stop it.
 
     Returns
     -------
@@ -37,7 +50,7 @@ def picture_places(parts: Sequence[Solid | Surface]) -> list[Places | None]:
     if not any(map(len, faces)):
         return [None] * len(parts)
     rows = [(mesh.vertices.astype(np.float64), own) for mesh, own in zip(rest, faces, strict=True)]
-    laid = iter(unwrapped_together(rows))
+    laid = iter(unwrapped_together(rows, lambda done: checkpoint(done, STEP)))
     return [
         next(laid).corners.astype(np.float32) if part.texture is None else None for part in parts
     ]

@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.exchange.handover import MM_PER, FileFrame
 from bozzetto.exchange.mesh.gltf_motion import drawn_parts, is_still, quaternions
-from bozzetto.exchange.mesh.picture_places import picture_places
+from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint, picture_places
 from bozzetto.exchange.usd.looks import Looks
 from bozzetto.exchange.usd.mesh_prims import mesh_prim
 from bozzetto.exchange.usd.prims import FULL, PLACES, Names, Prim, samples, tokens
@@ -48,6 +48,7 @@ def stage_text(
     picture_name: Callable[[int], str],
     *,
     uvs: bool = False,
+    checkpoint: Checkpoint = no_checkpoint,
     motions: Sequence[Sequence[Placement]] = (),
     seconds: Sequence[float] = (),
 ) -> tuple[str, dict[str, bytes]]:
@@ -66,6 +67,8 @@ def stage_text(
         Gives the file of a picture by its number, from 1.
     uvs : bool
         Whether parts without a picture get places in one that somebody may paint: one for all.
+    checkpoint : callable
+        Called with the fraction done and the step's name meanwhile; may raise to stop it.
     motions, seconds
         Where each part is at each of these times, as seen from where it is written.
 
@@ -79,7 +82,7 @@ def stage_text(
     looks = Looks(f"/{ROOT}/{root.names.new(MATERIALS)}", picture_name)
     rigs: list[tuple[Rig, _Holder, str]] = []
     holding = {(*part.path[:k],) for part in parts for k in range(1, len(part.path) + 1)}
-    laid = picture_places(parts) if uvs else [None] * len(parts)
+    laid = picture_places(parts, checkpoint) if uvs else [None] * len(parts)
     for number, part in enumerate(parts):
         holder, skeleton = root, ""
         if part.skin is not None:

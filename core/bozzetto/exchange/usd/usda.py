@@ -5,12 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from bozzetto.exchange.handover import FileFrame
+from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint
 from bozzetto.exchange.usd.looks import Looks
 from bozzetto.exchange.usd.stage import stage_text
 from bozzetto.geometry.shapes import FaceGroup, Shapes
 
 
-def write_shapes(shapes: Shapes, frame: FileFrame, *, beside: str = "", uvs: bool = False) -> bytes:
+def write_shapes(
+    shapes: Shapes,
+    frame: FileFrame,
+    *,
+    beside: str = "",
+    uvs: bool = False,
+    checkpoint: Checkpoint = no_checkpoint,
+) -> bytes:
     """Write a USD scene as text.
 
     Parameters
@@ -23,8 +31,12 @@ def write_shapes(shapes: Shapes, frame: FileFrame, *, beside: str = "", uvs: boo
         Name of the pictures beside it, without number and ending.
     uvs : bool
         Whether parts without a picture get places in one that somebody may paint.
+    checkpoint : callable
+        Called with the fraction done and the step's name meanwhile; may raise to stop it.
     """
-    return stage_text(shapes, frame, _picture_name(beside), uvs=uvs)[0].encode()
+    return stage_text(shapes, frame, _picture_name(beside), uvs=uvs, checkpoint=checkpoint)[
+        0
+    ].encode()
 
 
 def files_beside(shapes: Shapes, beside: str) -> tuple[tuple[str, bytes], ...]:

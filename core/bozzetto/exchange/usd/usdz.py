@@ -15,6 +15,7 @@ from typing import Final
 
 from bozzetto.exchange.handover import FileFrame
 from bozzetto.exchange.mesh.gltf_motion import filmed
+from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint
 from bozzetto.exchange.usd.stage import stage_text
 from bozzetto.geometry.shapes import Shapes
 
@@ -33,7 +34,13 @@ EPOCH: Final = (1980, 1, 1, 0, 0, 0)
 SCENE: Final = "model.usda"
 
 
-def write_shapes(shapes: Shapes, frame: FileFrame, *, uvs: bool = False) -> bytes:
+def write_shapes(
+    shapes: Shapes,
+    frame: FileFrame,
+    *,
+    uvs: bool = False,
+    checkpoint: Checkpoint = no_checkpoint,
+) -> bytes:
     """Write a USD scene with its pictures as one file.
 
     Parameters
@@ -44,8 +51,10 @@ def write_shapes(shapes: Shapes, frame: FileFrame, *, uvs: bool = False) -> byte
         Said in the scene.
     uvs : bool
         Whether parts without a picture get places in one that somebody may paint.
+    checkpoint : callable
+        Called with the fraction done and the step's name meanwhile; may raise to stop it.
     """
-    return packed(*stage_text(shapes, frame, picture_name, uvs=uvs))
+    return packed(*stage_text(shapes, frame, picture_name, uvs=uvs, checkpoint=checkpoint))
 
 
 def write_motion(frames: Sequence[Shapes], seconds: Sequence[float]) -> bytes:

@@ -22,11 +22,18 @@ LEAST: Final = 0.004
 MOST_CRUMBS: Final = 0.1
 """Share of the surface in smaller parts above which its creases are no borders."""
 
-TILT: Final = 0.25
-"""The same between front and back: in components of the normal."""
+TILT: Final = 0.08
+"""How far the border between front and back may be off where the surface turns, in components of
+the normal. Farther would be shorter, but what reaches around the rim covers itself laid flat."""
+
+FIRM: Final = 0.25
+"""The same from which a part is of its side however small it is."""
 
 ISLAND: Final = 0.03
 """Share of what is cut below which a part of one side joins the other."""
+
+CRUMB: Final = 0.1
+"""Share of that below which it does so however firm it is."""
 
 FRONT: Final = np.array([0.0, 1.0, 0.0])
 """What is drawn from the front has its sides along this axis."""
@@ -157,7 +164,7 @@ class Surface:
         if FRONT @ matrix @ FRONT >= NEARLY * float(axis @ matrix @ axis):
             axis = FRONT
         axis = axis * np.sign(axis[np.abs(axis).argmax()])
-        return self._cut(face, spread @ axis, TILT)
+        return self._cut(face, spread @ axis, TILT, FIRM)
 
     def across(self, face: Index, seen: Array, rings: Sequence[Array]) -> list[Index]:
         """Cut straight, so that the boxes around both parts leave little free.
@@ -171,10 +178,18 @@ class Surface:
         rings : sequence of (n, 2) float arrays
             Their borders, flat.
         """
-        return self._cut(face, best_cut(seen, self.areas[face], rings), BAND)
+        return self._cut(face, best_cut(seen, self.areas[face], rings), BAND, np.inf)
 
-    def _cut(self, face: Index, ahead: Array, band: float) -> list[Index]:
-        """Cut where `ahead` (f,) changes its sign, but for where a detour is shorter."""
+    def _mean(self, values: Array, face: Index) -> float:
+        """Return the mean of values (f,) over some faces, by their areas."""
+        size = self.areas[face]
+        return float(values @ size) / max(float(size.sum()), 1e-300)
+
+    def _cut(self, face: Index, ahead: Array, band: float, firm: float) -> list[Index]:
+        """Cut where `ahead` (f,) changes its sign, but for where a detour is shorter.
+
+        Small parts whose mean is less than `firm` join the other side.
+        """
         place = np.full(len(self.faces) + 1, -1)
         place[face] = np.arange(len(face))
         beyond = place[self.beyond[face]]
@@ -188,7 +203,11 @@ class Surface:
         for _ in range(8):
             parts = self.parts(face, side.astype(np.intp))
             least = ISLAND * float(self.areas[face].sum())
-            small = [part for part in parts if float(self.areas[part].sum()) < least]
+            small = [
+                part for part in parts
+                if (size := float(self.areas[part].sum())) < least
+                and (size < CRUMB * least or self._mean(np.abs(ahead[place[part]]), part) < firm)
+            ]  # fmt: skip
             if not small or len(small) == len(parts):
                 break
             for part in small:

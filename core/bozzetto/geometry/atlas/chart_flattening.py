@@ -3,7 +3,7 @@
 L. Liu, L. Zhang, Y. Xu, C. Gotsman and S. J. Gortler, *A local/global approach to mesh
 parameterization*, 2008: in turn every triangle takes the rotation that fits it best, and all
 vertices the places that fit these rotations best. It begins with the piece seen along its mean
-normal.
+normal. Where it would cover itself, triangles are wanted as they are seen instead of as they are.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bozzetto.arrays import Array, Flags, Index
 
 ROUNDS: Final = 24
@@ -21,6 +23,24 @@ ROUNDS: Final = 24
 WEIGHTS: Final = (0.02, 20.0)
 """Bounds of a cotangent: triangles thin as needles would take all the say, or none."""
 
+
+RELIEVED: Final = 6
+"""The same each time that something was pressed together."""
+
+MOST_RELIEFS: Final = 5
+"""How often that is done."""
+
+HELPED: Final = 0.85
+"""Share of the edges that cover something from which pressing did not help."""
+
+MOST_PRESSED: Final = 0.47
+"""By how much a triangle is pressed together at most there, as a share of its width."""
+
+NEAR: Final = 0.1
+"""How near to where a piece lies over itself it is pressed at first, as a share of its size."""
+
+BESIDE: Final = 1e-3
+"""How far beside an edge it is asked what covers it, as a share of its length."""
 
 FOLDED: Final = 1e-4
 """Share of a piece that may lie on itself. Folds as thin as needles, such as lie along creases,
@@ -44,50 +64,137 @@ class Piece(NamedTuple):
     triangles: Index
 
 
-def flattened_piece(piece: Piece) -> Array:
-    """Return the places (v, 2) of a piece laid flat, in the unit of its points.
+def flattened_piece(piece: Piece) -> tuple[Array, bool]:
+    """Lay a piece flat, in the unit of its points.
 
-    Its triangles may still be turned over or lie on each other.
+    What would lie over itself along its border, as the rims of two limbs do that begin side by
+    side, is pressed together there: towards how it is seen, where it lies beside each other.
+
+    Returns
+    -------
+    places : (v, 2) float array
+    once : bool
+        Whether no triangle is turned over and none lies on another, but for `FOLDED`.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.linalg import splu
+    if len(piece.triangles) == 1:
+        single: Array = _flat_triangles(piece.points[piece.triangles])[0][
+            np.argsort(piece.triangles[0])
+        ]
+        return single, True
+    laying = _Laying(piece)
+    first = places = laying.rounds(_seen(piece), ROUNDS)
+    for number in range(MOST_RELIEFS + 1):
+        if lies_once(piece, places):
+            return places, True
+        turned_over = folded(areas(places[piece.triangles])) > FOLDED
+        if number == MOST_RELIEFS or turned_over or not laying.press(places, number):
+            break
+        places = laying.rounds(places, RELIEVED)
+    return first, False
 
-    triangles = piece.triangles
-    rest = _flat_triangles(piece.points[triangles])
-    weight = _cotangents(rest)
-    places = _seen(piece)
-    if len(triangles) == 1:
-        single: Array = rest[0]
-        return single
-    count = len(piece.points)
-    one, two = np.roll(triangles, -1, axis=1), np.roll(triangles, -2, axis=1)
-    rows, columns, values = one.ravel(), two.ravel(), weight.ravel()
-    half = coo_array((values, (rows, columns)), shape=(count, count)).tocsr()
-    off = half + half.T
-    matrix = coo_array(
-        (off.sum(axis=1), (np.arange(count), np.arange(count))), shape=(count, count)
-    ).tocsr() - off  # fmt: skip
-    solver = splu(
-        matrix[1:, 1:].tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
-    )
-    # Edges as complex numbers: a rotation is a factor.
-    flat = rest[..., 0] + 1j * rest[..., 1]
-    edges = np.roll(flat, -1, axis=1) - np.roll(flat, -2, axis=1)
-    z = places[:, 0] + 1j * places[:, 1]
-    for _ in range(ROUNDS):
-        now = z[one] - z[two]
-        turn = (weight * now * edges.conj()).sum(axis=1)
-        turn /= np.maximum(np.abs(turn), 1e-300)
-        pull = weight * edges * turn[:, None]
-        right = np.bincount(rows, pull.real.ravel(), count) - np.bincount(
-            columns, pull.real.ravel(), count
+
+class _Laying:
+    """A piece on its way into the plane."""
+
+    def __init__(self, piece: Piece) -> None:
+        from scipy.sparse import coo_array
+        from scipy.sparse.linalg import splu
+
+        self.piece, triangles = piece, piece.triangles
+        rest, seen = _flat_triangles(piece.points[triangles]), _seen(piece)
+        self.weight = _cotangents(rest)
+        self.size = float(np.sqrt(areas(rest).sum()))
+        self.count = count = len(piece.points)
+        self.one, self.two = np.roll(triangles, -1, axis=1), np.roll(triangles, -2, axis=1)
+        pairs = self.one.ravel(), self.two.ravel()
+        half = coo_array((self.weight.ravel(), pairs), shape=(count, count)).tocsr()
+        off = half + half.T
+        matrix = coo_array(
+            (off.sum(axis=1), (np.arange(count), np.arange(count))), shape=(count, count)
+        ).tocsr() - off  # fmt: skip
+        self.solver = splu(
+            matrix[1:, 1:].tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
         )
-        up = np.bincount(rows, pull.imag.ravel(), count) - np.bincount(
-            columns, pull.imag.ravel(), count
-        )
-        found = solver.solve(np.column_stack([right[1:], up[1:]]))
-        z = np.concatenate([[0.0], found[:, 0] + 1j * found[:, 1]])
-    return np.column_stack([z.real, z.imag])
+        # Edges as complex numbers: a rotation is a factor.
+        self.edges = _opposite(rest)
+        self.over = count
+        self.share: Array = np.zeros(len(triangles))
+        squeezed = np.clip(stretch(piece, seen)[1], 0.0, 1.0)
+        self.most: Array = np.minimum(MOST_PRESSED / np.maximum(1.0 - squeezed, 1e-6), 1.0)
+        pressed = _opposite(seen[triangles])
+        turn = (self.weight * pressed * self.edges.conj()).sum(axis=1)
+        self.pressed = pressed * (turn.conj() / np.maximum(np.abs(turn), 1e-300))[:, None]
+
+    def rounds(self, places: Array, rounds: int) -> Array:
+        """Return better places (v, 2) after so many steps of both kinds."""
+        z = places[:, 0] + 1j * places[:, 1]
+        edges = self.edges + self.share[:, None] * (self.pressed - self.edges)
+        rows, columns = self.one.ravel(), self.two.ravel()
+        for _ in range(rounds):
+            now = z[self.one] - z[self.two]
+            turn = (self.weight * now * edges.conj()).sum(axis=1)
+            turn /= np.maximum(np.abs(turn), 1e-300)
+            pull = (self.weight * edges * turn[:, None]).ravel()
+            right = np.bincount(rows, pull.real, self.count) - np.bincount(
+                columns, pull.real, self.count
+            )
+            up = np.bincount(rows, pull.imag, self.count) - np.bincount(
+                columns, pull.imag, self.count
+            )
+            found = self.solver.solve(np.column_stack([right[1:], up[1:]]))
+            z = np.concatenate([[0.0], found[:, 0] + 1j * found[:, 1]])
+        return np.column_stack([z.real, z.imag])
+
+    def press(self, places: Array, number: int) -> bool:
+        """Press what is near where the piece lies over itself; False if that is nowhere.
+
+        Parameters
+        ----------
+        places : (v, 2) float array
+            Where it lies.
+        number : int
+            How often that was done: more and more is taken to be near.
+        """
+        from scipy.spatial import cKDTree
+
+        over = covered_twice([places[ring] for ring in borders(self.piece.triangles)])
+        if not 0 < len(over) <= HELPED * self.over:
+            return False
+        self.over = len(over)
+        reach = NEAR * self.size * (1.0 + 0.5 * number)
+        middles = places[self.piece.triangles].mean(axis=1)
+        away = np.minimum(cKDTree(over).query(middles, distance_upper_bound=reach)[0] / reach, 1.0)
+        self.share = np.minimum(self.share + 0.5 * (1.0 - away**2), self.most)
+        return True
+
+
+def _opposite(corners: Array) -> Array:
+    """Return the edges opposite to the corners (f, 3, 2) as complex numbers, (f, 3)."""
+    flat = corners[..., 0] + 1j * corners[..., 1]
+    return np.roll(flat, -1, axis=1) - np.roll(flat, -2, axis=1)
+
+
+def covered_twice(rings: Sequence[Array]) -> Array:
+    """Return the middles (n, 2) of those edges beside which borders do not wind around just once.
+
+    Parameters
+    ----------
+    rings : sequence of (n, 2) float arrays
+        With the surface on their left.
+    """
+    start = np.concatenate(list(rings))
+    end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    along = end - start
+    middles = 0.5 * (start + end)
+    beside = middles + BESIDE * np.column_stack([-along[:, 1], along[:, 0]])
+    times = np.zeros(len(beside), np.intp)
+    for first in range(0, len(beside), 256):
+        x, y = beside[first : first + 256].T[..., None]
+        below, under = start[:, 1] <= y, end[:, 1] <= y
+        left = along[:, 0] * (y - start[:, 1]) - (x - start[:, 0]) * along[:, 1]
+        upwards, downwards = below & ~under & (left > 0.0), ~below & under & (left < 0.0)
+        times[first : first + 256] = upwards.sum(axis=1) - downwards.sum(axis=1)
+    return np.asarray(middles[times != 1])
 
 
 def folded(areas: Array) -> float:

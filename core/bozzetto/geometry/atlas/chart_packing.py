@@ -9,7 +9,7 @@ of the best order are then taken out one by one and put back closer to the corne
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -62,6 +62,10 @@ QUARTER: Final = np.array([[0.0, -1.0], [1.0, 0.0]])
 """A quarter of a turn, by columns."""
 
 
+def _nobody(fraction: float) -> None:
+    """Ignore progress that no one watches."""
+
+
 class Outline(NamedTuple):
     """A chart to be placed.
 
@@ -94,7 +98,9 @@ class Packing(NamedTuple):
     side: float
 
 
-def packed(outlines: Sequence[Outline], cells: int) -> Packing:
+def packed(
+    outlines: Sequence[Outline], cells: int, checkpoint: Callable[[float], None] = _nobody
+) -> Packing:
     """Place charts in a square without overlaps.
 
     Parameters
@@ -103,10 +109,12 @@ def packed(outlines: Sequence[Outline], cells: int) -> Packing:
         At least one with an area.
     cells : int
         Along the square, of which charts are at least one apart.
+    checkpoint : callable
+        Called with the fraction done (0 … 1); may raise to stop it.
     """
     fine = GAP * cells // COARSE * COARSE
-    grid, found = _searched(outlines, fine, GAP, COARSE, MOST_TRIES)
-    found = grid.settled(found)
+    grid, found = _searched(outlines, fine, GAP, COARSE, MOST_TRIES, checkpoint)
+    found = grid.settled(found, checkpoint)
     turns, offsets = grid.places(found)
     edge = GAP // 2 * grid.cell  # what is free around all
     return Packing(turns, offsets - edge, found.side * grid.cell - 2.0 * edge)
@@ -134,7 +142,12 @@ def box_sizes(points: Array, angles: Array) -> tuple[Array, Array]:
 
 
 def _searched(
-    outlines: Sequence[Outline], cells: int, gap: int, coarse: int, tries: int
+    outlines: Sequence[Outline],
+    cells: int,
+    gap: int,
+    coarse: int,
+    tries: int,
+    checkpoint: Callable[[float], None] = _nobody,
 ) -> tuple[_Grid, _Placed]:
     bare = [_upright(outline) for outline in outlines]
     total = max(sum(outline.area for outline in outlines), 1e-300)
@@ -143,7 +156,7 @@ def _searched(
     cell = max(float(np.sqrt(total / FULLEST)), float(np.sqrt(0.5)) * longest) / (SPARE * cells)
     while True:
         grid = _Grid(outlines, bare, cell, cells, gap, coarse)
-        found = grid.searched(tries)
+        found = grid.searched(tries, checkpoint)
         if found is not None:
             return grid, found
         cell *= LARGER
@@ -227,7 +240,7 @@ class _Grid:
             [bitmap_of(coarser(mask, coarse), cells // coarse) for mask in row] for row in masks
         ]
 
-    def searched(self, tries: int) -> _Placed | None:
+    def searched(self, tries: int, checkpoint: Callable[[float], None]) -> _Placed | None:
         """Return a placement on coarse cells, in fine ones; None if the first tries find none."""
         random = np.random.default_rng(SEED)
         longest = np.array([max(maps[0].cells.shape) for maps in self.maps])
@@ -236,7 +249,9 @@ class _Grid:
         effort = sum(len(one.strips) for maps in self.rough for one in maps)
         best: _Placed | None = None
         way, failed = ways[0], -1
-        for number in range(max(len(ways), min(tries, WORK // max(effort, 1)))):
+        tries = max(len(ways), min(tries, WORK // max(effort, 1)))
+        for number in range(tries):
+            checkpoint(0.5 * number / tries)
             if number < len(ways):
                 tried = ways[number]
             elif best is None:
@@ -278,7 +293,7 @@ class _Grid:
             square.put(maps[position], row, column)
         return _Placed(spots, reach)
 
-    def settled(self, placed: _Placed) -> _Placed:
+    def settled(self, placed: _Placed, checkpoint: Callable[[float], None]) -> _Placed:
         """Put charts back one by one: those at the far ends in any position that makes all smaller.
 
         In every second round the others go down instead of closer to the corner.
@@ -288,7 +303,9 @@ class _Grid:
         for piece, (row, column, position) in spots.items():
             square.put(self.maps[piece][position], row, column)
         side = placed.side
-        for number in range(min(MOST_ROUNDS, MOVES // len(spots))):
+        rounds = min(MOST_ROUNDS, MOVES // len(spots))
+        for number in range(rounds):
+            checkpoint(0.5 + 0.5 * number / rounds)
             ends = {piece: max(self._ends(piece, spot)) for piece, spot in spots.items()}
             for piece in sorted(spots, key=lambda piece: (ends[piece], piece)):
                 row, column, position = spots[piece]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from bozzetto.cached_properties import cached_property
 from bozzetto.geometry.atlas.chart_cutting import Surface
 from bozzetto.geometry.atlas.chart_flattening import (
     FOLDED,
@@ -14,23 +16,22 @@ from bozzetto.geometry.atlas.chart_flattening import (
     borders,
     flattened_piece,
     folded,
-    lies_once,
     stretch,
 )
 from bozzetto.geometry.atlas.chart_packing import Outline, box_sizes, packed, side_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from bozzetto.arrays import Array, Index
 
 MOST_STRETCH: Final = 2.0
 """By how much a chart is drawn out or pressed together at most, in all but a hundredth of it."""
 
-AWAY: Final = -0.1
+AWAY: Final = -0.35
 """Component of a face's normal along its chart's below which it looks away."""
 
-FEW: Final = 0.005
+FEW: Final = 0.02
 """Share of a chart that may look away when it is laid flat."""
 
 BENT: Final = 0.9
@@ -61,6 +62,15 @@ LONG: Final = 0.7
 """Share of the square's side from which a chart is tried to be cut because it is long."""
 
 
+FLAT: Final = 0.5
+CUT: Final = 0.8
+"""Share of the work that is done when all lies flat, and when it is cut to fit, about."""
+
+
+def _nobody(fraction: float) -> None:
+    """Ignore progress that no one watches."""
+
+
 class Atlas(NamedTuple):
     """Where all faces are in the square.
 
@@ -79,7 +89,8 @@ class Atlas(NamedTuple):
     side: float
 
 
-class Chart(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Chart:
     """A piece that lies flat.
 
     Attributes
@@ -95,12 +106,12 @@ class Chart(NamedTuple):
     piece: Piece
     places: Array
 
-    @property
+    @cached_property
     def corners(self) -> Array:
         """Places of the corners of its triangles, (f, 3, 2)."""
         return self.places[self.piece.triangles]
 
-    @property
+    @cached_property
     def outline(self) -> Outline:
         """What packing needs."""
         rings = [self.places[ring] for ring in borders(self.piece.triangles)]
@@ -120,13 +131,17 @@ def unwrapped(vertices: Array, faces: Index) -> Atlas:
     return unwrapped_together([(vertices, faces)])[0]
 
 
-def unwrapped_together(meshes: Sequence[tuple[Array, Index]]) -> list[Atlas]:
+def unwrapped_together(
+    meshes: Sequence[tuple[Array, Index]], checkpoint: Callable[[float], None] = _nobody
+) -> list[Atlas]:
     """Cut surfaces into charts, lay them flat, and pack all of them into one square.
 
     Parameters
     ----------
     meshes : sequence of ((v, 3) float array, (f, 3) int array)
         As `unwrapped` takes them, in one unit; one of them has an area.
+    checkpoint : callable
+        Called with the fraction done (0 … 1) between steps and in loops; may raise to stop it.
 
     Returns
     -------
@@ -137,14 +152,21 @@ def unwrapped_together(meshes: Sequence[tuple[Array, Index]]) -> list[Atlas]:
         Surface(np.asarray(vertices, np.float64), np.asarray(faces, np.intp))
         for vertices, faces in meshes
     ]
-    charts = [
-        chart
-        for surface in surfaces
-        for chart in _laid_flat(surface, surface.regions() if len(surface.faces) else [])
-    ]
-    charts = _cut_to_fit(sum(float(one.areas.sum()) for one in surfaces), charts)
-    packing = packed([chart.outline for chart in charts], CELLS)
-    found = []
+    checkpoint(0.0)
+    count, done = sum(len(surface.faces) for surface in surfaces), 0
+    charts: list[Chart] = []
+    for surface in surfaces:
+        for found in _laid_flat(surface):
+            if found is not None:
+                charts.append(found)
+                done += len(found.piece.face)
+            checkpoint(FLAT * done / count)
+    area = sum(float(one.areas.sum()) for one in surfaces)
+    charts = _cut_to_fit(area, charts, lambda part: checkpoint(FLAT + part * (CUT - FLAT)))
+    packing = packed(
+        [chart.outline for chart in charts], CELLS, lambda part: checkpoint(CUT + part * (1 - CUT))
+    )
+    laid = []
     for surface in surfaces:
         corners = np.zeros((len(surface.faces), 3, 2))
         number = np.zeros(len(surface.faces), np.intp)
@@ -154,11 +176,13 @@ def unwrapped_together(meshes: Sequence[tuple[Array, Index]]) -> list[Atlas]:
                 number[chart.piece.face] = k
         corners = np.clip(corners / packing.side, 0.0, 1.0)  # but for its rounding it is
         corners[..., 1] = 1.0 - corners[..., 1]
-        found.append(Atlas(corners, number, packing.side))
-    return found
+        laid.append(Atlas(corners, number, packing.side))
+    return laid
 
 
-def _cut_to_fit(area: float, charts: list[Chart]) -> list[Chart]:
+def _cut_to_fit(
+    area: float, charts: list[Chart], checkpoint: Callable[[float], None]
+) -> list[Chart]:
     """Cut charts across that are long or leave much of their boxes free, as far as that pays."""
 
     def full(charts: list[Chart]) -> float:
@@ -168,7 +192,8 @@ def _cut_to_fit(area: float, charts: list[Chart]) -> list[Chart]:
     best, most, idle = charts, share, 0
     count = len(charts)
     whole: set[int] = set()
-    for _ in range(CUTS):
+    for number in range(CUTS):
+        checkpoint(number / CUTS)
         if share >= FULL or idle == PATIENCE:
             break
         needs = [0.0 if id(chart) in whole else _need(chart, area, share) for chart in charts]
@@ -213,38 +238,37 @@ def _part_of(chart: Chart, face: Index) -> Chart:
     return Chart(chart.surface, piece, places)
 
 
-def _laid_flat(surface: Surface, pieces: list[Index]) -> list[Chart]:
-    """Cut pieces of a surface until every one lies flat as it should."""
-    waiting = pieces[::-1]
-    done: list[Chart] = []
+def _laid_flat(surface: Surface) -> Iterator[Chart | None]:
+    """Cut a surface until every piece lies flat as it should; None after each cut."""
+    waiting = surface.regions()[::-1] if len(surface.faces) else []
     while waiting:
         face = waiting.pop()
         found = _tried(surface, face)
         if isinstance(found, Chart):
-            done.append(found)
+            yield found
         else:
-            waiting += _in_two(face, found)[::-1]
-    return done
+            waiting += _in_two(surface, face, found)[::-1]
+            yield None
 
 
 def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
     """Lay faces flat, or return the parts into which they have to be cut first."""
     piece = surface.piece(face)
     if len(face) == 1:
-        return _chart(surface, piece, flattened_piece(piece))
+        return _chart(surface, piece, flattened_piece(piece)[0])
     normals, size = surface.normals[face], surface.areas[face]
     mean = (size[:, None] * normals).sum(axis=0)
     away = normals @ mean < AWAY * float(np.linalg.norm(mean))
     if size[away].sum() > FEW * size.sum():
         return surface.by_sides(face)
-    places = flattened_piece(piece)
+    places, once = flattened_piece(piece)
     corners = places[piece.triangles]
     large, little = stretch(piece, places)
     worst = np.maximum(large, 1.0 / np.maximum(little, 1e-9))
     drawn_out = size[worst > MOST_STRETCH].sum() > 0.01 * size.sum()
     if drawn_out or folded(areas(corners)) > FOLDED:
         return surface.by_sides(face)
-    if lies_once(piece, places):
+    if once:
         return _chart(surface, piece, places)
     if float(np.linalg.norm(mean)) < BENT * float(size.sum()):
         return surface.by_sides(face)
@@ -252,10 +276,11 @@ def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
     return surface.across(face, corners, rings)
 
 
-def _in_two(face: Index, parts: list[Index]) -> list[Index]:
+def _in_two(surface: Surface, face: Index, parts: list[Index]) -> list[Index]:
     """Return the parts, or both halves of the faces where no cut was found."""
-    half = len(face) // 2
-    return parts if len(parts) > 1 else [face[:half], face[half:]]
+    if len(parts) > 1:
+        return parts
+    return surface.parts(face, (np.arange(len(face)) < len(face) // 2).astype(np.intp))
 
 
 def _chart(surface: Surface, piece: Piece, places: Array) -> Chart:
