@@ -36,7 +36,7 @@ class Chooses(Switches):
 def window(make_window, settle):
     window = make_window()
     for x in (400.0, 640.0, 880.0):
-        Stylus(window.canvas).draw(circle(x, radius=60.0))
+        Mouse(window.canvas).draw(circle(x, radius=60.0))  # beside a pen it would not count
         settle(window.session, window.keeper)
     window.session.toolbox.take_tool("mirror")
     return window
