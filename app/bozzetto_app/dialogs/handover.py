@@ -228,16 +228,15 @@ class HandoverDialog(Page):
 
     def _offer_what_is_kept(self) -> None:
         """Grey out what none of the chosen formats would heed."""
-        formats = [self._offered[one] for one in self.chosen]
-        draws = any(one.draws for one in formats)
+        heeds = {wish for one in self.chosen for wish in self._offered[one].heeds}
         heeded: dict[QWidget, bool] = {
-            self.unit: any("unit" in one.choices for one in formats),
-            self.up: any("up" in one.choices for one in formats),
-            self.triangles: any("mesh" in one.holds for one in formats),
-            self.levels: any("levels" in one.keeps for one in formats),
-            self.uvs: any("uvs" in one.keeps for one in formats),
-            self.lines: draws,
-            self.hidden: draws and self.lines.value != "curves",
+            self.unit: "unit" in heeds or ("lines" in heeds and self.lines.value == "blueprint"),
+            self.up: "up" in heeds,
+            self.triangles: "triangles" in heeds,
+            self.levels: "levels" in heeds,
+            self.uvs: "uvs" in heeds,
+            self.lines: "lines" in heeds,
+            self.hidden: "hidden" in heeds and self.lines.value != "curves",
         }
         for widget, is_heeded in heeded.items():
             widget.setEnabled(is_heeded)

@@ -342,16 +342,16 @@ def _notes(chosen: Format, ready: Ready) -> tuple[str, ...]:
             )
         if wanted.up not in (None, frame.up):
             found.append(f"{chosen.short} files always have {frame.up.upper()} up.")
-    if wanted.levels and "levels" not in chosen.keeps:
+    if wanted.levels and "levels" not in chosen.heeds:
         found.append(f"{chosen.short} files hold one level of detail: the finest. GLB holds all.")
-    if wanted.lines is not None and not chosen.draws:
+    if wanted.lines is not None and "lines" not in chosen.heeds:
         kind = "a blueprint" if wanted.lines == "blueprint" else "outlines"
         found.append(f"{chosen.short} files hold the shapes themselves. SVG and DXF hold {kind}.")
     if wanted.hidden and wanted.lines is None:
         found.append("Hidden lines are dashed in outlines and blueprints only.")
-    if wanted.triangles is not None and "mesh" not in chosen.holds:
+    if wanted.triangles is not None and "triangles" not in chosen.heeds:
         found.append(f"{chosen.short} files hold no triangles, so that none were taken away.")
-    if wanted.uvs and "uvs" not in chosen.keeps:
+    if wanted.uvs and "uvs" not in chosen.heeds:
         found.append(f"{chosen.short} files get no places for a picture (UVs). GLB, USD, OBJ do.")
     if "bones" in chosen.keeps and "motions" not in chosen.keeps:
         skins = [part.skin for part in ready.placed.meshes() if part.skin is not None]

@@ -91,6 +91,14 @@ class Format:
     links: bool = False
 
     @property
+    def heeds(self) -> frozenset[str]:
+        """Names of what a `Handover` may wish that changes such a file."""
+        of_meshes = ("triangles",) if "mesh" in self.holds else ()
+        of_drawings = ("lines", "hidden") if self.draws else ()
+        kept = {"levels", "uvs"}.intersection(self.keeps)
+        return frozenset(("scale", "lay_flat", *self.choices, *of_meshes, *of_drawings, *kept))
+
+    @property
     def short(self) -> str:
         """Short name for people, such as "STEP"."""
         return self.endings[0].removeprefix(".").upper()

@@ -108,6 +108,10 @@ def test_what_no_chosen_format_heeds_is_grey_and_kept_for_those_that_do(window, 
     assert dialog.lines.isEnabled()
     grey = dialog.uvs, dialog.triangles, dialog.unit
     assert not any(widget.isEnabled() for widget in grey)
+    dialog.lines.set_silently("blueprint")
+    dialog.lines.chosen.emit("blueprint")
+    assert dialog.unit.isEnabled(), "of the dimensions"
+    dialog.lines.set_silently("curves")
     choose(dialog, "glb", "svg")
     assert dialog.handover == Handover(uvs=True)
     assert dialog.triangles.toolTip() == ""

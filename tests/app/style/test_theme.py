@@ -124,3 +124,23 @@ def test_a_cache_that_cannot_be_written_costs_the_icons_only(home, qapp, monkeyp
     (home / "file").write_bytes(b"")
     monkeypatch.setattr(theme, "cache_folder", lambda: home / "file")
     assert "url(" in theme.style_sheet(LIGHT)
+
+
+def test_the_style_is_ours_whatever_the_system_wants():
+    script = (
+        "from bozzetto_app.application import Application\n"
+        "print(Application(['bozzetto']).style().name())\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env={
+            **os.environ,
+            "QT_STYLE_OVERRIDE": "Windows",
+            "PYTHONPATH": os.pathsep.join(sys.path),
+        },
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    assert done.stdout.strip().lower() == "fusion"
