@@ -30,7 +30,7 @@ CHAPTERS = {
     "Models made of parts": ("Part", "Group", "PartsState", "PartsModeler"),
     "What a person is told": ("NextStep", "Figure", "Caution", "ViewAdvice"),
     "Commands and parameters": ("Command", "Parameter"),
-    "The world around": ("Context", "PenSettings", "Job", "remembered"),
+    "The world around": ("Context", "PenSettings", "Job", "remembered", "Remembered"),
     "Errors": ("UserError", "Unfinished", "Cancelled"),
     "Panels": ("PanelHost",),
 }

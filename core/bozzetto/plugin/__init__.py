@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from bozzetto.errors import Unfinished as Unfinished
     from bozzetto.errors import UserError as UserError
     from bozzetto.parameters import Parameter as Parameter
+    from bozzetto.plugin.cache import Remembered as Remembered
     from bozzetto.plugin.cache import remembered as remembered
     from bozzetto.plugin.cautions import Caution as Caution
     from bozzetto.plugin.commands import Command as Command
@@ -51,7 +52,7 @@ else:
             "bozzetto.cached_properties": "cached_property",
             "bozzetto.errors": "Cancelled Unfinished UserError",
             "bozzetto.parameters": "Parameter",
-            "bozzetto.plugin.cache": "remembered",
+            "bozzetto.plugin.cache": "Remembered remembered",
             "bozzetto.plugin.cautions": "Caution",
             "bozzetto.plugin.commands": "Command",
             "bozzetto.plugin.context": "Context PenSettings",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
-    from bozzetto.plugin.cache import Remembered
+    from bozzetto.plugin import Remembered
 
 Asked = TypeVar("Asked")
 Answer = TypeVar("Answer")
