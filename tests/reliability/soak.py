@@ -41,8 +41,8 @@ class Person:
         self.chance = random.Random(1)
         self._end = time.monotonic() + seconds
         self._step = 0
-        # Events hold a bare pointer to their device: every pen lives as long as the process.
-        self._pens: list[Any] = []
+        # Events hold a bare pointer to its device: it lives as long as the process.
+        self._pen: Any = None
 
     def script(self) -> Script:
         """The day: at least two documents."""
@@ -85,7 +85,7 @@ class Person:
         yield self._do("close", session.files.new)
         yield self._do("open", lambda: session.files.open(saved))
         if number % 5 == 0:
-            yield self._do("window", self.stage.open_window)
+            yield self._do("window", self._reopen)
 
     def _do(self, name: str, action: Any) -> float:
         self._step += 1
@@ -97,11 +97,18 @@ class Person:
         from tests.app.tablet import Stylus, circle
 
         canvas, chance = self.stage.window.canvas, self.chance
-        if not self._pens or self._pens[-1].widget is not canvas:
-            self._pens.append(Stylus(canvas))
+        if self._pen is None:
+            self._pen = Stylus(canvas)
+        self._pen.widget = canvas
         across, down = canvas.width() * chance.uniform(0.3, 0.7), canvas.height() * 0.5
         share, wave = chance.choice(((1.0, 0.0), (1.0, 0.2), (0.4, 0.0)))
-        self._pens[-1].draw(circle(across, down, chance.uniform(40, 160), share=share, wave=wave))
+        self._pen.draw(circle(across, down, chance.uniform(40, 160), share=share, wave=wave))
+
+    def _reopen(self) -> None:
+        """Open another window; the pen lets go of the one before, and of all that it shows."""
+        self.stage.open_window()
+        if self._pen is not None:
+            self._pen.widget = self.stage.window.canvas
 
     def _sliders(self) -> Iterator[float]:
         """Drag every number of the chosen model to and fro."""

@@ -128,8 +128,9 @@ class Loupe(QWidget):
         self.update()
 
     def put_away(self) -> None:
-        """Hide the loupe: the aimed gesture has ended."""
+        """Hide the loupe: the aimed gesture has ended. A large picture is not held for the next."""
         self._sides = (-1, -1)
+        self._scene = EMPTY
         self.hide()
 
     # -- painting -----------------------------------------------------------------------------
