@@ -151,6 +151,25 @@ class DrawHinge(_JoiningTool):
     noun = "Hinge"
 
     @override
+    def _aims(
+        self, state: PolyhedronState, made: Moving, camera: Camera, pixels: Array
+    ) -> tuple[Aim, Aim]:
+        """Return both ends; of an axis that sticks out at both, where it enters and leaves bodies.
+
+        At the outline of a round limb that is half-way through its depth.
+        """
+
+        def met(pixel: Array) -> bool:
+            return aim_at(state, made, camera, pixel) is not None
+
+        if not any(map(met, pixels)):
+            shares = np.linspace(0.0, 1.0, PLACES)[1:-1, None]
+            crossed = list(filter(met, pixels[0] + shares * (pixels[1] - pixels[0])))
+            if crossed:
+                pixels = np.stack((crossed[0], crossed[-1]))
+        return super()._aims(state, made, camera, pixels)
+
+    @override
     def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
         """Return the axis between two bodies; of one alone, with the one that it touches.
 

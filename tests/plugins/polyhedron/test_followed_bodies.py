@@ -243,6 +243,22 @@ def test_a_free_arm_swings_on_a_hinge_that_is_drawn_on_it():
     assert not gone.of_kind(Hinge)
 
 
+def test_an_axis_that_sticks_out_of_a_limb_runs_through_its_middle():
+    state = take_apart(MODELER.follow(ONE), Context(sources=ONE))
+    trunk, arm = (part.id for part in state.of_kind(Followed))
+    across = stroke(at(52.0, 0.0, 20.0), at(52.0, 0.0, 80.0))
+    state = DrawHinge().draw(state, Ink((across,)), Context(sources=ONE))
+    (hinge,) = state.of_kind(Hinge)
+    assert {hinge.begin.body, hinge.second} == {trunk, arm}
+    ends = np.array([hinge.begin.point, hinge.end.point])
+    assert ends.mean(axis=0)[[0, 2]] == pytest.approx([52.0, 50.0], abs=1.0)
+    assert np.abs(ends[:, 1]).max() < 0.75 * 6.0  # 6 is how far its front is from its middle
+    assert np.ptp(ends[:, 2]) > 6.0
+    with pytest.raises(UserError):
+        beside = stroke(at(120.0, 0.0, 20.0), at(120.0, 0.0, 80.0))
+        DrawHinge().draw(state, Ink((beside,)), Context(sources=ONE))
+
+
 def test_pieces_come_apart_and_together_by_commands():
     state = take_apart(MODELER.follow(ONE), Context(sources=ONE))
     assert [part.piece for part in state.of_kind(Followed)] == ["", "arm"]
