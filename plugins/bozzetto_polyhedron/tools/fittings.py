@@ -147,7 +147,7 @@ class DrawHinge(_JoiningTool):
     title = "Hinge"
     icon = "icons/hinge.svg"
     group = "Mechanism"
-    hint = "Draw an axis from one place of a body to another; choose a motor in its form."
+    hint = "Draw an axis from one place of a body to another; give it a motor under Parameters."
     noun = "Hinge"
 
     @override
