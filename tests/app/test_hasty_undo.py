@@ -62,3 +62,24 @@ def test_undo_takes_back_only_the_newest(window, boxes, settle, lifted, undone):
     left = 1 + lifted - undone
     assert size(window) == before + STEP * left
     assert session.drawing.history.position == position + left
+
+
+def test_a_stroke_that_is_taken_back_leaves_the_touch_before_it(window, boxes, settle):
+    """Neither is answered yet; the stroke is a step of the history, the touch is none."""
+    session, gate = window.session, threading.Event()
+
+    def slow(state, gesture, context):
+        gate.wait(20.0)
+        return replace(state, size=state.size + STEP)
+
+    before, boxes.misdeeds["apply"] = size(window), slow
+    session.gestures.tap(Tap(10.0, 10.0, session.view.camera))
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
+    window.show()
+    window.activateWindow()
+    QTest.keyClick(window.canvas, Qt.Key.Key_Z, CTRL)
+    gate.set()
+    settle(session, window.keeper)
+    assert size(window) == before + STEP
+    assert session.drawing.document.waiting == ()
+    assert session.drawing.history.undo_label != "Stroke"

@@ -50,8 +50,9 @@ class DocumentModel(QObject):
         Waiting ink is part of a model (id) now; before `applied`.
     applied : str
         A gesture or a command has produced this model (id).
-    jumped : list of str
-        The person moved in the history; ids of the models that came back.
+    jumped : list of str, bool
+        The person moved in the history; ids of the models that came back, and whether any model
+        is another one than before.
     closing : Document
         This document is about to replace the one on the sheet.
     opened
@@ -63,7 +64,7 @@ class DocumentModel(QObject):
     waiting_changed = Signal()
     taken = Signal(str, object)
     applied = Signal(str)
-    jumped = Signal(object)
+    jumped = Signal(object, bool)
     closing = Signal(object)
     opened = Signal()
 
@@ -200,10 +201,12 @@ class DocumentModel(QObject):
 
     def go_to(self, index: int) -> None:
         """Jump to a step of the history."""
-        before = {model.id for model in self.document}
+        before = self.document.models
         self.history.go_to(index)
         self._models_replaced()
-        self.jumped.emit([model.id for model in self.document if model.id not in before])
+        known = {model.id for model in before}
+        returned = [model.id for model in self.document if model.id not in known]
+        self.jumped.emit(returned, self.document.models is not before)
 
     def end_drag(self) -> None:
         """Note that the drag of a value has ended, or pauses."""

@@ -208,9 +208,13 @@ class Gestures(QObject):
             self._mark((one.stroke,), "failed", said, modeler=one.modeler, tool=one.tool)
         return bool(waiting)
 
-    def _go_on(self) -> None:
-        """Try only ink without an answer: the person jumped in the history."""
-        self.edits.cancel()
+    def _go_on(self, returned: list[str], models_differ: bool) -> None:
+        """Try ink without an answer anew: the person jumped in the history.
+
+        What else has no answer is dropped, but not where only ink was taken back: a drag that was
+        made before a stroke goes on without it.
+        """
+        self.edits.cancel(only_kept=not models_differ)
         self._awaited = ""
         self._scene.show_preview(Scene())
         for one in self._drawing.document.waiting:

@@ -271,13 +271,21 @@ class Channel(QObject):
         self._start_next()
         return request
 
-    def cancel(self) -> None:
-        """Drop what waits and abandon what runs; its answer will not be delivered."""
-        stopped = [*self._waiting]
-        self._waiting.clear()
-        if self._running is not None and not self._running.abandoned:
-            self._running.abandon()
-            stopped.append(self._running)
+    def cancel(self, *, only_kept: bool = False) -> None:
+        """Drop what waits and abandon what runs; its answer will not be delivered.
+
+        Parameters
+        ----------
+        only_kept : bool
+            Leave all requests that are not kept elsewhere; see `Request.is_kept`.
+        """
+        stopped = [one for one in self._waiting if one.is_kept or not only_kept]
+        for request in stopped:
+            self._waiting.remove(request)
+        running = self._running
+        if running is not None and not running.abandoned and (running.is_kept or not only_kept):
+            running.abandon()
+            stopped.append(running)
         for request in stopped:
             request.stopped()
 

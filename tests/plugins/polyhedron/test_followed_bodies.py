@@ -254,9 +254,9 @@ def test_an_axis_that_sticks_out_of_a_limb_runs_through_its_middle():
     assert ends.mean(axis=0)[[0, 2]] == pytest.approx([52.0, 50.0], abs=1.0)
     assert np.abs(ends[:, 1]).max() < 0.75 * 6.0  # 6 is how far its front is from its middle
     assert np.ptp(ends[:, 2]) > 6.0
+    beside = Ink((stroke(at(120.0, 0.0, 20.0), at(120.0, 0.0, 80.0)),))
     with pytest.raises(UserError):
-        beside = stroke(at(120.0, 0.0, 20.0), at(120.0, 0.0, 80.0))
-        DrawHinge().draw(state, Ink((beside,)), Context(sources=ONE))
+        DrawHinge().draw(state, beside, Context(sources=ONE))
 
 
 def test_pieces_come_apart_and_together_by_commands():
