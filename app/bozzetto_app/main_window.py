@@ -360,7 +360,7 @@ class Window(QMainWindow):
             view = drawn_in or standard_view(FIRST_VIEW, "three-quarter")
             self.session.view.set_camera(view.with_viewport(*size))
         self.session.solver.settled.connect(
-            lambda _: self.canvas.views.fit(), Qt.ConnectionType.SingleShotConnection
+            lambda _: self.canvas.views.show_news(), Qt.ConnectionType.SingleShotConnection
         )
 
     def watch(self, modeler_id: str, path: Path) -> None:

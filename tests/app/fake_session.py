@@ -278,7 +278,7 @@ class Files(Part):
 
 
 class Exchange(Part):
-    recorded = "import_file"
+    recorded = "import_file import_files"
 
 
 class Motion(Part):

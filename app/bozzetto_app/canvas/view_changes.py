@@ -98,6 +98,13 @@ class ViewChanges:
         """Show everything; on an empty sheet what the modeler shows there, such as its box."""
         self._frame(points_to_frame(self._session))
 
+    def show_news(self) -> None:
+        """Show everything once something has come, without a word if that is so: nobody asked."""
+        self._motion.finish()
+        camera = framed(self._own_view(), points_to_frame(self._session))
+        if not same_view(camera, self._session.view.camera):
+            self._motion.animate_to(camera)
+
     def frame_selection(self) -> None:
         """Show the selected model, or everything where none is selected."""
         selected = self._session.selection.id

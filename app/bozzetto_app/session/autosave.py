@@ -181,8 +181,8 @@ class Keeper(QObject):
                     pending=recovered.pending,
                     stamp=crashed.stamp,
                 )
-                for warning in recovered.warnings:
-                    self._notices.tell(warning)
+                if recovered.warnings:
+                    self._notices.tell(" ".join(recovered.warnings))
                 ended(True)
 
             def refused() -> None:

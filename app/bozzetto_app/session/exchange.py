@@ -118,6 +118,8 @@ class Exchange(QObject):
         self._foresight = Channel("foresee", is_patient=True, parent=self)
         drawing.closing.connect(self._drop_imports)
         self.films = Films(workbench, drawing, view, notices, self)
+        for work in (self._work, pictures):
+            work.busy_changed.connect(self._look_if_read)
         for channel in (self._work, self.films.channel):
             channel.progressed.connect(self.progressed)
             channel.busy_changed.connect(self.busy_changed)
@@ -173,7 +175,7 @@ class Exchange(QObject):
                 said.append(tr("Files", "The ink that waits is no part of it."))
             if warnings:
                 # An error stays until the next one: what is missing must not be overlooked.
-                self._notices.noticed.emit(Notice("error", " ".join((*said, *warnings))))
+                self._notices.send(Notice("error", " ".join((*said, *warnings))))
             else:
                 self._notices.tell(" ".join(said))
 
@@ -260,6 +262,31 @@ class Exchange(QObject):
         else:
             self._import(path, title)
 
+    def import_files(self, paths: Sequence[Path], *, under: bool = False) -> None:
+        """Bring several files onto the sheet; what there is to say of them is said as one.
+
+        Parameters
+        ----------
+        paths : sequence of Path
+            Drawings, meshes and pictures.
+        under : bool
+            Whether pictures are to lie under the sheet in any case.
+        """
+        from bozzetto.exchange.import_file import is_picture
+
+        if len(paths) > 1:
+            self._notices.gather()
+        for path in paths:
+            if under and is_picture(path):
+                self._pictures.take_file(path, under=True)
+            else:
+                self.import_file(path)
+
+    def _look_if_read(self) -> None:
+        """Say what there is to say of several files, once all of them are read."""
+        if not self._work.busy and not self._pictures.busy:
+            self._notices.tell_gathered()
+
     def _import(self, path: Path, title: str, content: bytes | None = None) -> None:
         bench, drawing, active = self._workbench, self._drawing, self._toolbox.modeler
         context, history, document = self._context.now(), drawing.history, drawing.document
@@ -301,7 +328,7 @@ class Exchange(QObject):
             if pictured:
                 self._pictures.taken.emit(model.id)
             if said is not None:  # what is missing stays until the next one, as with exports
-                self._notices.noticed.emit(said)
+                self._notices.send(said)
 
         self._imports.add(self._work.submit(Request(work, done, self._notices.complain)))
 

@@ -233,8 +233,8 @@ class Files(QObject):
                 return
             self.show(claim, document, path, read_only=report.read_only, stamp=report.stamp)
             self._keep_recent(recent)
-            for warning in report.warnings:
-                self._notices.tell(warning)
+            if report.warnings:
+                self._notices.tell(" ".join(report.warnings))
 
         self._reads.submit(
             Request(
@@ -317,7 +317,7 @@ class Files(QObject):
             pending=pending,
         )
         if claim.refusal:
-            self._notices.noticed.emit(Notice("error", claim.refusal))
+            self._notices.send(Notice("error", claim.refusal))
         if claim.holder is not None and not read_only and path is not None:
             self.locked.emit(path)
 

@@ -385,7 +385,7 @@ class Gestures(QObject):
             notice = self._notices.of_problem(problem)
             for ink in gestures()[:1]:
                 self._mark(ink.strokes, "failed", notice.text, modeler=modeler, tool=tool)
-            self._notices.noticed.emit(notice)
+            self._notices.send(notice)
 
         self._submit(gestures, tool, failed, is_kept=not committed)
 
@@ -409,7 +409,7 @@ class Gestures(QObject):
             tool=answer.tool,
             places=notice.places,
         )
-        self._notices.noticed.emit(notice)
+        self._notices.send(notice)
 
     def _mark(
         self, strokes: tuple[Stroke, ...], status: WaitingStatus, reason: str, **more: Any

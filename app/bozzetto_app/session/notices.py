@@ -55,10 +55,31 @@ class Notices(QObject):
     def __init__(self, guard: Guard, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._guard = guard
+        self._gathered: list[Notice] | None = None
+
+    def gather(self) -> None:
+        """Keep news and errors until `tell_gathered`: of many at once only the last is read."""
+        self._gathered = []
+
+    def tell_gathered(self) -> None:
+        """Report all errors that were kept, as one, or else all news."""
+        kept, self._gathered = self._gathered or [], None
+        errors = [notice for notice in kept if notice.kind == "error"]
+        told = errors or kept
+        if told:
+            words = dict.fromkeys(notice.text for notice in told)
+            self.send(told[0]._replace(text=" ".join(words)))
+
+    def send(self, notice: Notice) -> None:
+        """Report what a notice says."""
+        if self._gathered is None or notice.kind not in ("info", "error"):
+            self.noticed.emit(notice)
+        else:
+            self._gathered.append(notice)
 
     def tell(self, text: str) -> None:
         """Report a success."""
-        self.noticed.emit(Notice("info", text))
+        self.send(Notice("info", text))
 
     def say_nothing_changed(self, why: str) -> None:
         """Report that a request changed nothing, and why or what to do instead."""
@@ -66,14 +87,14 @@ class Notices(QObject):
 
     def complain(self, problem: BaseException) -> None:
         """Report a problem, in the way that suits its type."""
-        self.noticed.emit(self.of_problem(problem))
+        self.send(self.of_problem(problem))
 
     def tell_slow(self, problem: Hung) -> None:
         """Report that work takes long and can be stopped."""
         caught = self._guard.caught_in(problem.thread)
         if caught is None:
             words = tr("Session", "Still working. Esc stops it.")
-            self.noticed.emit(Notice("slow", words))
+            self.send(Notice("slow", words))
             return
         modeler, what = caught
         found = self._guard.suspect(modeler, f"{what} gave {problem}", problem.stack)
@@ -82,7 +103,7 @@ class Notices(QObject):
             "Still working: {plugin} ({what}) has not answered for {seconds:g} s. Esc stops it.",
             plugin=found.plugin, what=what, seconds=problem.limit,
         )  # fmt: skip
-        self.noticed.emit(Notice("slow", words, plugin=found.plugin, details=found.details))
+        self.send(Notice("slow", words, plugin=found.plugin, details=found.details))
 
     def of_problem(self, problem: BaseException) -> Notice:
         """Return the message for an exception; bugs and hung work are logged as well."""

@@ -52,9 +52,12 @@ class PictureInput(QObject):
     -------
     taken : str
         A model (id) has got a picture.
+    busy_changed : bool
+        Reading or handing over starts, ends.
     """
 
     taken = Signal(str)
+    busy_changed = Signal(bool)
 
     def __init__(
         self,
@@ -76,7 +79,14 @@ class PictureInput(QObject):
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox, self._objects, self._context = toolbox, objects, context
         self._edits, self._notices = edits, notices
+        for work in (self.channel, edits):
+            work.busy_changed.connect(self.busy_changed)
         self.taken.connect(toolbox.take_first_tool)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a picture is being read or handed over."""
+        return self.channel.busy or self._edits.busy
 
     def take_file(self, path: Path, *, under: bool = False) -> None:
         """Bring in a picture from a file.

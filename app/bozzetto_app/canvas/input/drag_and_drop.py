@@ -5,16 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QMimeData
+from PySide6.QtCore import QMimeData, Qt
 from PySide6.QtGui import QImage
 
+from bozzetto.errors import UserError
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING
 
 if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
 
-__all__ = ["carries_something", "dropped_files", "take", "take_file"]
+__all__ = ["carries_something", "dropped_files", "take"]
 
 SVG = "image/svg+xml"
 
@@ -61,15 +62,9 @@ def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bo
     """
     if data is None:
         return False
-    from bozzetto.exchange.import_file import is_picture
-
     paths = dropped_files(data)
-    for path in paths:
-        if under and is_picture(path):
-            session.pictures.take_file(path, under=True)
-        else:
-            take_file(session, path)
     if paths:
+        _take_files(session, paths, under=under)
         return True
     exchange = session.files.exchange
     if not under and exchange.clipboard.paste(data):
@@ -84,9 +79,20 @@ def take(session: Session, data: QMimeData | None, *, under: bool = False) -> bo
     return isinstance(image, QImage)
 
 
-def take_file(session: Session, path: Path) -> None:
-    """Open a document; bring anything else into the one that is open."""
-    if path.suffix.lower() == DOCUMENT_ENDING:
-        session.files.open_safely(path)
-    else:
-        session.files.exchange.import_file(path)
+def _take_files(session: Session, paths: list[Path], *, under: bool) -> None:
+    """Open a document, which takes the sheet for itself, or bring all files onto the sheet."""
+    document = next((path for path in paths if path.suffix.lower() == DOCUMENT_ENDING), None)
+    if document is None:
+        session.files.exchange.import_files(paths, under=under)
+        return
+    left = ", ".join(path.name for path in paths if path != document)
+    words = tr("Session", "“{name}” opened alone. Drop the others again: {others}.").format(
+        name=document.name, others=left
+    )
+
+    def opened() -> None:
+        if left and session.drawing.path == document:
+            session.notices.complain(UserError(words))
+
+    session.drawing.opened.connect(opened, Qt.ConnectionType.SingleShotConnection)
+    session.files.open_safely(document)
