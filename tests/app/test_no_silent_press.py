@@ -115,6 +115,7 @@ def asked(monkeypatch):
         return "", ""
 
     monkeypatch.setattr(QFileDialog, "getOpenFileName", cancel)
+    monkeypatch.setattr(QFileDialog, "getOpenFileNames", cancel)
     monkeypatch.setattr(QFileDialog, "getSaveFileName", cancel)
     return asked
 

@@ -65,6 +65,7 @@ class Player:
         self._crashes = 0
         # What would be a dialog of the system's is answered here.
         QFileDialog.getOpenFileName = self._file_to_open  # type: ignore[method-assign,assignment]
+        QFileDialog.getOpenFileNames = self._files_to_open  # type: ignore[method-assign,assignment]
         QFileDialog.getSaveFileName = self._file_to_write  # type: ignore[method-assign,assignment]
         QColorDialog.getColor = self._color  # type: ignore[method-assign,assignment]
 
@@ -96,6 +97,10 @@ class Player:
     def _file_to_open(self, *arguments: Any, **options: Any) -> tuple[str, str]:
         named = str(self.chance.choice(self.files))
         return (named, "") if self.chance.random() < 0.8 else ("", "")
+
+    def _files_to_open(self, *arguments: Any, **options: Any) -> tuple[list[str], str]:
+        count = self.chance.choice((0, 1, 1, 3))
+        return [str(self.chance.choice(self.files)) for _ in range(count)], ""
 
     def _file_to_write(self, *arguments: Any, **options: Any) -> tuple[str, str]:
         endings = (".bozz", ".stl", ".obj", ".3mf", ".glb", ".svg", ".step", ".txt", "")

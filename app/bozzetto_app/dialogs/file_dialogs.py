@@ -70,14 +70,17 @@ class FileQuestions:
             self.when_safe(lambda: self._session.files.open(path))
 
     def ask_import(self) -> None:
-        """Ask for a drawing, mesh or picture and import it."""
+        """Ask for drawings, meshes and pictures and import them."""
         from bozzetto.exchange.formats import readers
 
         endings = " ".join(f"*{ending}" for one in readers() for ending in one.endings)
         kinds = tr("Files", "Drawings, meshes, pictures ({endings})").format(endings=endings)
-        path = self._chosen(tr("Files", "Import"), kinds)
-        if path is not None:
-            self._session.files.exchange.import_file(path)
+        names, _ = QFileDialog.getOpenFileNames(
+            self._window, tr("Files", "Import"), self._folder(), kinds
+        )
+        paths = [path for name in names if (path := self._noted(name)) is not None]
+        if paths:
+            self._session.files.exchange.import_files(paths)
 
     def ask_underlay(self) -> None:
         """Ask for a picture and put it under the sheet."""

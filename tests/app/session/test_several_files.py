@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from PySide6.QtCore import QMimeData, QUrl
+from PySide6.QtWidgets import QFileDialog
 
 from bozzetto_app.canvas.input.drag_and_drop import take
 
@@ -52,6 +53,16 @@ def test_what_is_wrong_with_any_of_them_is_the_last_word(make_window, settle, fo
     drop(window, folder, "broken.svg")  # one alone is told at once, as ever
     settle(session)
     assert len(session.heard) == 2
+
+
+def test_several_files_are_chosen_in_the_dialog(make_window, settle, folder, monkeypatch):
+    window = make_window()
+    names = [str(folder / name) for name in ("one.svg", "broken.svg", "two.svg")]
+    monkeypatch.setattr(QFileDialog, "getOpenFileNames", lambda *_: (names, ""))
+    window.actions_.run("file.import")
+    settle(window.session)
+    assert sorted(model.name for model in window.session.drawing.document) == ["one", "two"]
+    assert "broken.svg" in window.session.heard[-1].text
 
 
 def test_a_document_takes_the_sheet_for_itself_and_the_others_are_named(
