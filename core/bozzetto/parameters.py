@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
@@ -49,6 +50,9 @@ class Parameter:
     zero : str
         Words in the place of 0, for a number that is 0 where it is not given, such as
         "as drawn"; clearing the field gives 0.
+    idle_while : (str, tuple), optional
+        Another parameter of the same state, a choice, a switch or a number, and its values with
+        which this one changes nothing: ``("motor", ("off",))``. Forms switch it off meanwhile.
     """
 
     label: str
@@ -60,6 +64,7 @@ class Parameter:
     advanced: bool = False
     choices: tuple[tuple[str, str], ...] = ()
     zero: str = ""
+    idle_while: tuple[str, tuple[object, ...]] | None = None
 
     def __post_init__(self) -> None:
         low, high = self.minimum, self.maximum
@@ -93,6 +98,14 @@ class Field:
     kind: Kind
     default: Any
     values: tuple[str, ...] = ()
+
+    def said(self, value: object) -> str:
+        """Return a value of a switch, a choice or a number in words."""
+        if self.kind == "switch":
+            return "on" if value else "off"
+        if self.kind == "choice":
+            return f"“{dict(self.parameter.choices).get(str(value), value)}”"
+        return self.parameter.zero if self.parameter.zero and value == 0 else f"{value:g}"
 
     def check(self, value: object) -> Any:
         """Return the value as the field wants it.
@@ -172,7 +185,56 @@ def _parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
         else:
             raise TypeError(f"{state_type.__name__}.{entry.name}: a parameter needs a default")
         found.append(Field(entry.name, notes[0], kind, default, values))
+    _check_idle(state_type, found)
     return tuple(found)
+
+
+def _check_idle(state_type: type[Any], found: list[Field]) -> None:
+    """Refuse parameters that are idle with values that no other parameter can have."""
+    known = {field.name: field for field in found}
+    for field in found:
+        if field.parameter.idle_while is None:
+            continue
+        name, values = field.parameter.idle_while
+        where = f"{state_type.__name__}.{field.name}: idle_while"
+        if name not in known or name == field.name:
+            raise TypeError(f"{where} names {name!r}, which is no other parameter")
+        try:
+            for value in values:
+                known[name].check(value)
+        except UserError as problem:
+            raise TypeError(f"{where}: {problem.message}") from problem
+
+
+def idle_parameters(found: Iterable[tuple[Field, Any]]) -> dict[str, str]:
+    """Return which parameters change nothing as they are, each with the reason.
+
+    Parameters
+    ----------
+    found : iterable of (Field, value)
+        All parameters of a state, or of a part of one.
+
+    Returns
+    -------
+    dict
+        Sentences by the names of the fields.
+    """
+    known = {field.name: (field, value) for field, value in found}
+    reasons = {}
+    for name, (field, _) in known.items():
+        if field.parameter.idle_while is None:
+            continue
+        other, values = field.parameter.idle_while
+        reason, value = known[other]
+        if value in values:
+            said = f"“{reason.parameter.label}” is {reason.said(value)}"
+            reasons[name] = f"“{field.parameter.label}” changes nothing while {said}."
+    return reasons
+
+
+def valued_fields(state: object) -> tuple[tuple[Field, Any], ...]:
+    """Return the parameters of a state, or of a part of one, with their values."""
+    return tuple((field, getattr(state, field.name)) for field in parameter_fields(type(state)))
 
 
 def set_parameters(state: State, values: dict[str, object], owner: str = "this modeler") -> State:

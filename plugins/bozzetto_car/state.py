@@ -337,7 +337,8 @@ class CarState(PartsState):
     share: Annotated[
         float,
         Parameter("Share", 0.0, 1.0, step=0.05,
-                  help="How far from the template to the one it is blended with."),
+                  help="How far from the template to the one it is blended with.",
+                  idle_while=("blend", ("none",))),
     ] = 0.5  # fmt: skip
     trace: Annotated[
         float,

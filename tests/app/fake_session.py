@@ -39,7 +39,16 @@ class State:
         Parameter("Inflation", 0.0, 2.0, 0.01, help="How far the shape swells off the sheet."),
     ] = 1.0
     length: Annotated[float, Parameter("Length", 10.0, 400.0, 1.0, "mm")] = 120.0
-    parts: Annotated[int, Parameter("Parts", 1, 12, help="How often the part is repeated.")] = 3
+    parts: Annotated[
+        int,
+        Parameter(
+            "Parts",
+            1,
+            12,
+            help="How often the part is repeated.",
+            idle_while=("ends", ("open",)),
+        ),
+    ] = 3
     mirrored: Annotated[bool, Parameter("Mirrored", help="Repeat the shape on the far side.")] = (
         True
     )

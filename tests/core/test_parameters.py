@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, make_dataclass, replace
 from typing import Annotated, Literal
 
 import pytest
@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 from bozzetto.errors import UserError
 from bozzetto.parameters import (
     Parameter,
+    idle_parameters,
     parameter_fields,
     parse_parameter,
     set_parameters,
+    valued_fields,
 )
 
 
@@ -161,3 +163,47 @@ class NumbersToChoose:
 def test_states_that_cannot_be_shown_in_a_form(kind):
     with pytest.raises(TypeError, match="size"):
         parameter_fields(kind)
+
+
+# -- parameters that count only sometimes ---------------------------------------------------------
+
+Motor = Literal["off", "steady", "swing"]
+
+
+@dataclass(frozen=True)
+class Driven:
+    motor: Annotated[Motor, Parameter("Motor", choices=(("off", "Turns freely"),))] = "off"
+    speed: Annotated[float, Parameter("Speed", idle_while=("motor", ("off", "swing")))] = 90.0
+    wall: Annotated[float, Parameter("Wall", 0.0, 9.0, zero="none")] = 0.0
+    inward: Annotated[bool, Parameter("Inward", idle_while=("wall", (0.0,)))] = True
+    lit: Annotated[bool, Parameter("Lit")] = False
+    color: Annotated[str, Parameter("Light", idle_while=("lit", (False,)))] = ""
+
+
+def test_what_changes_nothing_is_told_with_the_reason():
+    assert idle_parameters(valued_fields(Driven())) == {
+        "speed": "“Speed” changes nothing while “Motor” is “Turns freely”.",
+        "inward": "“Inward” changes nothing while “Wall” is none.",
+        "color": "“Light” changes nothing while “Lit” is off.",
+    }
+    turning = Driven(motor="steady", wall=2.0, lit=True)
+    assert idle_parameters(valued_fields(turning)) == {}
+    assert set(idle_parameters(valued_fields(replace(turning, motor="swing")))) == {"speed"}
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [("moter", ("off",)), ("speed", (90.0,)), ("motor", ("of",)), ("motor", (1,)), ("lit", (0,))],
+)
+def test_a_condition_that_cannot_be_is_refused(condition):
+    note = Parameter("Speed", idle_while=condition)
+    made = make_dataclass(
+        "Made",
+        [
+            ("motor", Annotated[Motor, Parameter("Motor")], "off"),
+            ("lit", Annotated[bool, Parameter("Lit")], False),
+            ("speed", Annotated[float, note], 90.0),
+        ],
+    )
+    with pytest.raises(TypeError, match="speed"):
+        parameter_fields(made)

@@ -38,13 +38,11 @@ def fields_of(state: object, first: Sequence[str] = ()) -> tuple[tuple[Field, An
     """Return the parameters of a state, or of a part, with their values; some of them first."""
     if not hasattr(state, "__dataclass_fields__"):
         return ()
-    from bozzetto.parameters import parameter_fields
+    from bozzetto.parameters import valued_fields
 
     place = {name: number for number, name in enumerate(first)}
-    fields = sorted(
-        parameter_fields(type(state)), key=lambda field: place.get(field.name, len(place))
-    )
-    return tuple((field, getattr(state, field.name)) for field in fields)
+    found = valued_fields(state)
+    return tuple(sorted(found, key=lambda pair: place.get(pair[0].name, len(place))))
 
 
 class ObjectEdits:

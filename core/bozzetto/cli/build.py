@@ -114,6 +114,7 @@ def _build_one(
             model = bench.sources.from_mesh_file(modeler_id, mesh, source.stem, values)
         else:
             model = bench.sources.from_drawing(modeler_id, drawing, values)
+        warn(bench.parts.idle(model, values))
         report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
         camera = None if drawing is None else drawing.camera
         if options.command_id:

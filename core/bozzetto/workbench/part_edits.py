@@ -156,6 +156,23 @@ class PartEdits:
         state = modeler.change(state, lambda now: set_parameters(now, outer))
         return with_state(self._registry, model, state)
 
+    def idle(self, model: Model, names: Iterable[str]) -> list[str]:
+        """Return why parameters change nothing, for those that do not; as `set_parameters`."""
+        from bozzetto.parameters import idle_parameters, parameter_fields, valued_fields
+
+        tree = self.of(model)
+        parts = () if tree is None else tree.parts
+        own = {field.name for field in parameter_fields(type(model.state))}
+        said = []
+        for name in names:
+            owner, _, plain = name.rpartition(".")
+            of_part = [part for part in parts if owner in ("", part.name) and plain in _names(part)]
+            holders = [model.state] if name in own else of_part
+            reasons = [idle_parameters(valued_fields(holder)).get(plain, "") for holder in holders]
+            if reasons and all(reasons):
+                said.append(reasons[0])
+        return said
+
     def only_choice_differs(self, before: Model, after: Model) -> bool:
         """Whether two models are the same once nothing is chosen in either."""
         if self.of(before) is None or self.of(after) is None:

@@ -70,7 +70,14 @@ class Push(DrawnChange):
 
     depth: Annotated[
         float,
-        Parameter("Depth", -1e5, 1e5, unit="mm", help="How far out it is pulled; below 0, in."),
+        Parameter(
+            "Depth",
+            -1e5,
+            1e5,
+            unit="mm",
+            help="How far out it is pulled; below 0, in.",
+            idle_while=("through", (True,)),
+        ),
     ] = 0.0
     through: Annotated[bool, Parameter("Through", help="Cut through all of the body.")] = False
     outline: Annotated[
@@ -84,7 +91,13 @@ class Push(DrawnChange):
     diameter: Annotated[
         float,
         Parameter(
-            "Diameter", 0.0, 1e5, unit="mm", zero="as drawn", help="Of a loop that is a circle."
+            "Diameter",
+            0.0,
+            1e5,
+            unit="mm",
+            zero="as drawn",
+            help="Of a loop that is a circle.",
+            idle_while=("outline", ("drawn",)),
         ),
     ] = 0.0
 

@@ -109,13 +109,36 @@ class Driven(Fitting):
     ] = "no"
     speed: Annotated[
         float,
-        Parameter("Speed", -3600.0, 3600.0, unit="°/s", help="Of a motor that turns steadily."),
+        Parameter(
+            "Speed",
+            -3600.0,
+            3600.0,
+            unit="°/s",
+            help="Of a motor that turns steadily.",
+            idle_while=("drive", ("no", "swing")),
+        ),
     ] = 90.0
     angle: Annotated[
-        float, Parameter("Swing", -720.0, 720.0, unit="°", help="To each side, to and fro.")
+        float,
+        Parameter(
+            "Swing",
+            -720.0,
+            720.0,
+            unit="°",
+            help="To each side, to and fro.",
+            idle_while=("drive", ("no", "steady")),
+        ),
     ] = 30.0
     period: Annotated[
-        float, Parameter("Period", 0.05, 600.0, unit="s", help="Time of once to and fro.")
+        float,
+        Parameter(
+            "Period",
+            0.05,
+            600.0,
+            unit="s",
+            help="Time of once to and fro.",
+            idle_while=("drive", ("no", "steady")),
+        ),
     ] = 2.0
 
 

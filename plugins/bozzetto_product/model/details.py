@@ -99,13 +99,38 @@ class Detail(Part):
     ] = "in"
     depth: Annotated[
         float,
-        Parameter("Depth", 1e-3, 1e4, unit="mm", help="Of what is pressed in, raised, or a gap."),
+        Parameter(
+            "Depth",
+            1e-3,
+            1e4,
+            unit="mm",
+            help="Of what is pressed in, raised, or a gap.",
+            idle_while=("kind", ("cut", "split")),
+        ),
     ] = 1.0
     draft: Annotated[
         float,
-        Parameter("Draft angle", 0.0, 60.0, 0.5, unit="°", help="Between walls and normals."),
+        Parameter(
+            "Draft angle",
+            0.0,
+            60.0,
+            0.5,
+            unit="°",
+            help="Between walls and normals.",
+            idle_while=("kind", ("split",)),
+        ),
     ] = 3.0
-    gap: Annotated[float, Parameter("Gap", 1e-3, 1e4, unit="mm", help="Round a button.")] = 0.5
+    gap: Annotated[
+        float,
+        Parameter(
+            "Gap",
+            1e-3,
+            1e4,
+            unit="mm",
+            help="Round a button.",
+            idle_while=("kind", ("in", "raised", "cut", "split")),
+        ),
+    ] = 0.5
     color: Annotated[Color | None, Parameter("Colour", help="Colour of this detail.")] = None
     finish: Annotated[
         Finish,

@@ -381,6 +381,18 @@ def test_strokes_that_are_too_small_are_named(bozzetto, tmp_path):
     assert "warning: 1 stroke of “Part 1” is too small and is not used." in process.stderr
 
 
+def test_a_setting_that_changes_nothing_is_named(bozzetto, square):
+    build = ("build", "silhouette", "square.svg", "-o", "square.stl", "--set", "depth=9")
+    process = bozzetto(*build)
+    assert process.returncode == 0
+    said = "warning: “Depth” changes nothing while “Surface” is “Round”."
+    assert said in process.stderr
+    process = bozzetto(*build, "--set", "surface=straight")
+    assert "changes nothing" not in process.stderr
+    process = bozzetto(*build[:-1], "Part 1.depth=9")
+    assert said in process.stderr
+
+
 def test_a_picture_takes_the_documents_own_view_where_all_lies_in_it(bozzetto, square, tmp_path):
     bozzetto("build", "silhouette", square, "-o", "doc.bozz")
     for name, words in (("own", ()), ("oblique", ("--view", "three-quarter"))):

@@ -16,6 +16,7 @@ from bozzetto.document.model import Document
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, FaceGroup, Mesh, Placement, Shapes, Solid, Surface
 from bozzetto.ink import Stroke
+from bozzetto.parameters import idle_parameters, valued_fields
 from bozzetto.plugin import Context, Drag, Ink, Job, Tap
 from bozzetto.testing import Shell
 from bozzetto.view import Camera
@@ -241,6 +242,21 @@ def test_a_free_arm_swings_on_a_hinge_that_is_drawn_on_it():
         replace(state, moved=None), Tap(*at(90.0, -6.0, 50.0), FRONT), Context(sources=ONE)
     )
     assert not gone.of_kind(Hinge)
+
+
+@pytest.mark.parametrize("drive", ["no", "steady", "swing"])
+def test_numbers_of_another_motor_change_nothing(drive):
+    def turns(**values):
+        (hinge,) = hinged().of_kind(Hinge)
+        hinge = replace(hinge, drive=drive, **values)
+        state = replace(hinged().with_node(hinge), gravity=True)
+        for _ in range(6):
+            state = Move().step(state, None, FRAME, Context(sources=GIVEN))
+        return moving(state, GIVEN).motion(state.moved).turns.tobytes()
+
+    idle = idle_parameters(valued_fields(Hinge(drive=drive)))
+    for name, value in {"speed": 200.0, "angle": 75.0, "period": 0.7}.items():
+        assert (turns() == turns(**{name: value})) == (name in idle)
 
 
 def test_an_axis_that_sticks_out_of_a_limb_runs_through_its_middle():

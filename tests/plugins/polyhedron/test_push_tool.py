@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
+from bozzetto.parameters import idle_parameters, valued_fields
 from bozzetto.testing import Pen, Shell
 from bozzetto_polyhedron.model.changes import Push
 from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
@@ -54,6 +55,19 @@ def test_through_is_a_tunnel_with_exact_planes(box):
         assert np.abs(points @ normal - offset).max() < 1e-9
     (brep,) = box.shapes().breps
     assert brep.is_closed
+
+
+@pytest.mark.parametrize(
+    ("meanwhile", "value"), [({"through": True}, {"depth": 31.0}), ({}, {"diameter": 17.0})]
+)
+def test_what_is_said_to_change_nothing_changes_nothing(box, meanwhile, value):
+    loop(box)
+    box.set(**meanwhile)
+    push = box.state.of_kind(Push)[0]
+    assert set(value) <= set(idle_parameters(valued_fields(push)))
+    before = body(box).vertices
+    box.set(**value)
+    assert body(box).vertices == pytest.approx(before, abs=0.0)
 
 
 def test_its_dot_is_dragged_along_the_normal(box):

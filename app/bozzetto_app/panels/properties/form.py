@@ -99,6 +99,8 @@ class ParametersPanel(PanelScroll):
         The form is only rebuilt for other fields, or if a person has the cursor in it while
         another model or part is chosen: every new stroke may choose another part.
         """
+        from bozzetto.parameters import idle_parameters
+
         session = self._session
         own, inner, part = (
             session.objects.parameters,
@@ -121,8 +123,10 @@ class ParametersPanel(PanelScroll):
             self.place.show_placement(model.placement)
         dragging = session.drawing.is_dragging
         for owner, found in (("", own), ("part", inner)):
+            idle = idle_parameters(found)
             for field, value in found:
                 key = owner, field.name
+                self._rows[key].show_idle(idle.get(field.name, ""))
                 if not dragging or key not in self._values or self._values[key] != value:
                     self._values[key] = value
                     self._rows[key].show_value(value)

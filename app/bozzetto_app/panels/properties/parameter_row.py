@@ -89,6 +89,18 @@ class ParameterRow(QWidget):
             "text": self._make_text,
             "color": self._make_color,
         }[field.kind]()
+        inside = self.findChildren(QWidget)
+        self._tips = {widget: widget.toolTip() for widget in inside if widget.toolTip()}
+
+    def show_idle(self, reason: str) -> None:
+        """Switch the row off while it changes nothing, and on where there is no reason ("")."""
+        if reason == self.accessibleDescription():
+            return
+        self.setAccessibleDescription(reason)
+        self.setToolTip(reason)
+        for widget, tip in self._tips.items():
+            widget.setToolTip(reason or tip)
+        self.setEnabled(not reason)
 
     def show_value(self, value: Any) -> None:
         """Show the value that the model has."""

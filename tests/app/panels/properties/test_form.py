@@ -144,6 +144,23 @@ def test_help_shows_on_hover(panel):
     assert "swells" in row(panel, "inflation").words.toolTip()
 
 
+def test_what_changes_nothing_is_switched_off_and_says_why(panel, fake_session):
+    idle = row(panel, "parts")
+    number = idle.findChild(NumberField)
+    help_ = number.toolTip()
+    assert idle.isEnabled()
+    fake_session.objects.set_parameter("ends", "open")
+    assert not idle.isEnabled()
+    assert not number.isEnabled()
+    for widget in (idle, idle.words, number):
+        assert widget.toolTip() == "“Parts” changes nothing while “Ends” is “Open”."
+    assert row(panel, "ends").isEnabled()
+    fake_session.objects.set_parameter("ends", "flat")
+    assert number.isEnabled()
+    assert number.toolTip() == help_
+    assert not idle.toolTip()
+
+
 def test_advanced_is_folded_and_remembered(qtbot, panel, fake_session):
     (section,) = (s for s in panel.findChildren(Section) if s.findChildren(ParameterRow))
     inside = [r.field.name for r in section.findChildren(ParameterRow)]
