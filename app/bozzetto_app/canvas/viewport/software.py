@@ -34,7 +34,14 @@ REST: Final = 120
 """How long the view must rest before a frame is sharpened, milliseconds."""
 
 DRAG_REST: Final = 250
-"""The same of a shape that is dragged, milliseconds: frames come as slowly as it is solved."""
+"""The same of a shape that is dragged, milliseconds, at least: frames come as slowly as it is
+solved, and a frame that is sharpened between two of them delays the second."""
+
+SLOWER: Final = 1.5
+"""How many times as long as the time between two such shapes that rest is."""
+
+NEXT: Final = 1000.0
+"""Longest time between two shapes of one drag, milliseconds."""
 
 FAST_ENOUGH: Final = 0.045
 """Longest time of a full frame with which turning still feels smooth, seconds."""
@@ -97,6 +104,7 @@ class SoftwareViewport(QWidget):
         self._frame_time = 0.0
         self._asked = 0
         self._scenes = self._scenes_shown = 0
+        self._moved_at = 0.0
         self._was_overtaken = False
         self._was_painted = False
         self._channel = Channel("frames", parent=self)
@@ -112,9 +120,14 @@ class SoftwareViewport(QWidget):
 
     def set_scene(self, scene: Scene, *, moving: bool = False) -> None:
         """Show this scene, coarsely while it moves and fine frames are too slow."""
-        if moving:
-            self._wait_for_rest(DRAG_REST)
         if scene is not self._scene:
+            if moving:
+                now = perf_counter()
+                passed, self._moved_at = 1000.0 * (now - self._moved_at), now
+                pace = SLOWER * passed if passed < NEXT else 0.0
+                self._wait_for_rest(max(DRAG_REST, round(pace)))
+            elif self._rest.remainingTime() > REST:
+                self._rest.start(REST)
             self._scene = scene
             self._scenes += 1
             self._ask()

@@ -18,7 +18,7 @@ from bozzetto.scene.renderer import render
 from bozzetto.view.camera import Camera
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.canvas.viewport.protocol import choose_backend
-from bozzetto_app.canvas.viewport.software import SoftwareViewport
+from bozzetto_app.canvas.viewport.software import REST, SoftwareViewport
 from tests.core.scene.shapes import scene_of, sphere
 
 SIZE = (400, 300)
@@ -352,6 +352,27 @@ def test_slow_frames_are_coarse_while_a_value_is_dragged_and_sharp_at_rest(qtbot
     viewport._frame_time = 10.0  # as on a slow machine
     viewport.set_scene(Scene(box_scene.layers), moving=True)
     qtbot.waitUntil(lambda: viewport._frame.width() < SIZE[0] // 2, timeout=5000)
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    assert viewport._frame.width() == SIZE[0]
+
+
+def test_shapes_that_come_slowly_get_no_sharp_frame_between_them(qtbot, box_scene):
+    viewport = SoftwareViewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.show()
+    viewport.set_scene(box_scene)
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    viewport._frame_time = 10.0  # as on a slow machine
+    viewport.set_scene(Scene(box_scene.layers), moving=True)
+    for number in range(4):
+        qtbot.wait(400)
+        if number > 0:  # from the second one on it is known how slowly they come
+            assert viewport._frame.width() < SIZE[0]
+        viewport._frame_time = 10.0
+        viewport.set_scene(Scene(box_scene.layers), moving=True)
+    viewport.set_scene(Scene(box_scene.layers))
+    assert viewport._rest.remainingTime() <= REST
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
     assert viewport._frame.width() == SIZE[0]
 
