@@ -68,7 +68,8 @@ class BodyEdit:
     Parameters
     ----------
     dimensions : Dimensions
-        The dimensions at the time of the edit; it is applied to the body with these.
+        The dimensions that the body had at the time of the edit, none where it could not have
+        those that were wanted; the edit is applied to the body with these.
     """
 
     dimensions: Dimensions = Dimensions()
