@@ -219,7 +219,9 @@ def _sketches(state: CarState, solved: Solved) -> Iterator[SketchRow]:
     for sketch in state.sketches:
         placed = solved.placed.get(sketch.id)
         summary = "hidden" if placed is None else _summary(sketch, placed)
-        wrong = placed is not None and bool(placed.disagreeing or placed.exchanged)
+        wrong = placed is not None and bool(
+            placed.disagreeing or placed.exchanged or placed.is_no_car
+        )
         yield SketchRow(sketch.id, sketch.name, summary, sketch is state.sketch, wrong)
 
 
@@ -230,9 +232,8 @@ def _summary(sketch: Sketch, placed: Placed) -> str:
         words.insert(0, "1 mark disagrees" if wrong == 1 else f"{wrong} marks disagree")
     elif placed.is_known:
         words.insert(0, placed.sketch_camera.camera.kind)
-    agreeing = [px for node, px in (placed.missed or {}).items() if node not in placed.disagreeing]
-    if agreeing:
-        words.append(f"{np.sqrt(np.mean(np.square(agreeing))):.1f} px")
+    if placed.mean_miss is not None:
+        words.append(f"{placed.mean_miss:.1f} px")
     return " · ".join(words)
 
 
