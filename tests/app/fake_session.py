@@ -388,7 +388,7 @@ class EmptySession(QObject):
             ),
         )
         self.scene = DisplayedScene(calls, visible=Scene(), live=Scene(), advice=Scene())
-        self.advice = Advice(calls, advice=None, about=None)
+        self.advice = Advice(calls, advice=None, about=None, may_follow=False)
         self.solver = Solver(calls, report={}, figures={})
         self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
