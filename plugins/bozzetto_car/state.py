@@ -218,6 +218,12 @@ class SurfacePoint:
         """The place, (3,)."""
         return np.array([self.x, self.y, self.z])
 
+    def on_both_sides(self) -> tuple[tuple[str, Array], ...]:
+        """Return the node and its place, and those of its image if it is one of a pair."""
+        half, right, _ = self.node.partition(".R")
+        own = (self.node, self.place)
+        return (own, (f"{half}.L", self.place * [1.0, -1.0, 1.0])) if right else (own,)
+
 
 def _no_mesh() -> Mesh:
     return Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))

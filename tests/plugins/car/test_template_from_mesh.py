@@ -175,12 +175,20 @@ def test_the_window_marks_moves_and_erases_points() -> None:
     assert point.y > 0.0
     handles = [item for layer in scene_of(state, car.solve(state, Job())).layers
                for item in layer.items if isinstance(item, Handle)]  # fmt: skip
-    mine = next(handle for handle in handles if handle.id == "mark S3.R")
+    assert {handle.id for handle in handles} == {"mark S3.R", "mark S3.L"}
+    mine = min(
+        handles, key=lambda one: np.ptp([camera.project(one.point)[0][0], (600, 400)], 0).max()
+    )
     start = camera.project(np.array([mine.point]))[0][0]
     path = Stroke(start[0] + np.array([0.0, 12.0]), start[1] + np.array([0.0, 12.0]), camera=camera)
     moved = tool.drag(state, Drag(mine.id, path), context)
     assert moved.mesh is not None
     assert moved.mesh.points != state.mesh.points
+    for off, count in ((2.0, 1), (10.0, 2)):
+        still = Stroke(start[0] + np.array([off, off]), start[1] + np.zeros(2), camera=camera)
+        touched = tool.drag(state, Drag(mine.id, still), context)
+        assert touched.mesh is not None
+        assert len(touched.mesh.points) == count, "the next one is set beside another one"
     rubbed = tool.erase(moved, Ink((path,)), context)
     assert rubbed.mesh is not None
     assert rubbed.mesh.points == ()
