@@ -175,13 +175,21 @@ def guide_of(state: CarState) -> Guide:
         title,
         before,
         after,
-        0 if sketch is None else sum(mark.node in template.node for mark in sketch.marks),
+        _count(state, sketch, template),
         () if placed is None else tuple(_rows(placed, solved, node)),
         tuple(_sketches(state, solved)),
         _advice(solved),
         tuple(_dimensions(body)),
         tuple(_rules(state, body)),
     )
+
+
+def _count(state: CarState, sketch: Sketch | None, template: Template) -> int:
+    """Return how many nodes are marked on the sketch in work, or on the mesh: of a pair both."""
+    if sketch is not None:
+        return sum(mark.node in template.node for mark in sketch.marks)
+    points = () if state.mesh is None else state.mesh.points
+    return sum(node in template.node for point in points for node, _ in point.on_both_sides())
 
 
 def _neighbours(asked: str, placed: Placed | None, solved: Solved) -> tuple[str, str]:

@@ -20,6 +20,7 @@ from bozzetto_car.commands import car_as_template
 from bozzetto_car.marking.points_on_mesh import nodes_to_mark
 from bozzetto_car.marking.standing_mesh import standing_mesh
 from bozzetto_car.modeler import Car
+from bozzetto_car.panel.view_model import guide_of
 from bozzetto_car.solver.pipeline import template_of
 from bozzetto_car.state import CarState
 from bozzetto_car.template.loader import bundled, read_template
@@ -184,6 +185,7 @@ def test_the_window_marks_moves_and_erases_points() -> None:
     moved = tool.drag(state, Drag(mine.id, path), context)
     assert moved.mesh is not None
     assert moved.mesh.points != state.mesh.points
+    assert guide_of(moved).count == 2, "both of a pair"
     for off, count in ((2.0, 1), (10.0, 2)):
         still = Stroke(start[0] + np.array([off, off]), start[1] + np.zeros(2), camera=camera)
         touched = tool.drag(state, Drag(mine.id, still), context)
@@ -192,6 +194,24 @@ def test_the_window_marks_moves_and_erases_points() -> None:
     rubbed = tool.erase(moved, Ink((path,)), context)
     assert rubbed.mesh is not None
     assert rubbed.mesh.points == ()
+
+
+def test_the_body_is_thin_as_long_as_points_of_the_mesh_are_asked_for() -> None:
+    """It lies in the surface on which they are touched."""
+    body = body_of(CarState(template="coupe"))
+    names = nodes_to_mark(bundled("sedan"))
+    places = {
+        name.removesuffix(".R"): body.network.positions[body.template.node[name]] for name in names
+    }
+    for count, is_thin in ((len(names) - 1, True), (len(names), False), (5, False)):
+        parts = boxes_at(dict([*places.items()][:count]))
+        car = standing_mesh(
+            Shapes(surfaces=(Surface(mesh_of(body, 8), "body"), *parts)), "n1", "Mesh"
+        )
+        state = CarState(nodes=(car,))
+        made = body_of(state)
+        advice = Car().advice_on_result(state, made, Camera(), ())
+        assert any(layer.name == "body" for layer in advice.scene.layers) is is_thin
 
 
 def test_meshes_that_are_no_cars_are_refused() -> None:
