@@ -16,6 +16,7 @@ from bozzetto.plugin import Context, Drag, Ink, Job, Tap
 from bozzetto.scene import Handle
 from bozzetto.view import Camera, triple
 from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.edges_on_mesh import network_on_mesh
 from bozzetto_car.commands import car_as_template
 from bozzetto_car.marking.points_on_mesh import nodes_to_mark
 from bozzetto_car.marking.standing_mesh import standing_mesh
@@ -194,6 +195,29 @@ def test_the_window_marks_moves_and_erases_points() -> None:
     rubbed = tool.erase(moved, Ink((path,)), context)
     assert rubbed.mesh is not None
     assert rubbed.mesh.points == ()
+
+
+def test_edges_pass_over_the_windows_and_arches_of_a_real_body() -> None:
+    """A mesh of a body that is built has openings; edges were drawn to their borders."""
+    body = body_of(CarState(template="suv"))
+    template, places, whole = body.template, body.network.positions, mesh_of(body)
+    middles = whole.vertices[whole.faces].astype(float).mean(axis=1)
+    wheels = places[template.wheels[:, 0]]
+    gone = np.zeros(len(middles), bool)
+    for wheel in wheels:
+        gone |= np.hypot(*(middles - wheel)[:, [0, 2]].T) < 420.0
+    belt, roof = places[template.node["S3.R"]], places[template.node["R2.R"]]
+    gone |= (
+        (np.abs(middles[:, 1]) > 0.9 * roof[1])
+        & (np.abs(middles[:, 2] - 0.5 * (belt[2] + roof[2])) < 0.6 * (roof[2] - belt[2]))
+        & (np.abs(np.abs(middles[:, 0] - belt[0]) - 550.0) < 450.0)
+    )
+    cut = Mesh(whole.vertices, whole.faces[~gone])
+    along = bernstein(np.linspace(0.0, 1.0, 17))
+    lines = [
+        along @ network_on_mesh(template, places, mesh).control_points for mesh in (whole, cut)
+    ]
+    assert np.linalg.norm(lines[0] - lines[1], axis=2).max() < 80.0
 
 
 def test_the_body_is_thin_as_long_as_points_of_the_mesh_are_asked_for() -> None:
