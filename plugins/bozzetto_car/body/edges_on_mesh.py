@@ -1,7 +1,7 @@
 """Edges between nodes on a mesh: bent until they lie on its surface.
 
 Edges keep their ends, and places along them come as near to the surface as a cubic can; chains keep
-one direction at each joint. They pass over openings, such as windows and wheel arches of a real car.
+one direction at each joint. They pass over openings, such as the windows and arches of a real car.
 """
 
 from __future__ import annotations
