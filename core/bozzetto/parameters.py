@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
@@ -49,6 +50,9 @@ class Parameter:
     zero : str
         Words in the place of 0, for a number that is 0 where it is not given, such as
         "as drawn"; clearing the field gives 0.
+    needs : tuple of str
+        Names of parameters of the same state: as long as all of them have their defaults, this
+        one changes nothing, and the form shows it grey.
     """
 
     label: str
@@ -60,6 +64,7 @@ class Parameter:
     advanced: bool = False
     choices: tuple[tuple[str, str], ...] = ()
     zero: str = ""
+    needs: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         low, high = self.minimum, self.maximum
@@ -172,7 +177,28 @@ def _parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
         else:
             raise TypeError(f"{state_type.__name__}.{entry.name}: a parameter needs a default")
         found.append(Field(entry.name, notes[0], kind, default, values))
+    names = {field.name for field in found}
+    for field in found:
+        if not names.issuperset(field.parameter.needs):
+            raise TypeError(f"{state_type.__name__}.{field.name}: needs what is no parameter")
     return tuple(found)
+
+
+def needed_first(field: Field, found: Iterable[tuple[Field, Any]]) -> tuple[str, ...]:
+    """Return the labels of the parameters one of which has to be set before a field counts.
+
+    Parameters
+    ----------
+    field : Field
+        The parameter that may need others.
+    found : iterable of (Field, object)
+        All parameters of the state, with their values.
+    """
+    known = {one.name: (one, value) for one, value in found}
+    others = [known[name] for name in field.parameter.needs]
+    if any(value != one.default for one, value in others):
+        return ()
+    return tuple(one.parameter.label for one, _ in others)
 
 
 def set_parameters(state: State, values: dict[str, object], owner: str = "this modeler") -> State:

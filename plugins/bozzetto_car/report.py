@@ -248,8 +248,8 @@ def _input_not_used(body: Body) -> Iterator[Caution]:
             off = (placed.left_out or {}).get(node, 0.0)
             words = f"the mark {node} disagrees by {off:.0f} px and was set aside."
             yield Caution(f"{name}: {words}")
-        if placed.is_no_car:
-            yield Caution(f"{name}: {NO_CAR.format(placed.mean_miss)}")
+        if placed.misfit is not None:
+            yield Caution(f"{name}: {NO_CAR.format(placed.misfit)}")
         elif placed.is_known and solved.cost.bend > 0.0:
             far = f"{placed.mean_miss or 0.0:.0f} px"
             words = f"no car has the marks as they are; they are missed by {far}."

@@ -344,7 +344,8 @@ class CarState(PartsState):
     share: Annotated[
         float,
         Parameter("Share", 0.0, 1.0, step=0.05,
-                  help="How far from the template to the one it is blended with."),
+                  help="How far from the template to the one it is blended with.",
+                  needs=("blend",)),
     ] = 0.5  # fmt: skip
     trace: Annotated[
         float,
@@ -375,7 +376,12 @@ class CarState(PartsState):
                   "instead of its surfaces alone."),
     ] = False  # fmt: skip
     mirrors: Annotated[
-        bool, Parameter("Mirrors", help="Give a complete car mirrors at its foremost side windows.")
+        bool,
+        Parameter(
+            "Mirrors",
+            help="Give a complete car mirrors at its foremost side windows.",
+            needs=("complete",),
+        ),
     ] = False
     creases: Annotated[
         bool, Parameter("Creases", help="Show by how many degrees surfaces meet at an angle.")
@@ -390,7 +396,8 @@ class CarState(PartsState):
     lock: Annotated[
         bool,
         Parameter("Keep while solving",
-                  help="Solve for a car of these dimensions, instead of stretching it afterwards."),
+                  help="Solve for a car of these dimensions, instead of stretching it afterwards.",
+                  needs=("length", "width", "height", "front_overhang", "wheelbase")),
     ] = False  # fmt: skip
     default_shape: Annotated[
         bool, _advanced("Pull panels out", "Make panels and corners bulge after deformation.")

@@ -51,6 +51,7 @@ class State:
         Literal["clay", "plaster of Paris", "wax", "bronze", "stone"], Parameter("Material")
     ] = "clay"
     note: Annotated[str, Parameter("Note")] = ""
+    seam: Annotated[bool, Parameter("Seam", needs=("mirrored", "parts"))] = False
     resolution: Annotated[
         int, Parameter("Resolution", 16, 256, 8, "cells", "Finer is slower.", advanced=True)
     ] = 64

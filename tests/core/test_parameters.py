@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from bozzetto.errors import UserError
 from bozzetto.parameters import (
     Parameter,
+    needed_first,
     parameter_fields,
     parse_parameter,
     set_parameters,
@@ -161,3 +162,29 @@ class NumbersToChoose:
 def test_states_that_cannot_be_shown_in_a_form(kind):
     with pytest.raises(TypeError, match="size"):
         parameter_fields(kind)
+
+
+def test_a_parameter_that_needs_others_names_them_until_one_is_set() -> None:
+    @dataclass(frozen=True)
+    class Car:
+        complete: Annotated[bool, Parameter("Complete")] = False
+        length: Annotated[float, Parameter("Length")] = 0.0
+        keep: Annotated[bool, Parameter("Keep", needs=("complete", "length"))] = False
+
+    fields = parameter_fields(Car)
+    values = {
+        (False, 0.0): ("Complete", "Length"),
+        (True, 0.0): (),
+        (False, 4300.0): (),
+    }
+    for (complete, length), labels in values.items():
+        found = list(zip(fields, (complete, length, True), strict=True))
+        assert needed_first(fields[2], found) == labels
+        assert needed_first(fields[0], found) == ()
+
+    @dataclass(frozen=True)
+    class Misspelt:
+        keep: Annotated[bool, Parameter("Keep", needs=("lenght",))] = False
+
+    with pytest.raises(TypeError, match="needs"):
+        parameter_fields(Misspelt)

@@ -189,7 +189,7 @@ def problem_of(placed: Placed) -> str:
         return placed.problem
     if placed.exchanged:
         return EXCHANGED
-    return NO_CAR.format(placed.mean_miss) if placed.is_no_car else ""
+    return "" if placed.misfit is None else NO_CAR.format(placed.misfit)
 
 
 def next_mark_in_words(state: CarState, solved: Solved) -> str:

@@ -228,7 +228,7 @@ def _sketches(state: CarState, solved: Solved) -> Iterator[SketchRow]:
         placed = solved.placed.get(sketch.id)
         summary = "hidden" if placed is None else _summary(sketch, placed)
         wrong = placed is not None and bool(
-            placed.disagreeing or placed.exchanged or placed.is_no_car
+            placed.disagreeing or placed.exchanged or placed.misfit is not None
         )
         yield SketchRow(sketch.id, sketch.name, summary, sketch is state.sketch, wrong)
 

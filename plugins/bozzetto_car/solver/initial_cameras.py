@@ -90,12 +90,13 @@ class Placed:
         return float(np.sqrt(np.mean(np.square(px)))) if px else None
 
     @property
-    def is_no_car(self) -> bool:
-        """Whether the marks are missed by so much that some must be those of other points."""
-        if self.mean_miss is None:
-            return False
-        places = np.array([(mark.u, mark.v) for mark in self.sketch.marks])
-        return self.mean_miss > NO_CAR * float(np.hypot(*np.ptp(places, axis=0)))
+    def misfit(self) -> float | None:
+        """The same, if it is so great that some marks must be those of other points; else None."""
+        places = np.array([(mark.u, mark.v) for mark in self.sketch.marks]).reshape(-1, 2)
+        if self.mean_miss is None or not len(places):
+            return None
+        is_no_car = self.mean_miss > NO_CAR * float(np.hypot(*np.ptp(places, axis=0)))
+        return self.mean_miss if is_no_car else None
 
 
 def place_sketch(template: Template, sketch: Sketch, resumed: Placed | None = None) -> Placed:

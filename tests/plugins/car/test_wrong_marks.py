@@ -79,7 +79,7 @@ def test_six_marks_of_no_car_are_told(template: Template) -> None:
     for seed in SEEDS:
         car = styled(template, seed)
         state = marked(template, car, (FRONT_QUARTER,), seed, count=6, hand=8.0).state
-        assert not solve_car(state).placed["s0"].is_no_car
+        assert solve_car(state).placed["s0"].misfit is None
         row = state.sketches[0].marks[2:]
         pairs = zip(row, (*row[1:], row[0]), strict=True)
         wrong = with_marks(state, {one.node: (other.u, other.v) for one, other in pairs})

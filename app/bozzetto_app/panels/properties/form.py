@@ -99,6 +99,8 @@ class ParametersPanel(PanelScroll):
         The form is only rebuilt for other fields, or if a person has the cursor in it while
         another model or part is chosen: every new stroke may choose another part.
         """
+        from bozzetto.parameters import needed_first
+
         session = self._session
         own, inner, part = (
             session.objects.parameters,
@@ -126,6 +128,8 @@ class ParametersPanel(PanelScroll):
                 if not dragging or key not in self._values or self._values[key] != value:
                     self._values[key] = value
                     self._rows[key].show_value(value)
+                if field.parameter.needs:
+                    self._rows[key].show_needs(needed_first(field, found))
         if dragging:
             return
         locked = any(

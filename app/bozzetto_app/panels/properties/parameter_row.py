@@ -58,7 +58,8 @@ class ParameterRow(QWidget):
         self.words.restore.connect(self._restore)
         default = self._said(field.default)
         tip = tr("Parameters", "Double-click restores {value}.", value=default)
-        self.words.setToolTip(f"{field.parameter.help}\n{tip}".strip())
+        self._tip = f"{field.parameter.help}\n{tip}".strip()
+        self.words.setToolTip(self._tip)
         self.reset = IconButton(
             "reset",
             tr("Parameters", "Restore {label} to {value}", label=label, value=default),
@@ -94,6 +95,14 @@ class ParameterRow(QWidget):
         """Show the value that the model has."""
         self._show(value)
         self.reset.setVisible(value != self.field.default)
+
+    def show_needs(self, labels: tuple[str, ...]) -> None:
+        """Show which others have to be set before this one changes anything; none if it does."""
+        self.setEnabled(not labels)
+        names = tr("Parameters", " or ").join(labels)
+        why = tr("Parameters", "This changes nothing yet: set {names} first.", names=names)
+        self.setToolTip(why if labels else "")
+        self.words.setToolTip(why if labels else self._tip)
 
     def _said(self, value: Any) -> str:
         if self.field.kind == "switch":

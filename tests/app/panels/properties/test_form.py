@@ -65,6 +65,17 @@ def test_values_are_shown(panel):
     assert row(panel, "material").findChild(ChoiceBox).value == "clay"
 
 
+def test_what_changes_nothing_yet_is_grey_and_says_why(panel, fake_session):
+    seam = row(panel, "seam")
+    assert not seam.isEnabled()
+    assert "Mirrored or Parts" in seam.toolTip()
+    fake_session.objects.set_parameter("mirrored", False)
+    assert seam.isEnabled()
+    assert not seam.toolTip()
+    fake_session.objects.set_parameter("mirrored", True)
+    assert not seam.isEnabled()
+
+
 def test_a_slider_drag_is_one_step(panel, fake_session):
     slider = row(panel, "length").findChild(Slider)
     y = slider.height() // 2
