@@ -50,9 +50,10 @@ class Parameter:
     zero : str
         Words in the place of 0, for a number that is 0 where it is not given, such as
         "as drawn"; clearing the field gives 0.
-    idle_while : (str, tuple), optional
-        Another parameter of the same state, a choice, a switch or a number, and its values with
-        which this one changes nothing: ``("motor", ("off",))``. Forms switch it off meanwhile.
+    idle_while : tuple of (str, tuple)
+        Other parameters of the same state, choices, switches or numbers, and their values with
+        all of which this one changes nothing: ``(("motor", ("off",)),)``. Forms switch it off
+        meanwhile.
     """
 
     label: str
@@ -64,7 +65,7 @@ class Parameter:
     advanced: bool = False
     choices: tuple[tuple[str, str], ...] = ()
     zero: str = ""
-    idle_while: tuple[str, tuple[object, ...]] | None = None
+    idle_while: tuple[tuple[str, tuple[object, ...]], ...] = ()
 
     def __post_init__(self) -> None:
         low, high = self.minimum, self.maximum
@@ -193,17 +194,21 @@ def _check_idle(state_type: type[Any], found: list[Field]) -> None:
     """Refuse parameters that are idle with values that no other parameter can have."""
     known = {field.name: field for field in found}
     for field in found:
-        if field.parameter.idle_while is None:
-            continue
-        name, values = field.parameter.idle_while
         where = f"{state_type.__name__}.{field.name}: idle_while"
-        if name not in known or name == field.name:
-            raise TypeError(f"{where} names {name!r}, which is no other parameter")
-        try:
-            for value in values:
-                known[name].check(value)
-        except UserError as problem:
-            raise TypeError(f"{where}: {problem.message}") from problem
+        conditions = field.parameter.idle_while
+        pairs = conditions if isinstance(conditions, tuple) else (None,)
+        if not all(isinstance(pair, tuple) and len(pair) == 2 for pair in pairs):
+            raise TypeError(f'{where} is a tuple of pairs, such as (("motor", ("off",)),)')
+        for name, values in conditions:
+            if name not in known or name == field.name:
+                raise TypeError(f"{where} names {name!r}, which is no other parameter")
+            if not isinstance(values, tuple):
+                raise TypeError(f"{where}: the values of {name!r} must be a tuple")
+            try:
+                for value in values:
+                    known[name].check(value)
+            except UserError as problem:
+                raise TypeError(f"{where}: {problem.message}") from problem
 
 
 def idle_parameters(found: Iterable[tuple[Field, Any]]) -> dict[str, str]:
@@ -222,13 +227,11 @@ def idle_parameters(found: Iterable[tuple[Field, Any]]) -> dict[str, str]:
     known = {field.name: (field, value) for field, value in found}
     reasons = {}
     for name, (field, _) in known.items():
-        if field.parameter.idle_while is None:
-            continue
-        other, values = field.parameter.idle_while
-        reason, value = known[other]
-        if value in values:
-            said = f"“{reason.parameter.label}” is {reason.said(value)}"
-            reasons[name] = f"“{field.parameter.label}” changes nothing while {said}."
+        holding = [(*known[other], values) for other, values in field.parameter.idle_while]
+        if holding and all(value in values for _, value, values in holding):
+            said = [f"“{one.parameter.label}” is {one.said(value)}" for one, value, _ in holding]
+            words = " and ".join(filter(None, (", ".join(said[:-1]), said[-1])))
+            reasons[name] = f"“{field.parameter.label}” changes nothing while {words}."
     return reasons
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
-from bozzetto_car.body.build import body_in_work
+from bozzetto_car.body.build import body_in_work, body_of, world_of
 from bozzetto_car.marking.commands import marking_commands
 from bozzetto_car.marking.edit_marks import unlocked_sketch, with_sides_exchanged
 from bozzetto_car.state import CarState, Treatment
@@ -65,18 +66,19 @@ def _exchanged(state: CarState, context: Context) -> CarState:
 
 
 def _anneal(state: CarState, context: Context) -> CarState:
-    return _treated(state, Treatment(dimensions=state.dimensions, kind="anneal"))
+    return _treated(state, "anneal")
 
 
 def _reduce(state: CarState, context: Context) -> CarState:
-    return _treated(state, Treatment(dimensions=state.dimensions, kind="reduce"))
+    return _treated(state, "reduce")
 
 
 def _pull_out(state: CarState, context: Context) -> CarState:
-    return _treated(state, Treatment(dimensions=state.dimensions, kind="pull out"))
+    return _treated(state, "pull out")
 
 
-def _treated(state: CarState, edit: Treatment) -> CarState:
+def _treated(state: CarState, kind: Literal["anneal", "reduce", "pull out"]) -> CarState:
+    edit = Treatment(dimensions=world_of(state, body_of(state)), kind=kind)
     return replace(state, edits=(*state.edits, edit))
 
 

@@ -16,6 +16,7 @@ from bozzetto_car.body.edit_list import Edits
 from bozzetto_car.body.stroke_distances import stroke_distances
 from bozzetto_car.camera.rational_projection import camera_matrix
 from bozzetto_car.camera.sketch_camera import SketchCamera
+from bozzetto_car.marking.next_mark import NO_CAR
 from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.solver.template_ranking import likelier_template
 from bozzetto_car.solver.uncertainty import certainty, further_views
@@ -247,10 +248,10 @@ def _input_not_used(body: Body) -> Iterator[Caution]:
             off = (placed.left_out or {}).get(node, 0.0)
             words = f"the mark {node} disagrees by {off:.0f} px and was set aside."
             yield Caution(f"{name}: {words}")
-        if placed.is_known and solved.cost.bend > 0.0:
-            missed = (placed.missed or {}).items()
-            squares = [px**2 for node, px in missed if node not in placed.disagreeing]
-            far = f"{np.mean(squares) ** 0.5:.0f} px"
+        if placed.misfit is not None:
+            yield Caution(f"{name}: {NO_CAR.format(placed.misfit)}")
+        elif placed.is_known and solved.cost.bend > 0.0:
+            far = f"{placed.mean_miss or 0.0:.0f} px"
             words = f"no car has the marks as they are; they are missed by {far}."
             yield Caution(f"{name}: {words} {BENT}")
         unknown = [m.node for m in placed.sketch.marks if m.node not in body.template.node]

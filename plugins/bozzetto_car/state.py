@@ -43,6 +43,9 @@ NO_OWN: Final = (
 FOUND: Final = "as drawn"
 """The text that a panel shows for a dimension that is not given."""
 
+GIVEN: Final = ("length", "width", "height", "front_overhang", "wheelbase")
+"""Fields of the dimensions that may be given; 0 for those that are not."""
+
 TITLES: Final = (
     ("sedan", "Sedan"),
     ("hatchback", "Hatchback"),
@@ -68,7 +71,8 @@ class BodyEdit:
     Parameters
     ----------
     dimensions : Dimensions
-        The dimensions at the time of the edit; it is applied to the body with these.
+        The dimensions that the body had at the time of the edit, none where it could not have
+        those that were wanted; the edit is applied to the body with these.
     """
 
     dimensions: Dimensions = Dimensions()
@@ -217,6 +221,12 @@ class SurfacePoint:
         """The place, (3,)."""
         return np.array([self.x, self.y, self.z])
 
+    def on_both_sides(self) -> tuple[tuple[str, Array], ...]:
+        """Return the node and its place, and those of its image if it is one of a pair."""
+        half, right, _ = self.node.partition(".R")
+        own = (self.node, self.place)
+        return (own, (f"{half}.L", self.place * [1.0, -1.0, 1.0])) if right else (own,)
+
 
 def _no_mesh() -> Mesh:
     return Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
@@ -338,7 +348,7 @@ class CarState(PartsState):
         float,
         Parameter("Share", 0.0, 1.0, step=0.05,
                   help="How far from the template to the one it is blended with.",
-                  idle_while=("blend", ("none",))),
+                  idle_while=(("blend", ("none",)),)),
     ] = 0.5  # fmt: skip
     trace: Annotated[
         float,
@@ -369,7 +379,12 @@ class CarState(PartsState):
                   "instead of its surfaces alone."),
     ] = False  # fmt: skip
     mirrors: Annotated[
-        bool, Parameter("Mirrors", help="Give a complete car mirrors at its foremost side windows.")
+        bool,
+        Parameter(
+            "Mirrors",
+            help="Give a complete car mirrors at its foremost side windows.",
+            idle_while=(("complete", (False,)),),
+        ),
     ] = False
     creases: Annotated[
         bool, Parameter("Creases", help="Show by how many degrees surfaces meet at an angle.")
@@ -384,7 +399,8 @@ class CarState(PartsState):
     lock: Annotated[
         bool,
         Parameter("Keep while solving",
-                  help="Solve for a car of these dimensions, instead of stretching it afterwards."),
+                  help="Solve for a car of these dimensions, instead of stretching it afterwards.",
+                  idle_while=tuple((name, (0.0,)) for name in GIVEN)),
     ] = False  # fmt: skip
     default_shape: Annotated[
         bool, _advanced("Pull panels out", "Make panels and corners bulge after deformation.")
@@ -460,5 +476,4 @@ class CarState(PartsState):
     @property
     def dimensions(self) -> Dimensions:
         """The dimensions that are given, mm."""
-        words = ("length", "width", "height", "front_overhang", "wheelbase")
-        return Dimensions(**{word: getattr(self, word) or None for word in words})
+        return Dimensions(**{name: getattr(self, name) or None for name in GIVEN})

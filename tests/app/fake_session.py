@@ -46,7 +46,7 @@ class State:
             1,
             12,
             help="How often the part is repeated.",
-            idle_while=("ends", ("open",)),
+            idle_while=(("ends", ("open",)),),
         ),
     ] = 3
     mirrored: Annotated[bool, Parameter("Mirrored", help="Repeat the shape on the far side.")] = (
@@ -397,7 +397,7 @@ class EmptySession(QObject):
             ),
         )
         self.scene = DisplayedScene(calls, visible=Scene(), live=Scene(), advice=Scene())
-        self.advice = Advice(calls, advice=None, about=None)
+        self.advice = Advice(calls, advice=None, about=None, may_follow=False)
         self.solver = Solver(calls, report={}, figures={})
         self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)

@@ -159,6 +159,29 @@ def test_a_sketch_is_dropped_marked_and_becomes_a_car(window, settle, qtbot):
 
 
 @pytest.mark.slow
+def test_the_drawing_stays_in_its_place_in_every_frame_when_its_camera_is_found(
+    window, settle, monkeypatch
+):
+    """The scene with the new camera of the sketch is shown with the view that goes along with it;
+    for half a second the drawing was seen mirrored and beside itself."""
+    drop(window, picture_of(FIRST), settle)
+    nodes = ["WF.R", "WR.R", *near_first(FIRST["marks"])][:6]
+    for node in nodes[:5]:
+        mark(window, node, FIRST["marks"][node], settle)
+    guide(window).chart.chosen.emit(nodes[5])
+    settle(window.session, window.keeper)
+    before, eye, frames = corners(window), window.session.view.camera.eye, []
+    show = window.canvas.viewports.show_scene
+    monkeypatch.setattr(
+        window.canvas.viewports, "show_scene", lambda: (frames.append(corners(window)), show())
+    )
+    tap(window, on_canvas(window, FIRST["marks"][nodes[5]]), settle)
+    assert window.session.view.camera.eye != eye
+    assert frames
+    assert max(np.abs(frame - before).max() for frame in frames) < 3.0
+
+
+@pytest.mark.slow
 def test_a_mark_is_dragged_and_the_car_goes_along(window, settle, qtbot):
     session = window.session
     drop(window, GALLERY / "sedan.json", settle)

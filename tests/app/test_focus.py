@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QAbstractSpinBox, QLineEdit, QWidget
 
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.testing.stylus import Stylus
+from bozzetto_app.widgets.number_field import NumberField
 from tests.app.tablet import circle
 
 TAKES_TEXT = (QLineEdit, QAbstractSpinBox)
@@ -63,3 +64,25 @@ def test_a_key_that_a_button_has_no_use_for_is_the_sheets(window, settle, key):
     QTest.keyClick(focus, key)
     settle(window.session, window.keeper)
     assert not window.session.drawing.pending
+
+
+def test_undo_reaches_the_document_from_a_field_whose_number_was_taken(window, settle):
+    """While somebody types it is the field's: what was typed is no step yet."""
+    session = window.session
+    field = next(one for one in window.findChildren(NumberField) if one.isVisible())
+    before, first = session.drawing.document, field.value()
+    field.setFocus()
+    field.selectAll()
+    QTest.keyClicks(field, f"{first * 0.9:g}")
+    QTest.keyClick(field, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert session.drawing.document is before
+    assert field.value() == first
+    field.selectAll()
+    QTest.keyClicks(field, f"{first * 0.9:g}")
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    settle(session, window.keeper)
+    assert session.drawing.document is not before
+    QTest.keyClick(field, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    settle(session, window.keeper)
+    assert session.drawing.document is before
+    assert field.value() == first

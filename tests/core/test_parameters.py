@@ -173,27 +173,38 @@ Motor = Literal["off", "steady", "swing"]
 @dataclass(frozen=True)
 class Driven:
     motor: Annotated[Motor, Parameter("Motor", choices=(("off", "Turns freely"),))] = "off"
-    speed: Annotated[float, Parameter("Speed", idle_while=("motor", ("off", "swing")))] = 90.0
+    speed: Annotated[float, Parameter("Speed", idle_while=(("motor", ("off", "swing")),))] = 90.0
     wall: Annotated[float, Parameter("Wall", 0.0, 9.0, zero="none")] = 0.0
-    inward: Annotated[bool, Parameter("Inward", idle_while=("wall", (0.0,)))] = True
+    inward: Annotated[bool, Parameter("Inward", idle_while=(("wall", (0.0,)),))] = True
     lit: Annotated[bool, Parameter("Lit")] = False
-    color: Annotated[str, Parameter("Light", idle_while=("lit", (False,)))] = ""
+    color: Annotated[
+        str, Parameter("Light", idle_while=(("lit", (False,)), ("motor", ("off",))))
+    ] = ""
 
 
 def test_what_changes_nothing_is_told_with_the_reason():
     assert idle_parameters(valued_fields(Driven())) == {
         "speed": "“Speed” changes nothing while “Motor” is “Turns freely”.",
         "inward": "“Inward” changes nothing while “Wall” is none.",
-        "color": "“Light” changes nothing while “Lit” is off.",
+        "color": "“Light” changes nothing while “Lit” is off and “Motor” is “Turns freely”.",
     }
-    turning = Driven(motor="steady", wall=2.0, lit=True)
+    turning = Driven(motor="steady", wall=2.0)
     assert idle_parameters(valued_fields(turning)) == {}
     assert set(idle_parameters(valued_fields(replace(turning, motor="swing")))) == {"speed"}
 
 
 @pytest.mark.parametrize(
     "condition",
-    [("moter", ("off",)), ("speed", (90.0,)), ("motor", ("of",)), ("motor", (1,)), ("lit", (0,))],
+    [
+        (("moter", ("off",)),),
+        (("speed", (90.0,)),),
+        (("motor", ("of",)),),
+        (("motor", (1,)),),
+        (("lit", (0,)),),
+        (("lit", (False,)), ("motor", "off")),
+        ("motor", ("off",)),
+        "motor",
+    ],
 )
 def test_a_condition_that_cannot_be_is_refused(condition):
     note = Parameter("Speed", idle_while=condition)

@@ -62,6 +62,9 @@ log = logging.getLogger(__name__)
 CUBE_MARGIN: Final = 16
 """Distance of the view cube from the canvas's corner, pixels."""
 
+HELD: Final = 400
+"""How long another scene waits for the view that goes along with it, ms."""
+
 
 def _ignore(answer: object) -> None:
     """Ignore the answer of work that only warms something up."""
@@ -143,6 +146,8 @@ class Canvas(QWidget):
         self._proximity.left.connect(self.hand.pen_left)
         self.viewports.first_painted.connect(self._watch_proximity)
 
+        self._held = QTimer(self, singleShot=True, interval=HELD)
+        self._held.timeout.connect(self._show_held)
         session.scene.changed.connect(self._show_scene)
         session.scene.live_changed.connect(self._show_live)
         session.view.camera_changed.connect(self._show_camera)
@@ -275,6 +280,15 @@ class Canvas(QWidget):
     # -- what the session shows -----------------------------------------------------------------
 
     def _show_scene(self) -> None:
+        """Show another scene, together with the view where the view goes along with it."""
+        if self._session.advice.may_follow:
+            if not self._held.isActive():
+                self._held.start()
+            return
+        self._show_held()
+
+    def _show_held(self) -> None:
+        self._held.stop()
         self.viewports.show_scene()
         if self.loupe.isVisible():
             self.loupe.show_scene(self._all_shown(), self._session.view.camera)
@@ -363,6 +377,8 @@ class Canvas(QWidget):
             self._pictured = ""
             self.views.turn_to_better()
         self._follow()
+        if self._held.isActive() and not advising.may_follow:
+            self._show_held()
 
     def _follow(self) -> None:
         """Go along with a picture that has another camera now, unless a hand is at work.

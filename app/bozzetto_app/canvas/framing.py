@@ -112,6 +112,7 @@ class Framing(QObject):
         session.drawing.changed.connect(self._changed)
         session.commands.begun.connect(self._begun)
         session.files.exchange.clipboard.pasted.connect(self._begun)
+        session.shapes.begun.connect(self._begun)
 
     def end(self) -> None:
         """Leave the view to the person, who is at work."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.links import resolved
 from bozzetto.errors import UserError
@@ -24,14 +24,21 @@ if TYPE_CHECKING:
 __all__ = ["ShapeInput"]
 
 
-class ShapeInput:
+class ShapeInput(QObject):
     """Makes a new object from the shapes of objects, or of some of their parts.
 
     Attributes
     ----------
     channel : Channel
         The work under way.
+
+    Signals
+    -------
+    begun
+        A new object has come, which may stand elsewhere than what it was made from.
     """
+
+    begun = Signal()
 
     def __init__(
         self,
@@ -41,9 +48,10 @@ class ShapeInput:
         notices: Notices,
         parent: QObject,
     ) -> None:
+        super().__init__(parent)
         self._workbench, self._drawing = workbench, drawing
         self._parts, self._notices = parts, notices
-        self.channel = Channel("use", keep_all=True, parent=parent)
+        self.channel = Channel("use", keep_all=True, parent=self)
 
     @property
     def takers(self) -> tuple[ModelerInfo, ...]:
@@ -110,6 +118,7 @@ class ShapeInput:
             # A copy stands where the object stands: what lies over it would hide it.
             copied = () if follows or parts else tuple(model_ids)
             self._drawing.apply_model(label, model, is_new=True, hidden=copied)
+            self.begun.emit()
             if "follow" in abilities and not follows:
                 self._notices.tell(
                     tr(

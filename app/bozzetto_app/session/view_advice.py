@@ -108,6 +108,12 @@ class ViewAdviser(QObject):
         late = self._pace.isActive() and not _same(self._question(), self._asked)
         return self._channel.busy or late
 
+    @property
+    def may_follow(self) -> bool:
+        """Whether a pinned view may still go along with the newest result, which waits for it."""
+        waits = self._is_pinned and self._advises_on_results and not self._drawing.is_dragging
+        return waits and self.busy
+
     def holds_eye(self, camera: Camera) -> bool:
         """Return whether a view stands where a picture was drawn from; see `ViewAdvice.pinned`.
 

@@ -9,6 +9,7 @@ from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QFocusEvent,
     QKeyEvent,
+    QKeySequence,
     QMouseEvent,
     QPainter,
     QPaintEvent,
@@ -34,6 +35,9 @@ COARSE = 10.0
 """Steps at once with Shift held; Ctrl is fine motion by as much."""
 
 MOST_DECIMALS = 6
+
+OF_THE_DOCUMENT = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
+"""Keys that are the field's own only while somebody types: what was typed is a step by then."""
 
 WIDE = 500.0
 """A range this many times as wide as a usual value is no scale."""
@@ -206,6 +210,14 @@ class NumberField(QDoubleSpinBox):
             self.edited.emit(self.value(), dragging)
 
     # -- typing --
+
+    def event(self, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.ShortcutOverride and not self._typing:
+            key = cast(QKeyEvent, event)
+            if any(key.matches(own) for own in OF_THE_DOCUMENT):
+                event.ignore()
+                return False
+        return super().event(event)
 
     def stepBy(self, steps: int) -> None:
         self._change(self.value() + steps * self.step_at(self.value()), dragging=False)

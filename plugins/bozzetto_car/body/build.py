@@ -173,6 +173,15 @@ def body_in_work(state: CarState) -> Body:
     return body
 
 
+def world_of(state: CarState, body: Body) -> Dimensions:
+    """Return the dimensions in which a car is edited: those wanted, or none if it cannot have them.
+
+    A drag on a body that is shown without them would else be carried over from a body that
+    nobody has seen, ten times as far, say.
+    """
+    return Dimensions() if body.dimensions_problem else state.dimensions
+
+
 def sketch_cameras_of(state: CarState) -> Mapping[str, SketchCamera]:
     """Return the camera of each sketch of a car by its id, without edits if they do not matter.
 

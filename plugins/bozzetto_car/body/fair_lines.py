@@ -59,8 +59,8 @@ def fair_network(template: Template, positions: ArrayLike) -> Network:
     return opened(crested(straightened(anneal(turned_with_chords(template, positions)))))
 
 
-def opened(network: Network) -> Network:
-    """Return a network without corners of patches that are wider than `WIDEST`; nodes stay.
+def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Network:
+    """Return a network without corners of patches that are wider than an angle; nodes stay.
 
     The tangents of both edges turn to the inside of the patch, by half of what is too much, or one
     of them by all of it where the other is smooth over the corner and so belongs to a chain.
@@ -69,6 +69,10 @@ def opened(network: Network) -> Network:
     ----------
     network : Network
         The network to change. A corner of which both edges run on smoothly stays.
+    widest : float
+        Largest angle, degrees.
+    most : float
+        Angle from which a corner stays: the patch is bent in there, and has a normal.
     """
     template = network.template
     held = {end for joint in junctions(template) for end in (joint.before, joint.after)}
@@ -84,10 +88,10 @@ def opened(network: Network) -> Network:
             ways = [_leaving(network, end) for end in ends]
             opening = inside_angle(ways[0], ways[1], normal)
             free = [k for k in (0, 1) if ends[k] not in held and ends[k] not in changed]
-            if opening <= WIDEST or not free:
+            if not widest < opening < most or not free:
                 continue
             inside = places[(number + 2) % 4] - places[number]
-            turn = np.radians(opening - WIDEST) / len(free)
+            turn = np.radians(opening - widest) / len(free)
             for k in free:
                 turned = _turned(ways[k], inside, turn)
                 changed[ends[k]] = turned if ends[k][1] == 0 else -turned

@@ -24,7 +24,6 @@ from bozzetto_car.marking.points_on_mesh import (
 from bozzetto_car.solver.nodes_on_mesh import FEWEST
 from bozzetto_car.solver.pipeline import solve_car, template_of
 from bozzetto_car.state import CarMesh, CarState
-from bozzetto_car.template.model import MIRROR
 
 ALL_MARKED: Final = (
     "All points are marked. Keep the car as a template in the panel Car, or drag a point to move "
@@ -113,13 +112,13 @@ def erased_on_mesh(state: CarState, strokes: Iterable[Stroke], reach: float) -> 
         If there is none under it.
     """
     car = mesh_in_work(state)
-    places = np.array([point.place for point in car.points]).reshape(-1, 3)
+    own = [(p.node, place) for p in car.points for _, place in p.on_both_sides()]
+    places = np.array([place for _, place in own]).reshape(-1, 3)
     met: set[str] = set()
     for stroke in strokes:
-        for side in (places, places * MIRROR):
-            seen = stroke.camera.project(side)[0]
-            near = np.linalg.norm(seen[:, None] - stroke.points, axis=2).min(axis=1) <= reach
-            met |= {car.points[number].node for number in np.flatnonzero(near).tolist()}
+        seen = stroke.camera.project(places)[0]
+        near = np.linalg.norm(seen[:, None] - stroke.points, axis=2).min(axis=1) <= reach
+        met |= {own[number][0] for number in np.flatnonzero(near).tolist()}
     if not met:
         raise UserError("There is no point under the eraser. Rub over a point to take it away.")
     return state.with_node(without_points(car, met))

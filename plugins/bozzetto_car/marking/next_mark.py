@@ -29,6 +29,12 @@ EXCHANGED: Final = (
 )
 """Message for marks that fit a mirrored car."""
 
+NO_CAR: Final = (
+    "No car has these marks: they are missed by {:.0f} px. Some may be on other points; drag them "
+    "to their own."
+)
+"""Message for marks that no camera sees on any car."""
+
 BESIDE: Final = 0.12
 """Distance of nodes beside each other, in diagonals of the car: less than 60 cm."""
 
@@ -181,7 +187,9 @@ def problem_of(placed: Placed) -> str:
     """Return what is wrong with the camera that the marks give; "" while there are too few."""
     if placed.problem and len(placed.sketch.marks) >= FEWEST:
         return placed.problem
-    return EXCHANGED if placed.exchanged else ""
+    if placed.exchanged:
+        return EXCHANGED
+    return "" if placed.misfit is None else NO_CAR.format(placed.misfit)
 
 
 def next_mark_in_words(state: CarState, solved: Solved) -> str:

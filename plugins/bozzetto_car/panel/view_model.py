@@ -175,13 +175,21 @@ def guide_of(state: CarState) -> Guide:
         title,
         before,
         after,
-        0 if sketch is None else sum(mark.node in template.node for mark in sketch.marks),
+        _count(state, sketch, template),
         () if placed is None else tuple(_rows(placed, solved, node)),
         tuple(_sketches(state, solved)),
         _advice(solved),
         tuple(_dimensions(body)),
         tuple(_rules(state, body)),
     )
+
+
+def _count(state: CarState, sketch: Sketch | None, template: Template) -> int:
+    """Return how many nodes are marked on the sketch in work, or on the mesh: of a pair both."""
+    if sketch is not None:
+        return sum(mark.node in template.node for mark in sketch.marks)
+    points = () if state.mesh is None else state.mesh.points
+    return sum(node in template.node for point in points for node, _ in point.on_both_sides())
 
 
 def _neighbours(asked: str, placed: Placed | None, solved: Solved) -> tuple[str, str]:
@@ -219,7 +227,9 @@ def _sketches(state: CarState, solved: Solved) -> Iterator[SketchRow]:
     for sketch in state.sketches:
         placed = solved.placed.get(sketch.id)
         summary = "hidden" if placed is None else _summary(sketch, placed)
-        wrong = placed is not None and bool(placed.disagreeing or placed.exchanged)
+        wrong = placed is not None and bool(
+            placed.disagreeing or placed.exchanged or placed.misfit is not None
+        )
         yield SketchRow(sketch.id, sketch.name, summary, sketch is state.sketch, wrong)
 
 
@@ -230,9 +240,8 @@ def _summary(sketch: Sketch, placed: Placed) -> str:
         words.insert(0, "1 mark disagrees" if wrong == 1 else f"{wrong} marks disagree")
     elif placed.is_known:
         words.insert(0, placed.sketch_camera.camera.kind)
-    agreeing = [px for node, px in (placed.missed or {}).items() if node not in placed.disagreeing]
-    if agreeing:
-        words.append(f"{np.sqrt(np.mean(np.square(agreeing))):.1f} px")
+    if placed.mean_miss is not None:
+        words.append(f"{placed.mean_miss:.1f} px")
     return " · ".join(words)
 
 

@@ -36,6 +36,12 @@ PLAUSIBLE: Final = 1.25
 """Largest spread of a plausible car. Marks that give no plausible car on either side are wrong in
 another way."""
 
+NO_CAR: Final = 0.04
+"""Distance by which marks are missed, rms, in diagonals of their box, from which they are those of
+no car. Of 696 sketches of unseen cars with six and eight marks, steady, trembling by 15 px and
+exaggerated, the worst has 0.03; of 231 with six marks, of which two or more are at the places of
+other points, 96 in a hundred have more."""
+
 NEAR_EYE: Final = 0.05
 """Depth of a node in front of the eye, in mean depths of the car, that no sketch shows."""
 
@@ -76,6 +82,21 @@ class Placed:
     def is_known(self) -> bool:
         """Whether the camera is known."""
         return self.resection is not None
+
+    @property
+    def mean_miss(self) -> float | None:
+        """Distance of the marks that count from where the car has them, rms, px."""
+        px = [off for node, off in (self.missed or {}).items() if node not in self.disagreeing]
+        return float(np.sqrt(np.mean(np.square(px)))) if px else None
+
+    @property
+    def misfit(self) -> float | None:
+        """The same, if it is so great that some marks must be those of other points; else None."""
+        places = np.array([(mark.u, mark.v) for mark in self.sketch.marks]).reshape(-1, 2)
+        if self.mean_miss is None or not len(places):
+            return None
+        is_no_car = self.mean_miss > NO_CAR * float(np.hypot(*np.ptp(places, axis=0)))
+        return self.mean_miss if is_no_car else None
 
 
 def place_sketch(template: Template, sketch: Sketch, resumed: Placed | None = None) -> Placed:

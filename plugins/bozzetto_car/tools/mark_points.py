@@ -14,8 +14,14 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.marking.edit_marks import set_mark, sketch_in_work, without_marks
-from bozzetto_car.marking.mark_mesh import asked_on_mesh, erased_on_mesh, marked_on_mesh
+from bozzetto_car.marking.mark_mesh import (
+    asked_on_mesh,
+    erased_on_mesh,
+    marked_on_mesh,
+    mesh_in_work,
+)
 from bozzetto_car.marking.next_mark import ALL_MARKED, HIDDEN, asked_of
+from bozzetto_car.marking.points_on_mesh import right_name
 from bozzetto_car.solver.pipeline import template_of
 from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.mark_items import MARK, MARK_TOOL, mark_preview
@@ -108,7 +114,7 @@ class MarkPoints(Tool[CarState]):
             If the handle is no mark, or the sketch is not seen as it was drawn.
         """
         if state.mesh is not None:
-            return state if _is_touch(drag) else _on_mesh(state, drag)
+            return _dragged_on_mesh(state, drag)
         body = _seen_body(state)
         if not _is_touch(drag):
             return _marked(state, body, drag, context)
@@ -116,6 +122,21 @@ class MarkPoints(Tool[CarState]):
             return state
         x, y = drag.path.points[0].tolist()
         return _marked(state, body, Tap(x, y, drag.camera), context)
+
+
+def _dragged_on_mesh(state: CarState, drag: Drag) -> CarState:
+    """Return the state with a point of a mesh moved, or the next one set by a touch beside it."""
+    if not _is_touch(drag):
+        return _on_mesh(state, drag)
+    points = mesh_in_work(state).points
+    held = (one for point in points for one in point.on_both_sides())
+    place = next((place for node, place in held if f"{MARK}{node}" == drag.handle), None)
+    if place is None or asked_on_mesh(state) is None:
+        return state
+    is_newest = right_name(template_of(state), drag.handle.removeprefix(MARK)) == points[-1].node
+    x, y = drag.path.points[0].tolist()
+    off = float(np.linalg.norm(drag.camera.project(place)[0][0] - (x, y)))
+    return state if off < BESIDE[is_newest] else _on_mesh(state, Tap(x, y, drag.camera))
 
 
 def _on_mesh(state: CarState, gesture: Tap | Drag) -> CarState:

@@ -12,7 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, Tool, override
 from bozzetto.scene import Scene
 from bozzetto.view import triple
-from bozzetto_car.body.build import Body, body_in_work, body_of
+from bozzetto_car.body.build import Body, body_in_work, body_of, world_of
 from bozzetto_car.body.drag import drag_handle, drag_node
 from bozzetto_car.body.edit_list import add_drag
 from bozzetto_car.state import BentEdge, CarState, MovedNode
@@ -95,7 +95,7 @@ def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
         own = min(node, int(template.mirrored[node]))
         moved = drag_node(network, node, goal, drag.camera).positions[own]
         way = triple(moved - network.positions[own])
-        return MovedNode(state.dimensions, template.names[own], way)
+        return MovedNode(world_of(state, body), template.names[own], way)
     name, _, last = drag.handle.removeprefix(TANGENT).rpartition(" ")
     if not drag.handle.startswith(TANGENT) or last not in ("0", "1"):
         raise UserError("This handle is not of this body. Drag a node or the end of a tangent.")
@@ -106,7 +106,7 @@ def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
     if max(image, ~image) < edge:
         edge, end = (image, end) if image >= 0 else (~image, 1 - end)
     tangent = triple(bent.tangents[edge, end])
-    return BentEdge(state.dimensions, template.edge_names[edge], end, tangent)
+    return BentEdge(world_of(state, body), template.edge_names[edge], end, tangent)
 
 
 def _pen(drag: Drag, held: Array) -> Array:

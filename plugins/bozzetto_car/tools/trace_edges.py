@@ -18,6 +18,7 @@ from bozzetto_car.body.build import (
     drawn_through,
     in_world_of,
     unstretched_body_of,
+    world_of,
 )
 from bozzetto_car.body.edge_runs import find_run
 from bozzetto_car.body.edit_list import without_last_of
@@ -100,7 +101,9 @@ def _edit_of(state: CarState, body: Body, stroke: Stroke) -> TracedEdges:
     sketch_camera = None if sketch is None else body.sketch_cameras.get(sketch.id)
     if sketch is None or sketch_camera is None or not sketch_camera.is_seen_through(stroke.camera):
         return TracedEdges(
-            dimensions=state.dimensions, strokes=Strokes((stroke,)), nodes_follow=state.nodes_follow
+            dimensions=world_of(state, body),
+            strokes=Strokes((stroke,)),
+            nodes_follow=state.nodes_follow,
         )
     own = _on_picture(stroke, sketch_camera, sketch.size)
     return TracedEdges(strokes=Strokes((own,)), sketch=sketch.id, nodes_follow=state.nodes_follow)

@@ -17,13 +17,14 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, is_shown, sketch_cameras_of
 from bozzetto_car.camera.sketch_camera import SketchCamera
+from bozzetto_car.marking.mark_mesh import asked_on_mesh
 from bozzetto_car.marking.next_mark import in_work, problem_of
 from bozzetto_car.solver.initial_cameras import Placed
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.view.scene import body_layers, view_dependent_scene
 
 DRAFTED: Final = ("body", "wheels", "network")
-"""Layers that look different over a drawing, so that the drawing is visible."""
+"""Layers that look different over a drawing or a mesh, so that it is visible."""
 
 
 def camera_looked_through(
@@ -109,7 +110,9 @@ def advice_on(state: CarState, body: Body, camera: Camera) -> ViewAdvice:
     """Return advice on a view: through the sketch in work, or the way back to it."""
     scene, placed = view_dependent_scene(state, body, camera), in_work(state, body.solved)
     if placed is None:
-        return ViewAdvice("good", "", scene=scene)
+        is_marked = state.mesh is not None and asked_on_mesh(state) is not None
+        on_mesh = is_marked and state.shading == "shaded" and is_shown(state, body)
+        return ViewAdvice("good", "", scene=scene + _thin(state, body) if on_mesh else scene)
     sketch = placed.sketch
     sketch_camera = body.sketch_cameras[sketch.id]
     if sketch_camera.is_seen_through(camera):
@@ -138,6 +141,11 @@ def _draft(state: CarState, body: Body, placed: Placed) -> Scene:
     judged = state.shading != "shaded" and placed.is_known
     if not drawn or judged or not is_shown(state, body):
         return Scene()
+    return _thin(state, body)
+
+
+def _thin(state: CarState, body: Body) -> Scene:
+    """Return the body so thin that what it is shaped by shows through."""
     thin = replace(state, shading="draft")
     return Scene(tuple(layer for layer in body_layers(thin, body) if layer.name in DRAFTED))
 

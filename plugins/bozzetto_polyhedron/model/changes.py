@@ -76,7 +76,7 @@ class Push(DrawnChange):
             1e5,
             unit="mm",
             help="How far out it is pulled; below 0, in.",
-            idle_while=("through", (True,)),
+            idle_while=(("through", (True,)),),
         ),
     ] = 0.0
     through: Annotated[bool, Parameter("Through", help="Cut through all of the body.")] = False
@@ -97,7 +97,7 @@ class Push(DrawnChange):
             unit="mm",
             zero="as drawn",
             help="Of a loop that is a circle.",
-            idle_while=("outline", ("drawn",)),
+            idle_while=(("outline", ("drawn",)),),
         ),
     ] = 0.0
 

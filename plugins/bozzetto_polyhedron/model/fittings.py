@@ -115,7 +115,7 @@ class Driven(Fitting):
             3600.0,
             unit="°/s",
             help="Of a motor that turns steadily.",
-            idle_while=("drive", ("no", "swing")),
+            idle_while=(("drive", ("no", "swing")),),
         ),
     ] = 90.0
     angle: Annotated[
@@ -126,7 +126,7 @@ class Driven(Fitting):
             720.0,
             unit="°",
             help="To each side, to and fro.",
-            idle_while=("drive", ("no", "steady")),
+            idle_while=(("drive", ("no", "steady")),),
         ),
     ] = 30.0
     period: Annotated[
@@ -137,7 +137,7 @@ class Driven(Fitting):
             600.0,
             unit="s",
             help="Time of once to and fro.",
-            idle_while=("drive", ("no", "steady")),
+            idle_while=(("drive", ("no", "steady")),),
         ),
     ] = 2.0
 

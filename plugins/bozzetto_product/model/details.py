@@ -105,7 +105,7 @@ class Detail(Part):
             1e4,
             unit="mm",
             help="Of what is pressed in, raised, or a gap.",
-            idle_while=("kind", ("cut", "split")),
+            idle_while=(("kind", ("cut", "split")),),
         ),
     ] = 1.0
     draft: Annotated[
@@ -117,7 +117,7 @@ class Detail(Part):
             0.5,
             unit="°",
             help="Between walls and normals.",
-            idle_while=("kind", ("split",)),
+            idle_while=(("kind", ("split",)),),
         ),
     ] = 3.0
     gap: Annotated[
@@ -128,7 +128,7 @@ class Detail(Part):
             1e4,
             unit="mm",
             help="Round a button.",
-            idle_while=("kind", ("in", "raised", "cut", "split")),
+            idle_while=(("kind", ("in", "raised", "cut", "split")),),
         ),
     ] = 0.5
     color: Annotated[Color | None, Parameter("Colour", help="Colour of this detail.")] = None

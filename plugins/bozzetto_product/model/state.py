@@ -75,7 +75,7 @@ class ProductState(PartsState):
             help="Whether the surfaces drawn are the outside or the inside of the walls.",
             choices=(("inside", "Inward"), ("outside", "Outward")),
             advanced=True,
-            idle_while=("wall", (0.0,)),
+            idle_while=(("wall", (0.0,)),),
         ),
     ] = "inside"
     controls: Annotated[

@@ -165,7 +165,7 @@ class Part(Node):
             zero="through",
             help="How deep what goes straight through and carves or intersects reaches behind its "
             "outline.",
-            idle_while=("surface", ("convolution", "variational", "inflation")),
+            idle_while=(("surface", ("convolution", "variational", "inflation")),),
         ),
     ] = 0.0
     softness: Annotated[
@@ -176,7 +176,7 @@ class Part(Node):
             2.0,
             step=0.05,
             help="How softly limbs flow into the body.",
-            idle_while=("surface", ("variational", "inflation", "straight")),
+            idle_while=(("surface", ("variational", "inflation", "straight")),),
         ),
     ] = 1.4
     pressure: Annotated[
@@ -195,7 +195,7 @@ class Part(Node):
             "Kernel",
             advanced=True,
             help="The function that makes limbs round; the default keeps thin ones thin.",
-            idle_while=("surface", ("variational", "inflation", "straight")),
+            idle_while=(("surface", ("variational", "inflation", "straight")),),
             choices=(
                 ("scalis", "Scale-invariant (default)"),
                 ("cauchy", "Cauchy"),
@@ -212,7 +212,7 @@ class Part(Node):
             "Skeleton",
             advanced=True,
             help="How the skeleton is taken from the triangles of the outline.",
-            idle_while=("surface", ("inflation", "straight")),
+            idle_while=(("surface", ("inflation", "straight")),),
             choices=(("exact", "On the medial axis"), ("paper", "As in SketchCo")),
         ),
     ] = "exact"

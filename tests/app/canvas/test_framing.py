@@ -297,3 +297,21 @@ def test_a_car_that_a_command_puts_on_the_sheet_is_in_view_whatever_was_pressed(
     settle(session, window.keeper)
     assert len(session.drawing.document.models) == 1
     assert sees_all(window)
+
+
+def test_a_car_that_begins_with_a_mesh_is_in_view(make_window, settle, tmp_path):
+    """It stands as a template does, and not where the mesh lay."""
+    window = make_window("bozzetto.car")
+    session = window.session
+    file = tmp_path / "block.obj"
+    corners = [(x, y, z) for x in (0, 4300) for y in (0, 1700) for z in (0, 1400)]
+    faces = ("1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4")
+    lines = [f"v {x + 9000} {z} {-y}" for x, y, z in corners] + [f"f {face}" for face in faces]
+    file.write_text("\n".join(lines), "utf-8")
+    session.files.exchange.import_file(file)
+    settle(session, window.keeper)
+    assert sees_all(window)
+    session.shapes.use_chosen("bozzetto.car")
+    settle(session, window.keeper)
+    assert session.selection.model.modeler == "bozzetto.car"
+    assert sees_all(window)

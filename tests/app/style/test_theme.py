@@ -10,13 +10,14 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtGui import QPalette
-from PySide6.QtWidgets import QLabel
+from PySide6.QtWidgets import QLabel, QLineEdit
 
 from bozzetto.scene.contrast import contrast, readable
 from bozzetto.scene.palette import DARK, LIGHT
 from bozzetto_app.style import theme
 from bozzetto_app.style.colors import tones_of
 from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for, style_sheet
+from bozzetto_app.widgets.number_field import NumberField
 
 BOTH = pytest.mark.parametrize("palette", [LIGHT, DARK], ids=lambda p: p.name)
 
@@ -64,6 +65,19 @@ def test_the_program_is_dressed(qtbot, qapp, palette):
     shown = label.palette().color(QPalette.ColorRole.WindowText)
     assert (shown.red(), shown.green(), shown.blue()) == palette.ink
     assert current_palette() is palette
+
+
+@BOTH
+def test_what_cannot_be_changed_is_grey(qtbot, qapp, palette):
+    """The number in a field that is off was as dark as any."""
+    apply_theme(qapp, palette)
+    for widget in (NumberField("Share"), QLineEdit("Name"), QLabel("Label")):
+        qtbot.addWidget(widget)
+        widget.setEnabled(False)
+        widget.ensurePolished()
+        text = getattr(widget, "lineEdit", lambda one=widget: one)()
+        shown = text.palette().color(QPalette.ColorGroup.Disabled, text.foregroundRole())
+        assert shown.getRgb()[:3] == tones_of(palette).disabled, type(widget).__name__
 
 
 @BOTH

@@ -130,6 +130,20 @@ def test_before_a_treatment_or_in_other_dimensions_a_drag_is_another_one() -> No
     assert len(dragged(longer, "node S4.R", (5.0, 5.0)).edits) == 2
 
 
+def test_under_dimensions_that_no_car_has_a_drag_goes_with_the_pen_all_the_same() -> None:
+    """The body is shown without them then, and so it is dragged; it went eight times as far."""
+    state = replace(marked(), height=200.0, lock=True)
+    before = body_of(state)
+    assert before.dimensions_problem
+    after = body_of(dragged(state, "node R2.R", (10.0, -20.0)))
+    node = before.template.node["R2.R"]
+    seen = [CAMERA.project(body.network.positions[node])[0][0] for body in (before, after)]
+    assert seen[1] - seen[0] == pytest.approx([10.0, -20.0], abs=0.5)
+    others = np.arange(len(before.template.names)) != node
+    others[before.template.mirrored[node]] = False
+    assert after.network.positions[others] == pytest.approx(before.network.positions[others])
+
+
 def test_a_touch_reveals_the_tangents_of_a_node_or_an_edge() -> None:
     state = CarState()
     network = body_of(state).network

@@ -16,10 +16,12 @@ from bozzetto.plugin import Context, Drag, Ink, Job, Tap
 from bozzetto.scene import Handle
 from bozzetto.view import Camera, triple
 from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.edges_on_mesh import network_on_mesh
 from bozzetto_car.commands import car_as_template
 from bozzetto_car.marking.points_on_mesh import nodes_to_mark
 from bozzetto_car.marking.standing_mesh import standing_mesh
 from bozzetto_car.modeler import Car
+from bozzetto_car.panel.view_model import guide_of
 from bozzetto_car.solver.pipeline import template_of
 from bozzetto_car.state import CarState
 from bozzetto_car.template.loader import bundled, read_template
@@ -175,15 +177,65 @@ def test_the_window_marks_moves_and_erases_points() -> None:
     assert point.y > 0.0
     handles = [item for layer in scene_of(state, car.solve(state, Job())).layers
                for item in layer.items if isinstance(item, Handle)]  # fmt: skip
-    mine = next(handle for handle in handles if handle.id == "mark S3.R")
+    assert {handle.id for handle in handles} == {"mark S3.R", "mark S3.L"}
+    mine = min(
+        handles, key=lambda one: np.ptp([camera.project(one.point)[0][0], (600, 400)], 0).max()
+    )
     start = camera.project(np.array([mine.point]))[0][0]
     path = Stroke(start[0] + np.array([0.0, 12.0]), start[1] + np.array([0.0, 12.0]), camera=camera)
     moved = tool.drag(state, Drag(mine.id, path), context)
     assert moved.mesh is not None
     assert moved.mesh.points != state.mesh.points
+    assert guide_of(moved).count == 2, "both of a pair"
+    for off, count in ((2.0, 1), (10.0, 2)):
+        still = Stroke(start[0] + np.array([off, off]), start[1] + np.zeros(2), camera=camera)
+        touched = tool.drag(state, Drag(mine.id, still), context)
+        assert touched.mesh is not None
+        assert len(touched.mesh.points) == count, "the next one is set beside another one"
     rubbed = tool.erase(moved, Ink((path,)), context)
     assert rubbed.mesh is not None
     assert rubbed.mesh.points == ()
+
+
+def test_edges_pass_over_the_windows_and_arches_of_a_real_body() -> None:
+    """A mesh of a body that is built has openings; edges were drawn to their borders."""
+    body = body_of(CarState(template="suv"))
+    template, places, whole = body.template, body.network.positions, mesh_of(body)
+    middles = whole.vertices[whole.faces].astype(float).mean(axis=1)
+    wheels = places[template.wheels[:, 0]]
+    gone = np.zeros(len(middles), bool)
+    for wheel in wheels:
+        gone |= np.hypot(*(middles - wheel)[:, [0, 2]].T) < 420.0
+    belt, roof = places[template.node["S3.R"]], places[template.node["R2.R"]]
+    gone |= (
+        (np.abs(middles[:, 1]) > 0.9 * roof[1])
+        & (np.abs(middles[:, 2] - 0.5 * (belt[2] + roof[2])) < 0.6 * (roof[2] - belt[2]))
+        & (np.abs(np.abs(middles[:, 0] - belt[0]) - 550.0) < 450.0)
+    )
+    cut = Mesh(whole.vertices, whole.faces[~gone])
+    along = bernstein(np.linspace(0.0, 1.0, 17))
+    lines = [
+        along @ network_on_mesh(template, places, mesh).control_points for mesh in (whole, cut)
+    ]
+    assert np.linalg.norm(lines[0] - lines[1], axis=2).max() < 80.0
+
+
+def test_the_body_is_thin_as_long_as_points_of_the_mesh_are_asked_for() -> None:
+    """It lies in the surface on which they are touched."""
+    body = body_of(CarState(template="coupe"))
+    names = nodes_to_mark(bundled("sedan"))
+    places = {
+        name.removesuffix(".R"): body.network.positions[body.template.node[name]] for name in names
+    }
+    for count, is_thin in ((len(names) - 1, True), (len(names), False), (5, False)):
+        parts = boxes_at(dict([*places.items()][:count]))
+        car = standing_mesh(
+            Shapes(surfaces=(Surface(mesh_of(body, 8), "body"), *parts)), "n1", "Mesh"
+        )
+        state = CarState(nodes=(car,))
+        made = body_of(state)
+        advice = Car().advice_on_result(state, made, Camera(), ())
+        assert any(layer.name == "body" for layer in advice.scene.layers) is is_thin
 
 
 def test_meshes_that_are_no_cars_are_refused() -> None:

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from bozzetto_car.marking.next_mark import next_mark_in_words
 from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.state import Mark
 from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
@@ -71,6 +72,19 @@ def test_sides_that_were_exchanged_are_told(template: Template) -> None:
         )
         assert not solve_car(case.state).placed["s0"].exchanged
         assert solve_car(case.state.with_node(replace(sketch, marks=marks))).placed["s0"].exchanged
+
+
+def test_six_marks_of_no_car_are_told(template: Template) -> None:
+    """Right ones never, however unsteady; in each of these four are at the place of another."""
+    for seed in SEEDS:
+        car = styled(template, seed)
+        state = marked(template, car, (FRONT_QUARTER,), seed, count=6, hand=8.0).state
+        assert solve_car(state).placed["s0"].misfit is None
+        row = state.sketches[0].marks[2:]
+        pairs = zip(row, (*row[1:], row[0]), strict=True)
+        wrong = with_marks(state, {one.node: (other.u, other.v) for one, other in pairs})
+        wrong = replace(wrong, selected="s0")
+        assert "on other points" in next_mark_in_words(wrong, solve_car(wrong))
 
 
 # -- dragging --------------------------------------------------------------------------------------

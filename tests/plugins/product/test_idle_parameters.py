@@ -14,8 +14,8 @@ OTHER = {"depth": 2.5, "draft": 12.0, "gap": 1.5}
 CASES = [
     (field.name, kind)
     for field in parameter_fields(Detail)
-    if field.parameter.idle_while is not None
-    for kind in field.parameter.idle_while[1]
+    for _, kinds in field.parameter.idle_while
+    for kind in kinds
 ]
 
 

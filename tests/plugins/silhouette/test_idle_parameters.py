@@ -18,9 +18,10 @@ from bozzetto_silhouette.modeler import Silhouette
 
 MODELER = Silhouette()
 CONDITIONED = {
-    field.name: field.parameter.idle_while[1]
+    field.name: values
     for field in parameter_fields(Part)
-    if field.parameter.idle_while is not None
+    for other, values in field.parameter.idle_while
+    if other == "surface"
 }
 OTHER = {"depth": 20.0, "softness": 1.8, "kernel": "cauchy", "skeleton": "paper"}
 

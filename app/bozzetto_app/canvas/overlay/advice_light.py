@@ -35,8 +35,11 @@ LAMP: Final = 12.0
 
 GAP: Final = 8
 ICON: Final = 16.0
-WIDEST: Final = 460
+WIDEST: Final = 640
 """Most pixels that the words may take; of longer ones the first sentence is shown."""
+
+BESIDE_THE_CENTRE: Final = 460
+"""The same where they leave the centre of the sheet for the view cube."""
 
 BESIDE: Final = 116
 """Pixels kept free at the right, where the view cube is."""
@@ -171,7 +174,8 @@ class ViewLight(QWidget):
         free = self._area.adjusted(self.left, 0, 0, 0)
         button = self.button.sizeHint() if self.advice.better is not None else QSize(0, 0)
         around = round(PADDING + LAMP + GAP + PADDING + button.width())
-        most = max(0, min(WIDEST, free.width() - MARGIN - BESIDE - around))
+        aside = min(BESIDE_THE_CENTRE, free.width() - MARGIN - BESIDE - around)
+        most = max(0, aside, min(WIDEST, free.width() - 2 * BESIDE - around))
         metrics = QFontMetrics(self.font())
         said = " ".join(self.said.split())
         right = Qt.TextElideMode.ElideRight

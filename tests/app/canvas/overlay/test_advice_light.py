@@ -11,6 +11,7 @@ from PySide6.QtTest import QTest
 from bozzetto.plugin import ViewAdvice
 from bozzetto.scene import DARK, LIGHT
 from bozzetto.view.camera import Camera
+from bozzetto_car.template.loader import TEMPLATES, bundled
 
 TURNED = Camera(eye=(300.0, -400.0, 200.0))
 
@@ -41,6 +42,15 @@ def test_the_first_sentence_stands_alone_where_there_is_no_room_for_more(canvas,
     message = f"Lines run towards each other. Turn {'i' * extra} down: 2.7 times more exact."
     session.advice.say(ViewAdvice("warn", message, TURNED))
     assert canvas.light.words in (message, "Lines run towards each other")
+
+
+def test_what_a_point_of_a_car_is_called_has_room(canvas, session):
+    """On a sheet of 1100 px, as in a window of 1600, none of the 400 points is cut short."""
+    canvas.resize(1100, 800)
+    for template in map(bundled, TEMPLATES):
+        for prompt in template.prompts.values():
+            session.advice.say(ViewAdvice("good", f"Touch: {prompt}, on the near side."))
+            assert not canvas.light.words.endswith("…"), prompt
 
 
 def test_it_makes_way_for_what_covers_the_left(canvas, session):
