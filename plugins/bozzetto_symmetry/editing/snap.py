@@ -32,8 +32,9 @@ STEPS: Final = 8
 ON_PLANE: Final = 1e-12
 """Distance from the plane, as a share of that from the origin, that counts as rounding."""
 
-IN_FORM: Final = 1e-9
-"""Distance from a line or a plane, in sizes of the curve, that counts as rounding."""
+IN_FORM: Final = 1e-4
+"""Distance from a line or a plane, in sizes of the curve, that nobody sees: so nearly is a curve
+fitted that is held there."""
 
 WIDER: Final = 2.0
 """Ratio of widths up to which a flat curve keeps its form when its end is taken elsewhere; one
