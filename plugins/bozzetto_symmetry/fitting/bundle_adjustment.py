@@ -72,12 +72,15 @@ class Sight:
         Pieces of ink that show its mirror image.
     noise : float
         Standard deviation of the hand across the ink, px.
+    whole : bool
+        Every piece ends where the curve does.
     """
 
     stereo: Stereo
     near: tuple[Array, ...]
     far: tuple[Array, ...] = ()
     noise: float = 0.0
+    whole: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +235,7 @@ def _fitted(
 def _matched(sights: Sequence[Sight], basis: SymmetricBasis, points: Array) -> tuple[Ink, ...]:
     """Return the ink of the views, matched to a curve."""
     inks = [
-        match_ink(sight.stereo, sight.near, sight.far, sight.noise, basis, points)
+        match_ink(sight.stereo, sight.near, sight.far, sight.noise, basis, points, sight.whole)
         for sight in sights
     ]
     found = tuple(ink for ink in inks if ink is not None)
