@@ -258,8 +258,8 @@ def match_ink(
     columns: dict[str, Any] = {
         name: np.concatenate([getattr(ink, name) for ink in pieces]) for name in COLUMNS
     }
-    whole = replace(pieces[0], **columns).settled(basis, points, steps=FIRST_STEPS)
-    return whole if basis.periodic else _without_beyond(whole, basis, points)
+    matched = replace(pieces[0], **columns).settled(basis, points, steps=FIRST_STEPS)
+    return matched if basis.periodic else _without_beyond(matched, basis, points)
 
 
 def _matched(ink: Ink, image: Array, at: Array, basis: SymmetricBasis, whole: bool) -> Ink:
