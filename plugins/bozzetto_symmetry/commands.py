@@ -91,8 +91,9 @@ def _switched(state: SymmetryState, context: Context) -> SymmetryState:
         free = replace(curve, canvas=None, end_snaps=())
         trace_of(free, state)
         return state.with_node(free)
+    reading = trace_of(curve, state).reading
     ways = _by_likelihood(curve, state)
-    now = ways.index(trace_of(curve, state).reading)
+    now = ways.index(reading)
     for step in range(1, len(ways)):
         tried = replace(curve, reading=ways[(now + step) % len(ways)], other=False)
         try:

@@ -51,6 +51,9 @@ def test_commands_on_a_curve_need_a_chosen_one() -> None:
             assert not one.enabled(replace(state, selected=""))
     with pytest.raises(UserError, match="No curve is chosen"):
         run("switch-reading", replace(state, selected="gone"))
+    bare = state.with_node(replace(state.curves[0], strokes=Strokes(())))
+    with pytest.raises(UserError, match="has no ink"):
+        run("switch-reading", bare)
 
 
 def test_the_key_goes_through_what_the_ink_allows_and_comes_back() -> None:
