@@ -12,10 +12,10 @@ from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.operations.curve_ends import with_nearest_joined
 from bozzetto_symmetry.operations.snap_candidates import with_ends_caught
 from bozzetto_symmetry.operations.trim_or_extend import with_ends_met
-from bozzetto_symmetry.solve.curve_solver import trace_of
+from bozzetto_symmetry.solve.curve_solver import trace_of, views_of
 
 READINGS: Final[tuple[AskedReading, ...]] = ("pair", "self", "plane", "half")
-"""In the order in which the key goes through them."""
+"""In the order in which the key goes through those that the ink in one view says nothing of."""
 
 
 def all_commands() -> Sequence[Command]:
@@ -91,15 +91,24 @@ def _switched(state: SymmetryState, context: Context) -> SymmetryState:
         free = replace(curve, canvas=None, end_snaps=())
         trace_of(free, state)
         return state.with_node(free)
-    now = READINGS.index(trace_of(curve, state).reading)
-    for step in range(1, len(READINGS)):
-        tried = replace(curve, reading=READINGS[(now + step) % len(READINGS)], other=False)
+    reading = trace_of(curve, state).reading
+    ways = _by_likelihood(curve, state)
+    now = ways.index(reading)
+    for step in range(1, len(ways)):
+        tried = replace(curve, reading=ways[(now + step) % len(ways)], other=False)
         try:
             trace_of(tried, state)
         except UserError:
             continue
         return state.with_node(tried)
     raise UserError("These strokes can be read in no other way. Draw the other side, too.")
+
+
+def _by_likelihood(curve: Curve, state: SymmetryState) -> list[AskedReading]:
+    """Return all readings, the likeliest first: what is meant is then the next one, if not this."""
+    found = views_of(curve.strokes, state)[0].reader.read("auto", state.bounds)
+    ranked = dict.fromkeys(read.reading for read in found)
+    return list(dict.fromkeys((*ranked, *READINGS)))
 
 
 def _snapping_switched(state: SymmetryState, context: Context) -> SymmetryState:

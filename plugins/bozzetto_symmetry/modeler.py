@@ -37,7 +37,7 @@ from bozzetto_symmetry.tools.draw_curve import DrawCurve
 from bozzetto_symmetry.view.hints import next_step
 from bozzetto_symmetry.view.scene import scene_of
 from bozzetto_symmetry.view.vanishing_lines import seen_from
-from bozzetto_symmetry.view.view_advice import advice, directions
+from bozzetto_symmetry.view.view_advice import advice, directions, first_advice
 
 FIRST_NEEDED: Final = (
     "scipy.interpolate", "scipy.linalg", "scipy.ndimage", "scipy.sparse.linalg", "scipy.spatial",
@@ -178,6 +178,9 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
             there = advice(waiting, state.plane, state.centre, state.diagonal)
             if there.level != "refuse":
                 return ViewAdvice("warn", WAITS_ELSEWHERE, waiting, scene)
-        lines = directions(state, job)
-        judged = advice(camera, state.plane, state.centre, state.diagonal, lines)
+        if not state.nodes:
+            judged = first_advice(camera, state)
+        else:
+            lines = directions(state, job)
+            judged = advice(camera, state.plane, state.centre, state.diagonal, lines)
         return ViewAdvice(judged.level, judged.message, judged.better, scene)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,17 @@ STEPS: Final = 8
 ON_PLANE: Final = 1e-12
 """Distance from the plane, as a share of that from the origin, that counts as rounding."""
 
+IN_FORM: Final = 1e-4
+"""Distance from a line or a plane, in sizes of the curve, that nobody sees: so nearly is a curve
+fitted that is held there."""
+
+WIDER: Final = 2.0
+"""Ratio of widths up to which a flat curve keeps its form when its end is taken elsewhere; one
+that is closed to a drop, or opened, bends near its ends."""
+
+LEVER: Final = 0.5
+"""How far from the crossing a flat curve ends, in its size, to turn about that."""
+
 LOOKS: Final = 256
 """Places by which lengths are measured."""
 
@@ -42,7 +53,8 @@ def snap_end(
     """Return a curve whose end is at a given place.
 
     The direction at the end stays, or becomes the one given. A stretch before it moves along, the
-    less the farther it is from the end; the rest does not move.
+    less the farther it is from the end; the rest does not move. Across the plane, a straight curve
+    stays straight, whatever the direction, and a flat one flat.
 
     Parameters
     ----------
@@ -94,6 +106,11 @@ def _end_moved(spline: Spline, place: Array, tangent: ArrayLike | None) -> Splin
 
 def _both_ends_moved(spline: Spline, place: Array, tangent: ArrayLike | None) -> Spline:
     """Return a curve across the plane with its free end, and the image of that, moved."""
+    form = _simple_form(spline.control_points)
+    if form is not None and _is_near(spline, place):
+        spline = _turned_to(spline, place)
+        if form == "straight" or tangent is None:
+            return spline
     middle = halves_of(spline).middle
     way = place - spline.value(spline.range[1:])[0]
     turn = _turn(spline, tangent)
@@ -104,6 +121,43 @@ def _both_ends_moved(spline: Spline, place: Array, tangent: ArrayLike | None) ->
     _pin(points, place, tangent)
     points[:2] = points[:-3:-1] * MIRROR
     return Spline(finer.knots, points)
+
+
+def _simple_form(points: Array) -> Literal["straight", "flat"] | None:
+    """Return what a curve across the plane is that lies in planes along the normal of that."""
+    beside = points[:, ::2] - points[:, ::2].mean(axis=0)
+    _, wide = np.linalg.svd(beside, compute_uv=False)
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if not wide <= IN_FORM * size:
+        return None
+    return "straight" if float(np.abs(beside).max()) <= IN_FORM * size else "flat"
+
+
+def _is_near(spline: Spline, place: Array) -> bool:
+    """Return whether a curve across the plane is about as wide with its end at a place."""
+    end = abs(float(spline.control_points[-1, 1]))
+    return bool(end < WIDER * abs(place[1]) <= WIDER**2 * end)
+
+
+def _turned_to(spline: Spline, place: Array) -> Spline:
+    """Return a flat curve across the plane that ends at a place, and is flat.
+
+    It is as wide as its end. Its plane turns where the curve crosses the centre plane, which is
+    what the ink leaves open of it, and is stretched along; a curve that ends beside where it
+    crosses moves as a whole, as a straight one does.
+    """
+    middle, end = spline.value((0.5 * sum(spline.range), spline.range[1]))
+    points = spline.control_points.copy()
+    points[:, 1] *= place[1] / end[1]
+    beside, was, now = (at[..., ::2] - middle[::2] for at in (points, end, place))
+    length, size = float(np.linalg.norm(was)), float(np.linalg.norm(beside, axis=1).max())
+    if length > LEVER * max(size, abs(float(end[1]))):
+        points[:, ::2] = middle[::2] + np.outer(beside @ was / length**2, now)
+    else:
+        points[:, ::2] += now - was
+    points[-1] = place
+    points[0] = place * MIRROR
+    return Spline(spline.knots, points)
 
 
 def _turn(spline: Spline, tangent: ArrayLike | None) -> Array:

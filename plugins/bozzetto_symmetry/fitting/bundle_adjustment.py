@@ -72,12 +72,15 @@ class Sight:
         Pieces of ink that show its mirror image.
     noise : float
         Standard deviation of the hand across the ink, px.
+    whole : bool
+        Every piece ends where the curve does.
     """
 
     stereo: Stereo
     near: tuple[Array, ...]
     far: tuple[Array, ...] = ()
     noise: float = 0.0
+    whole: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +135,8 @@ def adjust_bundle(
         The curve across the plane is closed.
     controls : {"adaptive", "seven"}
         Control points of a half. "adaptive" takes 7, then 3 more until the ink is within
-        0.1 px (rms) or 0.7 times the noise of the hand, or more explain no shape.
+        0.1 px (rms) or 0.7 times the noise of the hand, or more explain no shape. A straight
+        line has no more than 7.
     planes : (k, 4) float
         Rows (n, d): the curve lies in the planes ``n · X = d``, whatever the ink says.
     surface : BowedPlane, optional
@@ -155,7 +159,8 @@ def adjust_bundle(
     if reading == "self" and _shows_mirror_image(sights, place):
         place, spread = place * MIRROR, spread * MIRROR * MIRROR[:, None]
     stations = stations_of(place, spread, basis)
-    most = MOST if controls == "adaptive" else FEWEST
+    straight = len(planes) > 1
+    most = MOST if controls == "adaptive" and not straight else FEWEST
     enough = max(ENOUGH, NOISE_FACTOR * min((sight.noise for sight in sights), default=0.0))
 
     while sights and _strays(basis, place, spread, stations, sights) and basis.count + MORE <= most:
@@ -230,7 +235,7 @@ def _fitted(
 def _matched(sights: Sequence[Sight], basis: SymmetricBasis, points: Array) -> tuple[Ink, ...]:
     """Return the ink of the views, matched to a curve."""
     inks = [
-        match_ink(sight.stereo, sight.near, sight.far, sight.noise, basis, points)
+        match_ink(sight.stereo, sight.near, sight.far, sight.noise, basis, points, sight.whole)
         for sight in sights
     ]
     found = tuple(ink for ink in inks if ink is not None)

@@ -215,6 +215,7 @@ def match_ink(
     noise: float,
     basis: SymmetricBasis,
     points: Array,
+    whole: bool = False,
 ) -> Ink | None:
     """Match the ink of one view to the image of a curve that is roughly right.
 
@@ -232,6 +233,8 @@ def match_ink(
         px.
     points : (k, 3) float
         Control points of the half.
+    whole : bool
+        Every piece ends where the curve does, however far off that is.
 
     Returns
     -------
@@ -249,23 +252,23 @@ def match_ink(
         for pixels in side:
             ink = Ink.of(stereo, pixels, factors, noise, len(pieces), basis.closed)
             if ink is not None:
-                pieces.append(_matched(ink, image, at, basis))
+                pieces.append(_matched(ink, image, at, basis, whole))
     if not pieces:
         return None
     columns: dict[str, Any] = {
         name: np.concatenate([getattr(ink, name) for ink in pieces]) for name in COLUMNS
     }
-    whole = replace(pieces[0], **columns).settled(basis, points, steps=FIRST_STEPS)
-    return whole if basis.periodic else _without_beyond(whole, basis, points)
+    matched = replace(pieces[0], **columns).settled(basis, points, steps=FIRST_STEPS)
+    return matched if basis.periodic else _without_beyond(matched, basis, points)
 
 
-def _matched(ink: Ink, image: Array, at: Array, basis: SymmetricBasis) -> Ink:
+def _matched(ink: Ink, image: Array, at: Array, basis: SymmetricBasis, whole: bool) -> Ink:
     """Return one piece of ink with its parameters, and which of its ends show ends of the curve."""
     length = float(ink.along[-1])
     parameters = _passed_parameters(ink.pixels, length, image, at, closed=basis.closed)
     held = ink.held.copy()
     if not basis.periodic:
-        close = max(AT_END[0], AT_END[1] * length)
+        close = np.inf if whole else max(AT_END[0], AT_END[1] * length)
         for end in (1,) if basis.reading == "self" else (0, 1):
             tip = -int(np.argmin(np.abs(parameters[[0, -1]] - basis.half[end])))
             if np.linalg.norm(ink.pixels[tip] - image[-end]) <= close:

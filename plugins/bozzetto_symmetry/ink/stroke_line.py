@@ -81,6 +81,10 @@ CLOSING: Final = 0.06
 """Widest gap of a closed stroke as a share of the diagonal of its bounding box. Of an arch that
 makes 95 % of a turn it is 0.11, and that is open."""
 
+SMALL: Final = (6.0, 0.1)
+"""Gap, px, by which a hand misses where it began, however small the loop is, and the share of the
+diagonal that it may be even then."""
+
 OVERLAP: Final = 0.06
 """Share of a stroke that closing may cut off, wherever it goes: a hook of the pen is no longer."""
 
@@ -224,12 +228,14 @@ def _hand_window(points: Array, closed: bool) -> int:
 
 def _loop(points: Array) -> Array | None:
     """Return the ring that a stroke closes, or None if it is open."""
-    gap, size = points[-1] - points[0], np.ptp(points, axis=0)
-    within = 2.0 * END_SHARE * length_of(points) + CLOSING * float(np.hypot(*size))
+    gap, size = points[-1] - points[0], float(np.hypot(*np.ptp(points, axis=0)))
+    missed, most = SMALL
+    closing = max(CLOSING, min(missed / size, most))
+    within = 2.0 * END_SHARE * length_of(points) + closing * size
     if float(np.hypot(*gap)) > within or not is_closed_gesture(points):
         return None  # cutting the ends back cannot bring them together, or does not
     ring = close_stroke(points)
-    if end_gap(ring) > CLOSING or _winds_on(points, ring):
+    if end_gap(ring) > closing or _winds_on(points, ring):
         return None
     return ring
 

@@ -12,7 +12,7 @@ halves of a curve across the plane where their ends meet, or one side that was d
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -25,6 +25,7 @@ from bozzetto.plugin import cached_property
 from bozzetto_symmetry.ink.sides import Side, gap_between, join_ends, merge_alongside
 from bozzetto_symmetry.interpretation.candidate import Candidate, Read
 from bozzetto_symmetry.interpretation.pair import as_pair, overdrawn
+from bozzetto_symmetry.interpretation.round_loop import is_wheel
 from bozzetto_symmetry.interpretation.self_symmetric import as_crossing
 from bozzetto_symmetry.interpretation.triangulation import strays
 from bozzetto_symmetry.stereo.degeneracies import Case, reasons_of, special_case
@@ -48,6 +49,9 @@ IN_BOX: Final = 0.02
 
 TWO_SIDES: Final = 25.0
 """Price of leaving sides waiting although there are two, px."""
+
+WHEEL: Final = 0.8
+"""Price of a loop that is round along the plane, in that of the best ring across."""
 
 GAP: Final = 0.35
 """Price of a pixel of gap between halves that are read as one curve across the plane."""
@@ -127,12 +131,19 @@ class Reader:
         found: list[Read] = []
         if asked in ("auto", "pair"):
             found += self._best(self._pairs, box)
-        if asked in ("auto", "self"):
-            found += self._best(self._crossings, box)
+        crossings = self._best(self._crossings, box) if asked in ("auto", "self") else []
+        found += crossings
+        lone: list[Read] = []
         if asked in ("auto", "plane") and self._in_plane is not None:
-            found += self._in_plane.in_box(box)
+            lone += self._in_plane.in_box(box)
         if asked in ("auto", "half"):
-            found.append(self._half)
+            lone.append(self._half)
+        if crossings and len(lone) > 1 and is_wheel(lone[0], crossings):
+            # It fits across the plane as well, as every ellipse does.
+            meant = min(lone, key=lambda one: one.cost)
+            cost = WHEEL * min(each.cost for each in crossings)
+            lone = [replace(each, cost=cost) if each is meant else each for each in lone]
+        found += lone
         if not found:
             raise UserError(_impossible(asked, self._sides))
         return tuple(sorted(found, key=lambda one: one.cost))

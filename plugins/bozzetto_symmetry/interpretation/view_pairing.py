@@ -69,6 +69,24 @@ ROUNDING: Final = 1e-12
 KNOWN: Final = 1e-9
 """Information, per mm², that every direction has."""
 
+REFUSED: Final = 5.0
+"""Angle between the rays of two places, degrees, below which they say next to nothing of depth."""
+
+WARNED: Final = 12.0
+"""The same, below which they say little."""
+
+NO_DEPTH: Final = (
+    "The two views show the two sides alike, and so next to no depth: draw one side again in a "
+    "view turned by about 15°."
+)
+LITTLE_DEPTH: Final = (
+    "The two views show the two sides nearly alike, and so little depth: draw one side again in a "
+    "view turned a little."
+)
+
+TWO_VIEWS: Final = "two views"
+"""Beginning of the source of a pair across views."""
+
 SURE: Final = 5.0
 """Cost, px, below which a side in one view and one in another are a pair. With 1 px of tremor true
 ones cost 3.7 at most, and sides of different curves 7 and more (40 drawings each)."""
@@ -104,6 +122,11 @@ def pair_across(
         if pair is not None and pair.cost < min(SURE, alone[i] + alone[j]):
             found.append((pair.cost, i, pair))
     return min(found, key=lambda each: each[:2])[1:] if found else None
+
+
+def is_whole_pair(read: Read) -> bool:
+    """Return whether a reading takes all of a side in one view for all of one in another."""
+    return read.source[:1] == (TWO_VIEWS,) and read.coverage == 1.0
 
 
 def pair_of_views(
@@ -226,8 +249,16 @@ def _read(
     cost = price(MISFIT * off + BENT * uneven, half, 1.0 - float(np.mean(covered)))
     return Read(
         "pair", cost + OUTSIDE * half.share_outside(box), float(np.mean(covered)), points,
-        covariances, None, np.zeros((0, 2)), (side,), (), source=("two views", back),
+        covariances, None, np.zeros((0, 2)), (side,), (), source=(TWO_VIEWS, back),
+        warnings=_flatly_seen(rays, image),
     )  # fmt: skip
+
+
+def _flatly_seen(rays: Rays, image: Rays) -> tuple[str, ...]:
+    """Return what is to be said of views that are nearly each other's mirror images."""
+    sine = np.linalg.norm(np.cross(rays.directions, image.directions), axis=1)
+    apart = float(np.degrees(np.arcsin(min(1.0, float(np.median(sine))))))
+    return (NO_DEPTH,) if apart < REFUSED else (LITTLE_DEPTH,) if apart < WARNED else ()
 
 
 def _smoothed(stations: Array) -> Array:

@@ -26,7 +26,7 @@ from bozzetto_symmetry.ink.same_view import by_view
 from bozzetto_symmetry.ink.sides import Side, sides_of
 from bozzetto_symmetry.interpretation.candidate import Read
 from bozzetto_symmetry.interpretation.reader import Reader
-from bozzetto_symmetry.interpretation.view_pairing import pair_across
+from bozzetto_symmetry.interpretation.view_pairing import is_whole_pair, pair_across
 from bozzetto_symmetry.model.canvas import Canvas, LaidInk
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
@@ -380,9 +380,11 @@ def _fitted(views: Sequence[View], alike: Mapping[int, Read], main: int, detail:
         Estimate(r.points, r.covariances * max(noise[k], 0.3) ** 2) for k, r in alike.items()
     ]
     whole = estimates[0] if len(estimates) == 1 else fuse(estimates, closed=first.closed)
-    sights = [Sight(views[k].stereo, r.near, r.far, noise[k]) for k, r in alike.items()]
+    # Of views that agree each may show more of the curve than the other.
+    alone = len(alike) == 1
+    sights = [Sight(views[k].stereo, r.near, r.far, noise[k], alone) for k, r in alike.items()]
     sights += [
-        _one_sided(view, noise[k], whole.points, first)
+        replace(_one_sided(view, noise[k], whole.points, first), whole=is_whole_pair(first))
         for k, view in enumerate(views)
         if k not in alike
     ]

@@ -27,9 +27,12 @@ DOT: Final = 9.0
 
 _NEXT: Final = (
     "Touch a corner, an edge, a curve or its end: new curves lie in a plane through it.",
-    "New curves lie in this plane. Touch a second place to turn it there, or drag its middle.",
-    "The plane goes through both places. Touch a third one, or drag its middle, or draw.",
-    "The plane goes through three places. Drag its middle, draw, or touch a place for another one.",
+    "New curves lie in this plane. Take the pen to draw, touch a second place to turn it there, or "
+    "drag its middle.",
+    "The plane goes through both places. Take the pen to draw, touch a third one, or drag its "
+    "middle.",
+    "The plane goes through three places. Take the pen to draw, drag its middle, or touch a place "
+    "for another one.",
 )
 
 

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import Job
-from bozzetto.view import Camera, turn
+from bozzetto.view import Camera, fit_points, turn
+from bozzetto_symmetry.model.box_geometry import box_corners
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
 from bozzetto_symmetry.solve.curve_solver import trace_of
@@ -43,6 +44,15 @@ WORTH: Final = 1.25
 
 MANY: Final = 20.0
 """Gain above which its figure says no more than that it is large."""
+
+LYING: Final = 10.0
+"""Height of the eye, degrees, up to which a view is nearly level."""
+
+ABOVE: Final = 20.0
+"""Height of the eye, degrees, from which one first looks into the box."""
+
+ROOM: Final = 0.15
+"""Part of the sheet that is left free on each side of an empty box."""
 
 LEVEL: Final = 1e-6
 """Rise of the sheet's horizontal, as a sine, below which the view is upright."""
@@ -131,6 +141,8 @@ def advice(
     centre: Point,
     diagonal: float,
     directions: ArrayLike | None = None,
+    *,
+    above: bool = False,
 ) -> Advice:
     """Judge a view by what it would make of a drawing.
 
@@ -153,6 +165,9 @@ def advice(
     directions : (k, 3) array_like, optional
         Tangents of the curves that are drawn, of any length; lines of all directions along
         the plane's side if there are none.
+    above : bool
+        Advise no level view but one from above: in a level one all that is level, and as high
+        as the eye, is seen on edge.
 
     Returns
     -------
@@ -171,8 +186,22 @@ def advice(
     gain = now / then
     if gain < (WORTH if level == "good" else LEAST):
         return Advice(level, f"{cause} {remedy}".strip())
+    better, words = way.of(camera), way.words
+    if above:
+        better, raised = _raised(better)
+        words += raised
+        gain = now / uncertainty(better)
     times = f"{gain:.1f}" if gain < MANY else f"more than {MANY:.0f}"
-    return Advice(level, f"{cause} {way.words}: {times} times more exact.", way.of(camera), gain)
+    return Advice(level, f"{cause} {words}: {times} times more exact.", better, gain)
+
+
+def _raised(camera: Camera) -> tuple[Camera, str]:
+    """Return a view from above in the place of a level one, and the words for it."""
+    right, up, forward = camera.axes
+    height = -float(np.degrees(np.arcsin(np.clip(forward[2], -1.0, 1.0))))
+    if abs(right[2]) > LEVEL or not up[2] > 0.0 or abs(height) > LYING:
+        return camera, ""
+    return turn(camera, 0.0, ABOVE - height), f" and {ABOVE - height:.0f}° up"
 
 
 def _judged(stereo: Stereo, uncertainty: float) -> tuple[Level, str, str]:
@@ -245,6 +274,14 @@ def _lines(directions: ArrayLike | None, plane: CentrePlane) -> Array:
 
 def _length(mm: float) -> str:
     return f"{mm:.1f} mm" if mm >= 1.0 else f"{mm:.2g} mm"
+
+
+def first_advice(camera: Camera, state: SymmetryState) -> Advice:
+    """Judge a view of an empty box; a better one is from above, and holds all of the box."""
+    judged = advice(camera, state.plane, state.centre, state.diagonal, above=True)
+    if judged.better is None:
+        return judged
+    return replace(judged, better=fit_points(judged.better, box_corners(state), ROOM))
 
 
 def directions(state: SymmetryState, job: Job) -> Array | None:

@@ -51,6 +51,9 @@ def test_commands_on_a_curve_need_a_chosen_one() -> None:
             assert not one.enabled(replace(state, selected=""))
     with pytest.raises(UserError, match="No curve is chosen"):
         run("switch-reading", replace(state, selected="gone"))
+    bare = state.with_node(replace(state.curves[0], strokes=Strokes(())))
+    with pytest.raises(UserError, match="has no ink"):
+        run("switch-reading", bare)
 
 
 def test_the_key_goes_through_what_the_ink_allows_and_comes_back() -> None:
@@ -65,6 +68,21 @@ def test_the_key_goes_through_what_the_ink_allows_and_comes_back() -> None:
     assert found[-1] == "self"
     assert len(set(found)) == len(found) >= 2
     assert "half" in found
+
+
+@pytest.mark.parametrize("name", ["hood U", "wavy bumper", "wheel"])
+def test_the_key_takes_what_is_likeliest_next(name: str) -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 200)
+    wheel = 30.0 * np.column_stack((np.cos(turn), np.zeros(200), np.sin(turn)))
+    state = model(wheel if name == "wheel" else s.ACROSS[name])
+    found = trace_of(state.curves[0], state).views[0].reader.read("auto", state.bounds)
+    costs = {read.reading: read.cost for read in reversed(found)}
+    seen = [reading(state)]
+    while len(seen) < len(costs):
+        state = run("switch-reading", state)
+        seen.append(reading(state))
+    assert seen == sorted(costs, key=lambda kind: costs[kind])
+    assert name != "wheel" or seen[:2] == ["plane", "self"]
 
 
 def test_both_sides_may_be_read_otherwise_and_are_a_pair_again() -> None:

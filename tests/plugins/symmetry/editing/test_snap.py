@@ -7,6 +7,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto_symmetry.editing.snap import snap_end
+from bozzetto_symmetry.fitting.space_curve import SpaceCurve, across
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry.edited_curves import ACROSS, FLAT, LOOP, PAIR, check
 
@@ -44,6 +45,34 @@ def test_both_free_ends_of_a_curve_across_the_plane_go():
     assert (made.spline.value([-1.0])[0] == goal * MIRROR).all()
     middle = np.linspace(-0.5, 0.5, 100)
     np.testing.assert_allclose(made.spline.value(middle), ACROSS.spline.value(middle), atol=1e-10)
+
+
+def flat_across(bow):
+    """A curve across the plane in a plane that holds y: straight without a bow."""
+    share = np.linspace(0.0, 1.0, 9)
+    out = np.outer(bow * share**2, (0.6, 0.0, 0.8))
+    half = out + np.outer(share, (0.0, 30.0, 0.0)) + (10.0, 0.0, 5.0)
+    half[1, ::2] = half[0, ::2]
+    return SpaceCurve("self", across(half))
+
+
+@pytest.mark.parametrize("bow", [0.0, 4.0, 40.0])
+@pytest.mark.parametrize("way", [WAY, 5.0 * WAY])
+def test_what_is_straight_or_flat_across_the_plane_stays_so(bow, way):
+    """A bar that goes to the ends of two posts got a bend before each of them."""
+    curve = flat_across(bow)
+    goal = curve.spline.value([curve.spline.range[1]])[0] + way
+    made = snap_end(curve, 1, goal)
+    check(made)
+    assert (made.spline.value([made.spline.range[1]])[0] == goal).all()
+    points = made.spline.sampled(200)
+    beside = points[:, ::2] - points[:, ::2].mean(axis=0)
+    long, wide = np.linalg.svd(beside, compute_uv=False)
+    assert wide < 1e-9
+    assert (long < 1e-9) == (bow == 0.0)
+    if bow == 40.0:  # what is seen of it hardly changes: it does not wind about the old one
+        turns = np.diff(np.arctan2(*np.diff(points[100:], axis=0)[:, 1:].T))
+        assert (turns <= 1e-9).all() or (turns >= -1e-9).all()
 
 
 def test_an_end_that_stays_changes_nothing():

@@ -139,3 +139,12 @@ def test_any_ink_gives_a_line_or_says_why_not(ink: np.ndarray) -> None:
     assert 2 <= len(line.pixels) <= MOST
     assert np.isfinite(line.noise)
     assert line.noise >= 0.0
+
+
+@pytest.mark.parametrize("radius", [22.0, 40.0, 200.0])
+def test_a_loop_is_closed_by_a_hand_that_misses_its_beginning_by_five_pixels(radius: float) -> None:
+    """A share of its size alone left small ones open: the lenses of glasses on a small screen."""
+    for gap, closed in ((5.0, True), (0.07 * 2.0 * np.pi * radius, False)):
+        angle = np.linspace(0.0, 2.0 * np.pi - gap / radius, 90)
+        line = smooth_line(radius * np.column_stack((np.cos(angle), np.sin(angle))))
+        assert line.closed is closed

@@ -67,6 +67,36 @@ def test_drawings_stroke_by_stroke_are_one_pair_each() -> None:
     assert sum(each < 3.0 for each in off) >= 10
 
 
+@pytest.mark.parametrize("seed", [65001, 65019, 65037])
+def test_the_curve_ends_where_both_sides_end(seed: int) -> None:
+    """Where rays hardly tell an end, ink beyond the first, smooth guess was left out."""
+    meant = m.two_views(1.0, np.random.default_rng(seed))
+    state = add_drawing(SymmetryState(), meant.strokes)
+    trace = trace_of(state.curves[0], state)
+    for stroke in meant.strokes:
+        images = [Stereo(stroke.camera).project(trace.points * way) for way in (1.0, MIRROR)]
+        for tip in stroke.points[[0, -1]]:
+            ends = np.vstack([image[[0, -1]] for image in images])
+            assert np.linalg.norm(ends - tip, axis=1).min() < 8.0
+
+
+def test_views_that_are_nearly_mirror_images_are_told() -> None:
+    side = m.smooth_side(np.random.default_rng(3))
+
+    def told(azimuth: float) -> str:
+        views = s.camera(30, 20, pixels=800.0), s.camera(azimuth, 20, pixels=800.0)
+        one, other = (
+            s.drawn(side * way, view) for way, view in zip((1.0, MIRROR), views, strict=True)
+        )
+        found = read(Stroke(*one.T, views[0]), Stroke(*other.T, views[1]))
+        assert found is not None
+        return " ".join(found.warnings)
+
+    assert "next to no depth" in told(-33)
+    assert "little depth" in told(-40)
+    assert "depth" not in told(40)
+
+
 def test_either_side_may_come_first_and_run_either_way() -> None:
     meant = m.two_views(0.5, np.random.default_rng(320))
     one, other = meant.strokes

@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from bozzetto.geometry import Placement
 from bozzetto.view import Camera
 from bozzetto.view.navigation import turn
+from bozzetto_symmetry.model.box_geometry import box_corners
+from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.stereo.degeneracies import CAUSES, Case, intersect_rays
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import pair_covariances, sigmas
-from bozzetto_symmetry.view.view_advice import Advice, advice
+from bozzetto_symmetry.view.view_advice import Advice, advice, first_advice
 from tests.plugins.symmetry.scenes import DIAGONAL, PAIRS, camera
 from tests.sizes import sized
 
@@ -271,3 +273,22 @@ def test_fifty_thousand_views_of_each_kind(kind: Kind) -> None:
         points, _ = intersect_rays(stereo, near, far)
         assert not np.isinf(points).any()
         assert np.isfinite(pair_covariances(stereo, near, far, tangents)).all()
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 90.0])
+def test_an_empty_box_is_first_seen_from_above_and_whole(azimuth: float) -> None:
+    """Level, a seat at the height of the eye was a line."""
+    state = SymmetryState(centre=(0.0, 0.0, 50.0))
+    judged = first_advice(camera(azimuth, 0), state)
+    better = judged.better
+    assert better is not None
+    assert 15.0 < np.degrees(np.arcsin(-better.axes[2][2])) < 25.0
+    assert "° up" in judged.message
+    places, depths = better.project(box_corners(state))
+    assert (depths > 0.0).all()
+    assert (places > 0.0).all()
+    assert (places < better.viewport).all()
+    there = first_advice(better, state)
+    assert there.level == "good"
+    # A view that somebody chose from above is not raised any more.
+    assert " and " not in first_advice(camera(85, 20), state).message
