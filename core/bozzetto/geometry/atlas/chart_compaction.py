@@ -8,7 +8,7 @@ point keeps its distance from the edges that are near; then again from there.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -196,7 +196,8 @@ def _moves(
     most = np.full((count, 3), 0.7 * reach)
     most[:, 2] = 0.3 * reach / np.maximum(sizes, reach)
     limits = np.concatenate([np.stack([-most.ravel(), most.ravel()], 1), [[0.5 * side, side]]])
-    found = linprog(cost, A_ub=matrix, b_ub=np.concatenate(bound), bounds=limits, method="highs")
+    solve: Any = linprog  # whose types do not know sparse arrays
+    found = solve(cost, A_ub=matrix, b_ub=np.concatenate(bound), bounds=limits, method="highs")
     return np.asarray(found.x[:-1]).reshape(-1, 3) if found.status == 0 else None
 
 

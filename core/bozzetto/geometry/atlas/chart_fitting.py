@@ -19,7 +19,7 @@ from bozzetto.geometry.atlas.chart_packing import best_spot, box_sizes, quarters
 if TYPE_CHECKING:
     from bozzetto.arrays import Array
 
-CELLS: Final = 128
+CELLS: Final = 170
 """Along the square; charts that touch none in common are about as far apart as they have to be."""
 
 FULL: Final = 0.84
@@ -28,13 +28,13 @@ FULL: Final = 0.84
 GAIN: Final = 0.006
 """By how much more of the square each further chart has to fill."""
 
-STEPS: Final = 10
+STEPS: Final = 16
 """How many cuts are made at most, twins counted once."""
 
-IDLE: Final = 2
+IDLE: Final = 3
 """After how many that gain nothing no more are."""
 
-CHOICES: Final = 4
+CHOICES: Final = 5
 """How many groups of twins are tried to be cut each time."""
 
 LINES: Final = 3
@@ -213,14 +213,11 @@ class _Bench:
         """Return the side of a square that these fit into, if it is no more than this."""
         maps = {id(part): part.maps(self.cell, self.cells) for part in parts}
         found: int | None = None
-        size = lambda part: float(part.polygon.area)  # noqa: E731
-        reach = lambda part: max(maps[id(part)][0].cells.shape)  # noqa: E731
-        for key in (size, reach):
-            order = sorted(parts, key=key, reverse=True)
-            for lowest in (True, False):
-                limit = most if found is None else found - 1
-                side = self._placed([maps[id(part)] for part in order], limit, lowest=lowest)
-                found = side if side is not None else found
+        order = sorted(parts, key=lambda part: -float(part.polygon.area))
+        for lowest in (True, False):
+            limit = most if found is None else found - 1
+            side = self._placed([maps[id(part)] for part in order], limit, lowest=lowest)
+            found = side if side is not None else found
         return found
 
     def _placed(self, order: Sequence[Sequence[Bitmap]], side: int, *, lowest: bool) -> int | None:

@@ -136,24 +136,12 @@ def _compacted(
         for outline, turn, offset in zip(outlines, packing.turn, packing.offset, strict=True)
     ]
     low = np.min([np.concatenate(rings).min(axis=0) for rings in placed], axis=0)
-    placed = [[ring - low for ring in rings] for rings in placed]
+    # In shares of the side, to so many digits that the unit decides nothing.
+    size = packing.side
+    placed = [[np.round((ring - low) / size, 9) for ring in rings] for rings in placed]
     turn, offset, side = compacted(placed, gap, lambda part: checkpoint(0.7 + 0.3 * part))
-    moved = np.einsum("nd,nde->ne", packing.offset - low, turn) + offset
-    return Packing(packing.turn @ turn, moved, side)
-
-
-def side_of(outlines: Sequence[Outline], cells: int) -> float:
-    """Return about how long the side of a square with these charts is, by a short search.
-
-    Parameters
-    ----------
-    outlines : sequence of Outline
-        At least one with an area.
-    cells : int
-        Along the square; no two charts are in one.
-    """
-    grid, found = _searched(outlines, cells, 0, 1, 0)
-    return found.side * grid.cell
+    moved = np.einsum("nd,nde->ne", packing.offset - low, turn) + offset * size
+    return Packing(packing.turn @ turn, moved, side * size)
 
 
 def box_sizes(points: Array, angles: Array) -> tuple[Array, Array]:
