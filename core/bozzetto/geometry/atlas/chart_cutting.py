@@ -155,10 +155,15 @@ class Surface:
         if FRONT @ matrix @ FRONT >= NEARLY * float(axis @ matrix @ axis):
             axis = FRONT
         axis = axis * np.sign(axis[np.abs(axis).argmax()])
-        return self._cut(face, spread @ axis, TILT, FIRM)
+        ahead = spread @ axis
+        parts = self._cut(face, ahead, TILT, FIRM)
+        return parts if len(parts) > 1 else self.parts(face, (ahead > 0.0).astype(np.intp))
 
     def across(self, face: Index, ahead: Array) -> list[Index]:
-        """Cut where `ahead` (f,) changes its sign, in shares of the piece's size."""
+        """Cut where `ahead` (f,) changes its sign, in shares of the piece's size.
+
+        All stay together where one side is crumbs only.
+        """
         return self._cut(face, np.round(ahead, DIGITS), BAND, np.inf)
 
     def _mean(self, values: Array, face: Index) -> float:
@@ -193,8 +198,7 @@ class Surface:
                 break
             for part in small:
                 side[place[part]] = ~side[place[part]]
-        parts = self.parts(face, side.astype(np.intp))
-        return parts if len(parts) > 1 else self.parts(face, (ahead > 0.0).astype(np.intp))
+        return self.parts(face, side.astype(np.intp))
 
 
 def shortest_cut(own: Index, other: Index, length: Array, near: Flags, side: Flags) -> Flags:

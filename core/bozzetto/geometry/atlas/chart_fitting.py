@@ -40,6 +40,9 @@ CHOICES: Final = 5
 LINES: Final = 3
 """In how many ways each."""
 
+PIECES: Final = 3
+"""Into how many pieces one cut may part a chart: a straight line parts a winding band into many."""
+
 TWINS: Final = 0.01
 """By how much areas and boxes of twins differ at most, as shares."""
 
@@ -119,8 +122,8 @@ class Part:
     def choices(self) -> list[tuple[Line, list[Part]]]:
         """Return cuts and what they leave, the most promising first."""
         if self._choices is None:
-            made = [(line, _parts(self.polygon, line)) for line in _lines(self.rings)]
-            self._choices = [(line, parts) for line, parts in made if len(parts) > 1]
+            made = [(line, _parts(self.polygon, line)) for line in straight_cuts(self.rings)]
+            self._choices = [(line, parts) for line, parts in made if 1 < len(parts) <= PIECES]
         return self._choices
 
 
@@ -257,18 +260,6 @@ def _groups(parts: Sequence[Part], most: int) -> list[list[Part]]:
     return groups[:most]
 
 
-def best_line(rings: Sequence[Array]) -> Line:
-    """Return the straight cut of a chart after which it leaves the least free.
-
-    Parameters
-    ----------
-    rings : sequence of (n, 2) float arrays
-        Its borders.
-    """
-    points = np.concatenate(list(rings))
-    return next(iter(_lines(rings)), Line(np.array([1.0, 0.0]), float(np.median(points[:, 0]))))
-
-
 def _parts(polygon: Any, line: Line) -> list[Part]:
     """Return what a cut leaves of a polygon."""
     import shapely
@@ -289,8 +280,14 @@ def _parts(polygon: Any, line: Line) -> list[Part]:
     return found
 
 
-def _lines(rings: Sequence[Array]) -> list[Line]:
-    """Return straight cuts after which the boxes around both sides leave little free."""
+def straight_cuts(rings: Sequence[Array]) -> list[Line]:
+    """Return cuts after which the boxes around both sides leave little free, the best first.
+
+    Parameters
+    ----------
+    rings : sequence of (n, 2) float arrays
+        The borders of a chart.
+    """
     start = np.concatenate(list(rings))
     end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
     area = abs(float(np.sum(start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]))) / 2.0

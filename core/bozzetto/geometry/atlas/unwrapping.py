@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.cached_properties import cached_property
 from bozzetto.geometry.atlas.chart_cutting import Surface
-from bozzetto.geometry.atlas.chart_fitting import Part, best_line, cut_to_fit
+from bozzetto.geometry.atlas.chart_fitting import Line, Part, cut_to_fit, straight_cuts
 from bozzetto.geometry.atlas.chart_flattening import (
     FOLDED,
     Piece,
@@ -45,6 +45,10 @@ CELLS: Final = 256
 FLAT: Final = 0.5
 CUT: Final = 0.8
 """Share of the work that is done when all lies flat, and when it is cut to fit, about."""
+
+
+HALVING: Final = np.array([[1.0, 0.0], [0.0, 1.0], [0.7, 0.7], [0.7, -0.7]])
+"""Directions in which a piece is cut in the middle where none of the better cuts parts it."""
 
 
 def _nobody(fraction: float) -> None:
@@ -220,7 +224,7 @@ def _laid_flat(surface: Surface) -> Iterator[Chart | None]:
         if isinstance(found, Chart):
             yield found
         else:
-            waiting += _in_two(face, found)[::-1]
+            waiting += _in_two(surface, face, found)[::-1]
             yield None
 
 
@@ -246,16 +250,20 @@ def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
     if float(np.linalg.norm(mean)) < BENT * float(size.sum()):
         return surface.by_sides(face)
     rings = [places[ring] for ring in borders(piece.triangles)]
-    line = best_line(rings)
     middles = corners.mean(axis=1)
-    ahead = (middles @ line.towards - line.level) / np.sqrt(size.sum())
-    return surface.across(face, ahead)
+    lines = [*straight_cuts(rings), *(Line(to, float(np.median(middles @ to))) for to in HALVING)]
+    for line in lines:
+        parts = surface.across(face, (middles @ line.towards - line.level) / np.sqrt(size.sum()))
+        if len(parts) > 1:
+            return parts
+    return [face]
 
 
-def _in_two(face: Index, parts: list[Index]) -> list[Index]:
+def _in_two(surface: Surface, face: Index, parts: list[Index]) -> list[Index]:
     """Return the parts, or both halves of the faces where no cut was found."""
-    half = len(face) // 2
-    return parts if len(parts) > 1 else [face[:half], face[half:]]
+    if len(parts) > 1:
+        return parts
+    return surface.parts(face, (np.arange(len(face)) < len(face) // 2).astype(np.intp))
 
 
 def _chart(surface: Surface, piece: Piece, places: Array) -> Chart:
