@@ -1,8 +1,9 @@
-"""Charts in a square pushed together, all at once, by small moves and turns.
+"""Charts in a square pushed together, all at once, by small moves, turns and growths.
 
 Z. Li and V. Milenkovic, *Compaction and separation algorithms for non-convex polygons and their
-applications*, 1995: a linear program finds those moves that make the square smallest, where every
-point keeps its distance from the edges that are near; then again from there.
+applications*, 1995: a linear program finds those moves that fill the square most, where every
+point keeps its distance from the edges that are near; then again from there. Charts that have room
+grow a little.
 """
 
 from __future__ import annotations
@@ -35,6 +36,9 @@ COARSE: Final = 0.08
 SLACK: Final = 0.05
 """By how much more charts are kept apart than they have to be: moves are not quite straight."""
 
+GROWN: Final = 0.05
+"""By how much a chart may be larger than others where there is room, along its sides."""
+
 PULL: Final = 1e-3
 """How much a chart's way to the corner counts beside the side of the square."""
 
@@ -42,7 +46,7 @@ PULL: Final = 1e-3
 def compacted(
     outlines: Sequence[Sequence[Array]], gap: float, checkpoint: Callable[[float], None]
 ) -> tuple[Array, Array, float]:
-    """Push charts together.
+    """Push charts together, and let them grow where there is room.
 
     Parameters
     ----------
@@ -56,7 +60,7 @@ def compacted(
     Returns
     -------
     turn : (n, 2, 2) float array
-        By columns.
+        With the growth, by columns.
     offset : (n, 2) float array
         Added after the turn.
     side : float
@@ -67,13 +71,16 @@ def compacted(
     apart = gap * (1.0 + COARSE)
     now = [_simpler(rings, 0.5 * COARSE * gap * side) for rings in outlines]
     turn, offset = np.tile(np.eye(2), (count, 1, 1)), np.zeros((count, 2))
-    reach = REACH
+    grown, full = np.ones(count), np.array([_area(rings) for rings in now])
+    reach, growing = REACH, False
     for number in range(ROUNDS):
         checkpoint(number / ROUNDS)
-        moves = _moves(now, (1.0 + SLACK) * apart, side, reach * gap * side)
+        room = (1.0 + GROWN) / grown - 1.0 if growing else np.zeros(count)
+        moves = _moves(now, (1.0 + SLACK) * apart, side, reach * gap * side, room)
         if moves is not None:
             c, s = np.cos(moves[:, 2]), np.sin(moves[:, 2])
             turns = np.stack([np.stack([c, s], 1), np.stack([-s, c], 1)], 1)
+            turns *= 1.0 + moves[:, 3, None, None]
             middles = np.array([_middle(rings) for rings in now])
             steps = middles + moves[:, :2] - np.einsum("nd,nde->ne", middles, turns)
             low = np.min([
@@ -86,16 +93,20 @@ def compacted(
                 for rings, t, o in zip(now, turns, steps, strict=True)
             ]
             there = float(max(ring.max() for rings in tried for ring in rings))
-            if there < side * (1.0 - 1e-6) and _apart(tried, apart * there):
-                better = 1.0 - there / side
-                now, side = tried, there
+            larger = grown * (1.0 + moves[:, 3])
+            better = 0.5 * np.log((full @ larger**2) / (full @ grown**2)) - np.log(there / side)
+            if better > 1e-6 and _apart(tried, apart * there):
+                now, side, grown = tried, there, larger
                 turn, offset = turn @ turns, np.einsum("nd,nde->ne", offset, turns) + steps
                 if better > WORTH:
                     continue
         reach *= 0.5
-        if reach < LEAST:
+        if reach < LEAST and growing:
             break
-    return turn, offset, side
+        if reach < LEAST:  # closer together they cannot be
+            reach, growing = REACH, True
+    least = float(grown.min())
+    return turn / least, offset / least, side / least
 
 
 def _simpler(rings: Sequence[Array], off: float) -> list[Array]:
@@ -106,6 +117,10 @@ def _simpler(rings: Sequence[Array], off: float) -> list[Array]:
     closed = [shapely.LinearRing(ring) for ring in order if len(ring) > 2]
     found = [np.asarray(shapely.simplify(ring, off).coords)[:-1] for ring in closed]
     return [ring for ring in found if len(ring) > 2] or [order[0]]
+
+
+def _area(rings: Sequence[Array]) -> float:
+    return sum((1.0 if k == 0 else -1.0) * abs(ring_area(ring)) for k, ring in enumerate(rings))
 
 
 def _middle(rings: Sequence[Array]) -> Array:
@@ -122,9 +137,9 @@ def _apart(outlines: Sequence[Sequence[Array]], gap: float) -> bool:
 
 
 def _moves(
-    outlines: Sequence[Sequence[Array]], gap: float, side: float, reach: float
+    outlines: Sequence[Sequence[Array]], gap: float, side: float, reach: float, room: Array
 ) -> Array | None:
-    """Return the moves and turns (n, 3) that make the square smallest, if they are found."""
+    """Return the moves, turns and growths (n, 4) that fill the square most, if they are found."""
     from scipy.optimize import linprog
     from scipy.sparse import coo_array
 
@@ -149,12 +164,13 @@ def _moves(
         own = first + np.arange(len(most))
         for chart, way, arm, sign in parts:
             lever = way[:, 1] * arm[:, 0] - way[:, 0] * arm[:, 1]
-            for k, value in enumerate((way[:, 0], way[:, 1], lever)):
+            away = (way * arm).sum(axis=1)
+            for k, value in enumerate((way[:, 0], way[:, 1], lever, away)):
                 rows.append(own)
-                columns.append(3 * chart + k)
+                columns.append(4 * chart + k)
                 values.append(sign * value)
         rows.append(own)
-        columns.append(np.full(len(own), 3 * count))
+        columns.append(np.full(len(own), 4 * count))
         values.append(share)
         bound.append(most)
         first += len(most)
@@ -188,17 +204,21 @@ def _moves(
             )  # fmt: skip
     matrix = coo_array(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-        shape=(first, 3 * count + 1),
+        shape=(first, 4 * count + 1),
     ).tocsr()
-    cost = np.zeros(3 * count + 1)
+    cost = np.zeros(4 * count + 1)
     cost[-1] = 1.0
-    cost[0 : 3 * count : 3] = cost[1 : 3 * count : 3] = PULL / count
-    most = np.full((count, 3), 0.7 * reach)
-    most[:, 2] = 0.3 * reach / np.maximum(sizes, reach)
-    limits = np.concatenate([np.stack([-most.ravel(), most.ravel()], 1), [[0.5 * side, side]]])
+    cost[0:-1:4] = cost[1:-1:4] = PULL / count
+    area = np.array([_area(rings) for rings in outlines])
+    cost[3:-1:4] = -side * area / area.sum()
+    most = np.full((count, 4), 0.7 * reach)
+    most[:, 2:] = 0.3 * reach / np.maximum(sizes, reach)[:, None]
+    least = -most
+    least[:, 3], most[:, 3] = 0.0, np.minimum(most[:, 3], room)
+    limits = np.concatenate([np.stack([least.ravel(), most.ravel()], 1), [[0.5 * side, side]]])
     solve: Any = linprog  # whose types do not know sparse arrays
     found = solve(cost, A_ub=matrix, b_ub=np.concatenate(bound), bounds=limits, method="highs")
-    return np.asarray(found.x[:-1]).reshape(-1, 3) if found.status == 0 else None
+    return np.asarray(found.x[:-1]).reshape(-1, 4) if found.status == 0 else None
 
 
 def _extreme(ring: Array) -> Array:

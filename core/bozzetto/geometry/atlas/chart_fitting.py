@@ -2,7 +2,8 @@
 
 A chart that leaves much of its box free is cut in two as long as every further chart fills enough
 more of the square; so are its twins at once, such as the back beside the front. What each cut would
-give is seen by packing the parts on a few cells.
+give is seen by packing the parts on a few cells; the best ones are made, and packed again, for a cut
+along triangles is not quite straight, and what fits by a hair as a sketch does not then.
 """
 
 from __future__ import annotations
@@ -22,23 +23,29 @@ if TYPE_CHECKING:
 CELLS: Final = 170
 """Along the square; charts that touch none in common are about as far apart as they have to be."""
 
+SKETCHED: Final = 110
+"""The same where only straight lines are tried."""
+
 FULL: Final = 0.84
 """Share of the square from which no more charts are cut."""
 
-GAIN: Final = 0.006
-"""By how much more of the square each further chart has to fill."""
+GAIN: Final = 0.001
+"""By how much more of the square the tenth chart has to fill, as a tenth: few are better."""
 
-STEPS: Final = 16
+STEPS: Final = 20
 """How many cuts are made at most, twins counted once."""
 
-IDLE: Final = 3
+IDLE: Final = 4
 """After how many that gain nothing no more are."""
 
-CHOICES: Final = 5
+CHOICES: Final = 4
 """How many groups of twins are tried to be cut each time."""
 
 LINES: Final = 3
 """In how many ways each."""
+
+MADE: Final = 2
+"""How many of these cuts are made each time, to choose among them: triangles fray their borders."""
 
 PIECES: Final = 3
 """Into how many pieces one cut may part a chart: a straight line parts a winding band into many."""
@@ -81,23 +88,21 @@ class Line(NamedTuple):
 
 @dataclass(eq=False)
 class Part:
-    """What is left of a chart, or cut off it.
+    """A chart, or what is cut off one.
 
     Attributes
     ----------
     polygon : shapely.Polygon
         Its outline.
-    line : Line or None
-        Where it is cut, if it is.
-    parts : list of Part
-        Into what.
+    content : object
+        What whoever asks needs to cut it; None for what was only sketched.
     """
 
     polygon: Any
-    line: Line | None = None
-    parts: list[Part] = field(default_factory=list)
-    _maps: list[Bitmap] = field(default_factory=list)
+    content: Any = None
+    _maps: dict[int, list[Bitmap]] = field(default_factory=dict)
     _choices: list[tuple[Line, list[Part]]] | None = None
+    _cut: dict[int, list[Part]] = field(default_factory=dict)
 
     @property
     def rings(self) -> list[Array]:
@@ -107,12 +112,11 @@ class Part:
 
     def maps(self, cell: float, cells: int) -> list[Bitmap]:
         """Return bitmaps in eight positions."""
-        if not self._maps:
+        if cells not in self._maps:
             rings = self.rings
-            turn, _ = upright_turn(rings)
-            for _, mask, _ in quarters(rings, turn, cell, 0):
-                self._maps.append(bitmap_of(mask, cells))
-        return self._maps
+            made = quarters(rings, upright_turn(rings)[0], cell, 0)
+            self._maps[cells] = [bitmap_of(mask, cells) for _, mask, _ in made]
+        return self._maps[cells]
 
     def free(self) -> float:
         """Return the area of its box that it leaves free."""
@@ -120,87 +124,115 @@ class Part:
         return float((width * height).min()) - float(self.polygon.area)
 
     def choices(self) -> list[tuple[Line, list[Part]]]:
-        """Return cuts and what they leave, the most promising first."""
+        """Return cuts and what they would leave, the most promising first."""
         if self._choices is None:
             made = [(line, _parts(self.polygon, line)) for line in straight_cuts(self.rings)]
             self._choices = [(line, parts) for line, parts in made if 1 < len(parts) <= PIECES]
         return self._choices
 
+    def cut(self, choice: int, cut: Cutter) -> list[Part]:
+        """Return what one of these cuts does leave."""
+        if choice not in self._cut:
+            self._cut[choice] = cut(self, self.choices()[choice][0])
+        return self._cut[choice]
+
+
+Cutter = Callable[[Part, Line], list[Part]]
+"""Cuts a part along a line, as near to it as its triangles allow; returns it where it does not."""
 
 BOXES: Final = np.linspace(0.0, 0.5 * np.pi, 32, endpoint=False)
 
 
-def cut_to_fit(parts: Sequence[Part], checkpoint: Callable[[float], None]) -> None:
-    """Cut parts, which is noted in them, as far as that pays.
+def cut_to_fit(
+    parts: Sequence[Part], cut: Cutter, checkpoint: Callable[[float], None]
+) -> list[Part]:
+    """Return parts that are cut as far as that pays.
 
     Parameters
     ----------
     parts : sequence of Part
-        Those that are left whole stay as they are.
+    cut : callable
+        Cuts one.
     checkpoint : callable
         Called with the fraction done (0 … 1); may raise to stop it.
     """
-    area = sum(float(part.polygon.area) for part in parts)
-    bench = _Bench(area, parts)
-    now = list(parts)
+    bench, coarse = _Bench(parts, CELLS), _Bench(parts, SKETCHED)
+    now = kept = list(parts)
     side = bench.side(now, bench.cells)
     worth, idle = bench.share(side), 0
-    cut: list[_Cut] = []
-    kept = 0
     for number in range(STEPS):
         checkpoint(number / STEPS)
         if bench.share(side) >= FULL or idle == IDLE:
             break
         found: _Tried | None = None
-        for group in _groups(now, CHOICES):
-            for k in range(LINES):
-                made = [_Cut(one, *one.choices()[k]) for one in group if len(one.choices()) > k]
-                if len(made) < len(group):
-                    break
-                left = [one for one in now if one not in group]
-                tried = left + [part for one in made for part in one.pieces]
-                price = GAIN * (len(tried) - len(parts))
-                there = bench.side(tried, bench.most(price + (found.worth if found else 0.0)))
-                if there is not None:
-                    found = _Tried(bench.share(there) - price, there, tried, made)
-                elif side is None and found is None:
-                    found = _Tried(0.0, None, tried, made)
+        for sketch in _sketched(coarse, now, len(parts)):
+            made = [piece for one in sketch.group for piece in one.cut(sketch.choice, cut)]
+            if len(made) == len(sketch.group):
+                continue
+            tried = [one for one in now if one not in sketch.group] + made
+            price = _price(len(tried)) - _price(len(parts))
+            there = bench.side(tried, bench.most(price + (found.worth if found else 0.0)))
+            if there is not None:
+                found = _Tried(bench.share(there) - price, there, tried)
+            elif side is None and found is None:
+                found = _Tried(0.0, None, tried)
         if found is None:
             break
         side, now = found.side, found.parts
-        cut += found.cuts
         idle += side is not None
         if found.worth > worth + 1e-6:
-            worth, idle, kept = found.worth, 0, len(cut)
-    for part, line, pieces in cut[:kept]:
-        part.line, part.parts = line, pieces
+            worth, idle, kept = found.worth, 0, now
+    return kept
 
 
-class _Cut(NamedTuple):
-    """A part, where it is cut, and into what."""
+def _price(count: int) -> float:
+    """Return how much of the square so many charts have to fill to be worth it."""
+    return 0.5 * GAIN * count**2
 
-    part: Part
-    line: Line
-    pieces: list[Part]
+
+class _Sketch(NamedTuple):
+    """Twins, which of their choices is meant, and how full the square would be, less its price."""
+
+    worth: float
+    group: list[Part]
+    choice: int
 
 
 class _Tried(NamedTuple):
-    """What some cuts would give: how full the square is, less their price, and all parts."""
+    """What some cuts give: how full the square is, less their price, and all parts."""
 
     worth: float
     side: int | None
     parts: list[Part]
-    cuts: list[_Cut]
+
+
+def _sketched(bench: _Bench, now: Sequence[Part], first: int) -> list[_Sketch]:
+    """Return the best cuts, as far as their straight lines tell."""
+    found: list[_Sketch] = []
+    for group in _groups(now, CHOICES):
+        left = [one for one in now if one not in group]
+        for k in range(LINES):
+            if any(len(one.choices()) <= k for one in group):
+                break
+            tried = left + [part for one in group for part in one.choices()[k][1]]
+            price = _price(len(tried)) - _price(first)
+            least = found[MADE - 1].worth if len(found) >= MADE else 0.0
+            there = bench.side(tried, bench.most(price + least))
+            if there is None and len(found) >= MADE:
+                continue
+            found.append(_Sketch(bench.share(there) - price, group, k))
+            found.sort(key=lambda one: -one.worth)
+    return found[:MADE]
 
 
 class _Bench:
     """A square on which parts are packed."""
 
-    def __init__(self, area: float, parts: Sequence[Part]) -> None:
+    def __init__(self, parts: Sequence[Part], cells: int) -> None:
         longest = max(float(max(upright_turn(part.rings)[1])) for part in parts)
-        self.area, self.cells = area, CELLS
-        side = max(float(np.sqrt(area / 0.6)), float(np.sqrt(0.55)) * longest)
-        self.cell = side / (0.9 * CELLS)
+        self.area, self.cells = sum(float(part.polygon.area) for part in parts), cells
+        side = max(float(np.sqrt(self.area / 0.6)), float(np.sqrt(0.55)) * longest)
+        self.cell = side / (0.9 * cells)
 
     def share(self, side: int | None) -> float:
         """Return how much of a square of this side is full."""
@@ -216,11 +248,13 @@ class _Bench:
         """Return the side of a square that these fit into, if it is no more than this."""
         maps = {id(part): part.maps(self.cell, self.cells) for part in parts}
         found: int | None = None
-        order = sorted(parts, key=lambda part: -float(part.polygon.area))
-        for lowest in (True, False):
-            limit = most if found is None else found - 1
-            side = self._placed([maps[id(part)] for part in order], limit, lowest=lowest)
-            found = side if side is not None else found
+        sizes = [float(part.polygon.area) for part in parts]
+        longest = [max(maps[id(part)][0].cells.shape) for part in parts]
+        for key in (sizes, longest):
+            order = [maps[id(parts[k])] for k in sorted(range(len(parts)), key=lambda k: -key[k])]
+            for lowest in (True, False):
+                side = self._placed(order, most if found is None else found - 1, lowest=lowest)
+                found = side if side is not None else found
         return found
 
     def _placed(self, order: Sequence[Sequence[Bitmap]], side: int, *, lowest: bool) -> int | None:

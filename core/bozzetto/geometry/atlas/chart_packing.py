@@ -35,7 +35,7 @@ GAP: Final = 2
 COARSE: Final = 3
 """Fine cells along a coarse one."""
 
-WORK: Final = 300_000
+WORK: Final = 600_000
 """Strips of cells that one search may look at, but for the first tries."""
 
 MOST_TRIES: Final = 200
@@ -90,7 +90,7 @@ class Packing(NamedTuple):
     Attributes
     ----------
     turn : (n, 2, 2) float array
-        The turn of each, by columns.
+        How each is turned and made a little larger, by columns.
     offset : (n, 2) float array
         Added after the turn.
     side : float

@@ -165,44 +165,27 @@ def unwrapped_together(
 
 def _cut_to_fit(charts: list[Chart], checkpoint: Callable[[float], None]) -> list[Chart]:
     """Cut charts straight across as far as that fills the square."""
+    fitting = cut_to_fit([_outlined(chart) for chart in charts], _cut, checkpoint)
+    return [part.content for part in fitting]
+
+
+def _outlined(chart: Chart) -> Part:
     import shapely
 
-    parts: list[Part] = []
-    for chart in charts:
-        rings = sorted(chart.outline.rings, key=lambda ring: -abs(ring_area(ring)))
-        polygon = shapely.Polygon(rings[0], [ring for ring in rings[1:] if len(ring) > 2])
-        if not polygon.is_valid:
-            polygon = max(shapely.get_parts(polygon.buffer(0.0)), key=lambda one: one.area)
-        parts.append(Part(polygon))
-    cut_to_fit(parts, checkpoint)
-    return [cut for chart, part in zip(charts, parts, strict=True) for cut in _cut(chart, part)]
+    rings = sorted(chart.outline.rings, key=lambda ring: -abs(ring_area(ring)))
+    polygon = shapely.Polygon(rings[0], [ring for ring in rings[1:] if len(ring) > 2])
+    if not polygon.is_valid:
+        polygon = max(shapely.get_parts(polygon.buffer(0.0)), key=lambda one: one.area)
+    return Part(polygon, chart)
 
 
-def _cut(chart: Chart, part: Part) -> list[Chart]:
-    """Cut a chart as its outline was."""
-    import shapely
-
-    if part.line is None or len(chart.piece.face) == 1:
-        return [chart]
+def _cut(part: Part, line: Line) -> list[Part]:
+    """Cut a chart near a line; all of it where no edges lead across."""
+    chart: Chart = part.content
     middles = chart.corners.mean(axis=1)
-    ahead = (middles @ part.line.towards - part.line.level) / np.sqrt(chart.outline.area)
+    ahead = (middles @ line.towards - line.level) / np.sqrt(chart.outline.area)
     faces = chart.surface.across(chart.piece.face, ahead)
-    if len(faces) == 1:
-        return [chart]
-    made = [_part_of(chart, face) for face in faces]
-    found: list[Chart] = []
-    waiting = list(part.parts)
-    for one in sorted(made, key=lambda one: -one.outline.area):
-        points = one.corners.mean(axis=1)
-        within = [
-            int(shapely.contains_xy(other.polygon, points[:, 0], points[:, 1]).sum())
-            for other in waiting
-        ]
-        if not within or not max(within):
-            found.append(one)
-            continue
-        found += _cut(one, waiting.pop(int(np.argmax(within))))
-    return found
+    return [part] if len(faces) == 1 else [_outlined(_part_of(chart, face)) for face in faces]
 
 
 def _part_of(chart: Chart, face: Index) -> Chart:
