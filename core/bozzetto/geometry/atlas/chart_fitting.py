@@ -2,7 +2,7 @@
 
 A chart that leaves much of its box free is cut in two as long as every further chart fills enough
 more of the square; so are its twins at once, such as the back beside the front. What each cut would
-give is seen by packing the parts on a few cells; the best ones are made, and packed again, for a cut
+give is seen by packing the parts on a few cells; the best ones are made, and packed again: a cut
 along triangles is not quite straight, and what fits by a hair as a sketch does not then.
 """
 
@@ -151,6 +151,7 @@ def cut_to_fit(
     Parameters
     ----------
     parts : sequence of Part
+        All of the square.
     cut : callable
         Cuts one.
     checkpoint : callable
