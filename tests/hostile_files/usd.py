@@ -95,7 +95,9 @@ def _(size):
 
 @family("usda transforms that grow beyond all bounds")
 def _(size):
-    one = b'def Xform "a"{double3 xformOp:scale=(1e300,1e300,1)token[] xformOpOrder=["xformOp:scale"]'
+    one = (
+        b'def Xform "a"{double3 xformOp:scale=(1e300,1e300,1)token[] xformOpOrder=["xformOp:scale"]'
+    )
     return HEAD + one * min(size // len(one), 90) + b'def Mesh "m"{' + SQUARE + b"}" + b"}" * 90
 
 
