@@ -23,6 +23,7 @@ FORMATS = (
     "glb",
     "gltf",
     "threemf",
+    "usd",
     "dxf",
     "step_and_iges",
     "pictures",

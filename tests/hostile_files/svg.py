@@ -74,6 +74,33 @@ def _(size):
     return svg(clip + filled(b'<path clip-path="url(#c)" d="M0 0L1 1"/>', size // 2))
 
 
+@family("svg many clips of many lines")
+def _(size):
+    count = size // 150
+    clips = b"".join(
+        b'<clipPath id="c%d"><circle cx="5" cy="5" r="4"/></clipPath>' % k for k in range(count)
+    )
+    return svg(clips + b"".join(
+        b'<path clip-path="url(#c%d)" stroke="red" d="M0 0L9 9"/>' % k for k in range(count)
+    ))  # fmt: skip
+
+
+@family("svg clips of clips in a ring")
+def _(size):
+    one = b'<clipPath id="c%d" clip-path="url(#c%d)"><rect width="9" height="9"/></clipPath>'
+    count = max(1, size // 80)
+    clips = b"".join(one % (k, (k + 1) % count) for k in range(count))
+    return svg(clips + b'<path clip-path="url(#c0)" stroke="red" d="M0 0L20 1"/>')
+
+
+@family("svg a clip of a star, of a scribble")
+def _(size):
+    count = size // 24
+    star = b"".join(b"L%d %d" % (k * 7919 % 997, k * 104729 % 991) for k in range(count))
+    clip = b'<clipPath id="c"><path clip-rule="evenodd" d="M0 0%s"/></clipPath>' % star
+    return svg(clip + b'<path clip-path="url(#c)" stroke="red" fill="none" d="M9 1%s"/>' % star)
+
+
 @family("svg clips in clips")
 def _(size):
     depth, clip = 60, b'<clipPath id="c"><rect width="9" height="9"/></clipPath>'

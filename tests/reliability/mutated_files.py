@@ -26,9 +26,11 @@ from bozzetto.document.recovery.journal import JournalWriter, read_records
 from bozzetto.document.storage.bozz_file import decode_document
 from bozzetto.exchange.cad.dxf_document import mostly_faces
 from bozzetto.exchange.formats import Kind, find, function, readers
+from bozzetto.exchange.handover import FileFrame
 from bozzetto.exchange.ink import ink_json, inkml
 from bozzetto.exchange.mesh import glb, obj, ply, stl, threemf
 from bozzetto.exchange.svg import reader as svg
+from bozzetto.exchange.usd import usda, usdz
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.plugin.host.manifest import read_manifest
@@ -70,6 +72,64 @@ WORDS = re.compile(rb"[+-]?\d+\.?\d*(?:e[+-]?\d+)?|[A-Za-z_]+|[<>{}\[\]()\",;:]"
 OFF = (
     b"COFF\n3 2 0\n0 0 0 1 .5 0 1\n1 0 0 1 0 0 1\n0 1 0 .1 .2 .3 1\n3 0 1 2\n3 2 1 0 9 9 0 # red\n"
 )
+
+USDA = b"""#usda 1.0
+(
+    defaultPrim = "top"
+    metersPerUnit = 0.1
+    upAxis = "Y"
+    timeCodesPerSecond = 24
+)
+def SkelRoot "top" ( displayName = "T p" prepend apiSchemas = ["SkelBindingAPI"] )
+{
+    def Skeleton "bones" {
+        uniform token[] joints = ["a", "a/b"]
+        uniform matrix4d[] bindTransforms = [((1,0,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1)),
+            ((1,0,0,0), (0,1,0,0), (0,0,1,0), (0,2,0,1))]
+        uniform matrix4d[] restTransforms = [((1,0,0,0), (0,0,1,0), (0,-1,0,0), (0,0,0,1)),
+            ((1,0,0,0), (0,1,0,0), (0,0,1,0), (0,2,0,1))]
+        rel skel:animationSource = </top/wag>
+    }
+    def SkelAnimation "wag" {
+        uniform token[] joints = ["a", "a/b"]
+        float3[] translations = [(0, 0, 0), (0, 2, 0)]
+        quatf[] rotations.timeSamples = { 0: [(1, 0, 0, 0), (1, 0, 0, 0)],
+            12: [(0.6, 0.8, 0, 0), (1, 0, 0, 0)], }
+        half3[] scales = [(1, 1, 1), (1, 1, 1)]
+    }
+    def Mesh "m" {
+        int[] faceVertexCounts = [3, 4]
+        int[] faceVertexIndices = [0, 1, 2, 0, 2, 3, 4]
+        point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 4, 0), (0, 4, 0), (-2, 2, 1)]
+        normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)] (
+            interpolation = "vertex"
+        )
+        texCoord2f[] primvars:st = [(0, 0), (1, 1)] ( interpolation = "faceVarying" )
+        int[] primvars:st:indices = [0, 1, 0, 1, 0, 1, 0]
+        color3f[] primvars:displayColor = [(1, 0, 0)]
+        int[] primvars:skel:jointIndices = [0, 1, 0, 1, 0, 1, 0, 1, 0, 1] ( elementSize = 2 )
+        float[] primvars:skel:jointWeights = [1, 0, 0, 1, 1, 0, .5, .5, 1, 0] ( elementSize = 2 )
+        rel skel:skeleton = </top/bones>
+        rel material:binding = </top/red>
+        double3 xformOp:translate = (0, 1, 0)
+        float3 xformOp:rotateXYZ = (0, 90, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate", "!invert!xformOp:rotateXYZ"]
+        def GeomSubset "lid" {
+            uniform token elementType = "face"
+            int[] indices = [1]
+            rel material:binding = </top/red>
+        }
+    }
+    def Material "red" {
+        token outputs:surface.connect = </top/red/s.outputs:surface>
+        def Shader "s" {
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = (1, 0, 0)
+            float inputs:roughness = 0.2
+        }
+    }
+}
+"""
 
 ASCII_PLY = b"""ply
 format ascii 1.0
@@ -213,6 +273,8 @@ def seeds() -> list[Case]:
     ]  # fmt: skip
     painted = Shapes(solids=(painted_box(), solid))
     found += [(".off", OFF), (".svgz", gzip.compress(SVG, mtime=0)), *_packages(painted)]
+    found += [(".usda", USDA), (".usd", usda.write_shapes(painted, FileFrame("m", "y"), beside="a"))]
+    found += [(".usdz", usdz.write_shapes(painted, FileFrame("m", "y"))), (".usdc", USDA)]
     found.append((".ply", ASCII_PLY.replace(b"4 0 1 2 3", b"3 0 1 2")))
     if find_spec("ezdxf"):
         found += [(".dxf", DXF), (".dxf", DXF_MESH)]

@@ -210,6 +210,16 @@ FORMATS: Final = (
         choices=UNIT,
     ),
     Format(
+        "usd-mesh",
+        "USD mesh",
+        (".usda", ".usdz", ".usd", ".usdc"),
+        ("mesh",),
+        False,
+        True,
+        "usd.reader",
+        links=True,
+    ),
+    Format(
         "off", "OFF mesh", (".off",), ("mesh",), False, True, "mesh.off", choices=ANY, links=True
     ),
     Format(

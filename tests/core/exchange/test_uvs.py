@@ -149,6 +149,11 @@ def test_charts_are_few(name, most):
     assert laid(name).chart.max() < most
 
 
+@pytest.mark.parametrize("turns", [1, 2, 5])
+def test_a_winding_ramp_has_no_more_than_four_charts_a_turn(turns):
+    assert unwrapped(*helix(turns)).chart.max() < 4 * turns
+
+
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 def test_size_and_place_change_nothing_and_twice_is_the_same(factor):
     points, faces = torus(24, 10)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry.atlas.chart_bitmaps import Square, bitmap_of, coarser, drawn
-from bozzetto.geometry.atlas.chart_packing import Outline, packed, side_of
+from bozzetto.geometry.atlas.chart_compaction import GROWN, compacted
+from bozzetto.geometry.atlas.chart_packing import Outline, packed
 
 
 def blob(random, most=9):
@@ -101,7 +102,7 @@ def test_charts_of_any_shape_lie_apart_in_the_square_as_they_are(count):
     shapes = shapes[:count]
     outlines = [Outline([np.array(s.exterior.coords[:-1])], s.area) for s in shapes]
     found = packed(outlines, 256)
-    np.testing.assert_allclose(np.linalg.det(found.turn), 1.0)
+    alike_but_for_growth(found.turn)
     placed = [
         shapely.Polygon(one.rings[0] @ turn + offset)
         for one, turn, offset in zip(outlines, found.turn, found.offset, strict=True)
@@ -112,8 +113,15 @@ def test_charts_of_any_shape_lie_apart_in_the_square_as_they_are(count):
     low, high = shapely.total_bounds(placed).reshape(2, 2)
     assert low.min() >= -1e-9 * found.side
     assert high.max() <= (1.0 + 1e-9) * found.side
-    if count > 1:
-        assert side_of(outlines, 128) == pytest.approx(found.side, rel=0.25)
+
+
+def alike_but_for_growth(turn):
+    """No chart is mirrored, bent or smaller than another one by more than is said."""
+    large, little = np.linalg.svd(turn, compute_uv=False).T
+    np.testing.assert_allclose(large, little, rtol=1e-9)
+    assert (np.linalg.det(turn) > 0.0).all()
+    assert large.min() == pytest.approx(1.0)
+    assert large.max() <= (1.0 + GROWN) * (1.0 + 1e-9)
 
 
 def test_the_same_charts_lie_in_the_same_places_in_any_unit():
@@ -122,3 +130,23 @@ def test_the_same_charts_lie_in_the_same_places_in_any_unit():
     one, two = (packed([Outline([r * s], s * s) for r in rings], 256) for s in (1.0, 250.0))
     np.testing.assert_array_equal(one.turn, two.turn)
     np.testing.assert_allclose(two.offset, 250.0 * one.offset, atol=1e-6)
+
+
+def test_charts_pushed_together_keep_their_distance_and_shape_in_a_smaller_square():
+    import shapely
+
+    gap = 1 / 256
+    ring = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.4], [0.4, 0.4], [0.4, 1.0], [0.0, 1.0]])
+    outlines = [[ring], [ring * 0.5 + 0.46], [ring @ [[0.0, 1.0], [-1.0, 0.0]] + [2.1, 0.0]]]
+    turn, offset, side = compacted(outlines, gap, lambda done: None)
+    assert side < 0.96 * 2.1
+    alike_but_for_growth(turn)
+    moved = [
+        shapely.Polygon(rings[0] @ t + o)
+        for rings, t, o in zip(outlines, turn, offset, strict=True)
+    ]
+    for k, one in enumerate(moved):
+        assert all(one.distance(other) >= gap * side for other in moved[:k])
+    low, high = shapely.total_bounds(moved).reshape(2, 2)
+    assert low.min() >= -1e-9
+    assert high.max() <= side * (1.0 + 1e-9)

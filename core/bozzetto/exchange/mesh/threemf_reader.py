@@ -11,7 +11,6 @@ import posixpath
 import zipfile
 from array import array
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Final
@@ -20,12 +19,13 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.damaged_files import as_format_errors
-from bozzetto.errors import FormatError, words_of
+from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, MAX_PARTS, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.polygons import checked_mesh, is_degenerate
 from bozzetto.exchange.mesh.stacked_pictures import Pictures
 from bozzetto.exchange.reading import Reading
 from bozzetto.exchange.safe_xml import parse_events
+from bozzetto.exchange.zip_entries import unpacked, unpacking
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Color, FaceGroup, Shapes, Surface
 from bozzetto.geometry.texture import Texture
@@ -118,7 +118,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     reading = reading or Reading()
     if not data.startswith(b"PK"):
         raise FormatError("This is not a 3MF file.")
-    with as_format_errors(), _unpacking():
+    with as_format_errors(), unpacking():
         zipped = zipfile.ZipFile(io.BytesIO(data))
     with as_format_errors(), zipped:
         names = {"/" + name.lstrip("/"): name for name in zipped.namelist()}
@@ -130,7 +130,9 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
             path = waiting.pop()
             if path not in names:
                 raise FormatError(f"Its part “{path[:80]}” is missing. Save it again.")
-            _ModelReader(package, path, top=path == first).read(_unpacked(zipped, names[path]))
+            _ModelReader(package, path, top=path == first).read(
+                unpacked(zipped, names[path], MAX_MODEL_BYTES)
+            )
             named = {key[0] for one in package.objects.values() for key, _ in one.components}
             named |= {key[0] for key, _ in package.items}
             waiting += sorted(named - models)
@@ -161,25 +163,10 @@ def _tell(package: _Package, helpers: int, reading: Reading) -> None:
             reading.tell(f"Left out of the 3MF file: {words} ({why}).")
 
 
-@contextmanager
-def _unpacking() -> Iterator[None]:
-    try:
-        yield
-    except (RuntimeError, ValueError, OSError) as error:  # locked, or packed in an unknown way
-        raise FormatError(f"It cannot be unpacked: {words_of(error)}. Save it again.") from error
-
-
-def _unpacked(zipped: zipfile.ZipFile, name: str) -> bytes:
-    """Return the content of an entry, if it is not too large."""
-    at_most(zipped.getinfo(name).file_size, MAX_MODEL_BYTES, "bytes in a model")
-    with _unpacking():
-        return zipped.read(name)
-
-
 def _picture(zipped: zipfile.ZipFile, names: dict[str, str], path: str) -> bytes:
     if path not in names:
         raise FormatError("It is not in the file.")
-    return _unpacked(zipped, names[path])
+    return unpacked(zipped, names[path], MAX_MODEL_BYTES)
 
 
 def _start_of(zipped: zipfile.ZipFile, names: dict[str, str]) -> str:
@@ -191,7 +178,7 @@ def _start_of(zipped: zipfile.ZipFile, names: dict[str, str]) -> str:
             found.append("/" + attributes.get("Target", "").lstrip("/"))
 
     if "/_rels/.rels" in names:
-        parse_events(_unpacked(zipped, names["/_rels/.rels"]), start)
+        parse_events(unpacked(zipped, names["/_rels/.rels"], MAX_MODEL_BYTES), start)
     start_of = found[0] if found else MODEL
     if start_of not in names:
         raise FormatError("There is no model in this 3MF file. Export it again.")

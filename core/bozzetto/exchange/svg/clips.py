@@ -1,23 +1,37 @@
-"""Clips and masks of SVG: which lines they hide altogether, and whether they may cut others."""
+"""Clips and masks of SVG: which lines they hide altogether, and which they may cut."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.cached_properties import cached_property
 from bozzetto.exchange.safe_xml import Element
-from bozzetto.exchange.svg.path_data import Subpath
+from bozzetto.exchange.svg.clip_regions import Region, Rule
+from bozzetto.exchange.svg.path_data import Subpath, flatten
 from bozzetto.exchange.svg.shapes import LONGEST_LENGTH, outline
+from bozzetto.exchange.svg.style import Properties
 
 REFERENCE: Final = re.compile(r"\s*+url\(\s*+[\"']?#([^\"')\s]+)")
 
-MAX_SHAPES: Final = 100
+MAX_SHAPES: Final = 1_000
 """Shapes of one clip that are looked at."""
+
+MAX_NESTED: Final = 8
+"""Clips of clips that are looked at."""
+
+KNOWN: Final = frozenset(("path", "rect", "circle", "ellipse", "line", "polyline", "polygon"))
+"""Elements whose outline is known; letters and what is repeated may let through anything."""
+
+PASSED_OVER: Final = frozenset(("title", "desc", "metadata"))
+
+FINENESS: Final = 1e-4
+"""Greatest distance of a chord from the border of a clip, as a share of its diagonal."""
 
 ROUNDED: Final = 1e-6
 """Distance of a corner from the box around a clip, as a share of it, that comes from rounding."""
@@ -41,6 +55,18 @@ def box_of(path: Subpath) -> Box | None:
     return left, top, right, bottom
 
 
+class Own(Protocol):
+    """What an element says of itself."""
+
+    @property
+    def properties(self) -> Properties:
+        """Of its look."""
+
+    @property
+    def matrix(self) -> Array | None:
+        """Its transform (3, 3), if it has one."""
+
+
 @dataclass(frozen=True, eq=False)
 class Clip:
     """What is known of a clip: measured once, however many parts of a drawing it cuts.
@@ -52,17 +78,25 @@ class Clip:
         is not known what it lets through, as that of a mask.
     is_rectangle : bool
         Whether it lets through all of that box.
+    shapes : tuple of (tuple of (n, 2) arrays, rule)
+        The rings of what it lets through, and what counts as their inside.
+    within : Clip, optional
+        What clips it in turn.
     """
 
     corners: Array | None
     is_rectangle: bool = False
+    shapes: tuple[tuple[tuple[Array, ...], Rule], ...] = ()
+    within: Clip | None = None
 
     @classmethod
     def of(
         cls,
         target: Element,
-        matrix_of: Callable[[Element], Array | None],
+        own_of: Callable[[Element], Own],
+        named: Mapping[str, Element],
         page: tuple[float, float] | None,
+        depth: int = 0,
     ) -> Clip:
         """Measure a ``clipPath`` or ``mask``.
 
@@ -70,40 +104,82 @@ class Clip:
         ----------
         target : Element
             It.
-        matrix_of : callable
-            Gives the transform (3, 3) of an element, or None.
+        own_of : callable
+            Gives what an element says of itself.
+        named : mapping of str to Element
+            Elements by their ids.
         page : (width, height), optional
             What percentages are of, user units.
+        depth : int
+            How many clips it clips in turn.
         """
-        shapes = [child for child in target.children if child.tag != "title"]
+        children = [child for child in target.children if child.tag not in PASSED_OVER]
         plain = target.attributes.get("clipPathUnits", "userSpaceOnUse") == "userSpaceOnUse"
-        if (
-            target.tag == "mask"
-            or not plain
-            or len(shapes) > MAX_SHAPES
-            or any(child.tag == "use" for child in shapes)
-        ):
+        if target.tag == "mask" or not plain or len(children) > MAX_SHAPES or depth > MAX_NESTED:
             return cls(None)
-        places = []
-        for child in shapes:
+        outer = own_of(target)
+        within = None
+        if named_clip(outer.properties.get("clip-path", "")):
+            other = named.get(named_clip(outer.properties.get("clip-path", "")))
+            within = None if other is None else cls.of(other, own_of, named, page, depth + 1)
+            if within is not None and within.corners is None:
+                return cls(None)
+        paths: list[tuple[list[Subpath], Rule]] = []
+        for child in children:
+            own = own_of(child)
+            if own.properties.get("display") == "none":
+                continue
+            if child.tag not in KNOWN or named_clip(own.properties.get("clip-path", "")):
+                return cls(None)
             turn = np.eye(3)
-            for matrix in (matrix_of(target), matrix_of(child)):
+            for matrix in (outer.matrix, own.matrix):
                 turn = turn if matrix is None else turn @ matrix
-            places += [
-                path.cubics.reshape(-1, 2) @ turn[:2, :2].T + turn[:2, 2]
-                for path in outline(child, page)
-            ]
-        if not sum(map(len, places)):
-            return cls(None)
+            said = own.properties.get("clip-rule", outer.properties.get("clip-rule", ""))
+            rule: Rule = "evenodd" if said.strip() == "evenodd" else "nonzero"
+            paths.append((
+                [Subpath(path.cubics @ turn[:2, :2].T + turn[:2, 2], path.closed)
+                 for path in outline(child, page) if len(path.cubics)],
+                rule,
+            ))  # fmt: skip
+        places = [path.cubics.reshape(-1, 2) for own_paths, _ in paths for path in own_paths]
+        if not places:
+            return cls(np.full((4, 2), np.nan))  # what lets nothing through
         low, high = (end(np.concatenate(places), axis=0) for end in (np.min, np.max))
+        fine = max(FINENESS * float(np.linalg.norm(high - low)), 1e-300)
+        shapes = tuple(
+            (tuple(flatten(path, fine) for path in own_paths), rule) for own_paths, rule in paths
+        )
         corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-        alone = len(places) == 1 and shapes[0].tag == "rect"
-        return cls(corners, alone and _on_sides(places[0], low, high))
+        alone = len(places) == 1 and within is None and children[0].tag == "rect"
+        return cls(corners, alone and _on_sides(places[0], low, high), shapes, within)
+
+    @cached_property
+    def size(self) -> int:
+        """How many corners it has, with those of what clips it."""
+        own = sum(len(ring) for rings, _ in self.shapes for ring in rings)
+        return own + (0 if self.within is None else self.within.size)
+
+    def region(self, matrix: Array) -> Region:
+        """Return what it lets through under a transform (3, 3).
+
+        Raises
+        ------
+        TooManyPairs
+            If its borders are a tangle.
+        """
+        shapes = [
+            ([ring @ matrix[:2, :2].T + matrix[:2, 2] for ring in rings], rule)
+            for rings, rule in self.shapes
+        ]
+        within = None if self.within is None else self.within.region(matrix)
+        return Region.of(shapes, within)
 
     def look(self, matrix: Array) -> tuple[Box, bool] | None:
         """Return the box around it under a transform (3, 3), and whether that is all of it."""
         if self.corners is None:
             return None
+        if np.isnan(self.corners).any():
+            return (np.inf, np.inf, -np.inf, -np.inf), False
         places = self.corners @ matrix[:2, :2].T + matrix[:2, 2]
         low, high = places.min(axis=0), places.max(axis=0)
         (left, top), (right, bottom) = low.tolist(), high.tolist()

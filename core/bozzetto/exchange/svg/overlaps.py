@@ -44,7 +44,7 @@ ARC_CORNERS: Final = 32
 """Corners that a whole turn gets where a tip is rounded by a hair."""
 
 
-class _TooMany(Exception):
+class TooManyPairs(Exception):
     """More pairs than the work for them is worth."""
 
 
@@ -91,7 +91,7 @@ def without_overlaps(
     """
     try:
         return _without_overlaps(lines, areas)
-    except _TooMany:
+    except TooManyPairs:
         raise FormatError(
             "Too many of its areas overlap. Unite them in the program that made it, and save "
             "it again."
@@ -131,7 +131,7 @@ def _without_overlaps(
 
 
 def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
-    """Return pairs of different rings that share a point. Raises `_TooMany`."""
+    """Return pairs of different rings that share a point. Raises `TooManyPairs`."""
     import shapely
 
     if len(rings) < 2:
@@ -150,7 +150,7 @@ def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
         pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
         tested += len(pairs)
         if tested > MAX_TESTED:
-            raise _TooMany
+            raise TooManyPairs
         hit = pairs[shapely.intersects(row[pairs[:, 0]], row[pairs[:, 1]])]
         rows = np.unique(np.sort(owner[hit], axis=1), axis=0)
         found.update((int(i), int(j)) for i, j in rows)
@@ -168,7 +168,7 @@ def _sides(ring: Array) -> NDArray[np.object_]:
 def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[Index]:
     """Yield pairs (k, 2) of different shapes whose boxes overlap, each once, some at a time.
 
-    Raises `_TooMany` where there are more than `limit`.
+    Raises `TooManyPairs` where there are more than `limit`.
     """
     import shapely
 
@@ -181,14 +181,23 @@ def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[Index]:
         once = a < b
         count += int(once.sum())
         if count > limit:
-            raise _TooMany
+            raise TooManyPairs
         yield np.stack((a[once], b[once]), axis=1)
+
+
+def near_sides(rings: Sequence[Array], limit: int) -> int:
+    """Count pairs of sides of some closed rings whose boxes overlap: a measure of work.
+
+    Raises `TooManyPairs` where there are more than `limit`.
+    """
+    row = np.concatenate([_sides(ring) for ring in rings])
+    return sum(len(pairs) for pairs in _near(row, limit))
 
 
 def _crossings(rings: Sequence[Array]) -> int:
     """Count how often the sides of some rings cross.
 
-    Raises `_TooMany` where there are more than `MAX_CROSSINGS`, or it takes too long to tell.
+    Raises `TooManyPairs` where there are more than `MAX_CROSSINGS`, or it takes too long to tell.
     """
     starts = np.concatenate([ring[:-1] for ring in rings])
     steps = np.concatenate([np.diff(ring, axis=0) for ring in rings])
@@ -202,7 +211,7 @@ def _crossings(rings: Sequence[Array]) -> int:
         under = _turn(steps[b], apart) * _turn(steps[b], apart - steps[a]) < 0
         crossings += int((over & under).sum())
         if crossings > MAX_CROSSINGS:
-            raise _TooMany
+            raise TooManyPairs
     return crossings
 
 
@@ -215,7 +224,7 @@ def _meets_itself(ring: Array) -> bool:
     """Whether a ring crosses or touches itself, unless it takes too long to tell."""
     try:
         _crossings([ring])
-    except _TooMany:
+    except TooManyPairs:
         return False
     return not _is_simple(ring)
 
@@ -237,7 +246,7 @@ def _groups(pairs: Sequence[tuple[int, int]]) -> dict[int, int]:
 
 
 def _joined(rings: Sequence[Array], areas: Sequence[Area | None]) -> list[Array]:
-    """Return the outline of all that the rings of some elements paint. Raises `_TooMany`."""
+    """Return the outline of all that the rings of some elements paint. Raises `TooManyPairs`."""
     from manifold3d import CrossSection, FillRule, JoinType, OpType
 
     _crossings(rings)

@@ -26,8 +26,9 @@ from bozzetto.exchange.limits import (
 )
 from bozzetto.exchange.page_layout import Sheet, sheet_drawing
 from bozzetto.exchange.safe_xml import Element, parse_xml
+from bozzetto.exchange.svg.clip_regions import MAX_EFFORT, Region, clipped
 from bozzetto.exchange.svg.clips import Box, Clip, box_of, lies_apart, lies_within, named_clip
-from bozzetto.exchange.svg.overlaps import Area, without_overlaps
+from bozzetto.exchange.svg.overlaps import Area, TooManyPairs, without_overlaps
 from bozzetto.exchange.svg.path_data import MAX_PIECES, Subpath, chord_counts, flatten
 from bozzetto.exchange.svg.shapes import (
     LONGEST_LENGTH,
@@ -86,6 +87,7 @@ class _Line:
     path: Subpath
     look: Look
     element: int
+    clips: tuple[Region, ...] = ()
 
     @cached_property
     def box(self) -> Box | None:
@@ -120,6 +122,8 @@ class _Reader:
         self.canvas = _canvas(root)
         self.page = None if self.canvas is None else (self.canvas.width, self.canvas.height)
         self.clips: dict[Element, Clip] = {}
+        self.regions: dict[tuple[Element, bytes], Region | None] = {}
+        self.clip_corners = 0
         self.cut = 0
         self.moves: dict[str, Array | None] = {}
         self.unmoved = 0
@@ -227,25 +231,44 @@ class _Reader:
             self.take(own, element, matrix, look)
 
     def clip(self, begin: int, target: Element, matrix: Array) -> None:
-        """Drop lines that a clip hides altogether; count it where it may cut others in two."""
+        """Drop lines that a clip hides altogether, and note it on those that it may cut in two."""
         if not any(line.look.painted for line in self.found[begin:]):
             return
         if target not in self.clips:
-            self.clips[target] = Clip.of(target, lambda one: self.own(one).matrix, self.page)
+            self.clips[target] = Clip.of(target, self.own, self.named, self.page)
+        clip = self.clips[target]
         with np.errstate(all="ignore"):
-            seen = self.clips[target].look(matrix)
+            seen = clip.look(matrix)
         if seen is None:
             self.cut += 1
             return
         box, is_exact = seen
         lines = self.found[begin:]
         kept = [line for line in lines if line.box is None or not lies_apart(line.box, box)]
+        may_cut = [
+            line.box is not None and not (is_exact and lies_within(line.box, box)) for line in kept
+        ]
+        if any(may_cut):
+            key = target, matrix.tobytes()
+            if key not in self.regions:
+                self.clip_corners += clip.size
+                self.regions[key] = self.region(clip, matrix)
+            region = self.regions[key]
+            self.cut += region is None
+            kept = [
+                replace(line, clips=(*line.clips, region)) if cut and region is not None else line
+                for line, cut in zip(kept, may_cut, strict=True)
+            ]
         self.found[begin:] = kept
-        self.cut += any(
-            line.look.painted and not (is_exact and lies_within(line.box, box))
-            for line in kept
-            if line.box is not None
-        )
+
+    def region(self, clip: Clip, matrix: Array) -> Region | None:
+        """Return what a clip lets through; None where that is too much work to tell."""
+        if self.clip_corners > MAX_EFFORT:
+            return None
+        try:
+            return clip.region(matrix)
+        except TooManyPairs:
+            return None
 
     def left_out(self) -> tuple[str, ...]:
         """Return sentences about what the file shows and is not read; none where nothing is."""
@@ -253,8 +276,8 @@ class _Reader:
         if self.cut:
             parts, are = ("A part", "is") if self.cut == 1 else (f"{self.cut} parts", "are")
             told.append(
-                f"{parts} of this drawing would be cut by a clip or a mask, and {are} read whole. "
-                "Cut with it in the program that made it."
+                f"{parts} of this drawing would be cut by a mask or a clip that is not understood, "
+                f"and {are} read whole. Cut with it in the program that made it."
             )
         if self.unmoved:
             told.append(
@@ -327,8 +350,8 @@ def read_drawing(data: bytes, name: str) -> Drawing:
 
     Paths and basic shapes under nested transforms are read; a closed one repeats its first
     point at the end. Painted areas that overlap become one outline (`without_overlaps`).
-    Text and pictures are left out, and named (`Drawing.left_out`), as are clips that cut lines in
-    two; what is not to be seen is ignored.
+    Clips cut them; text and pictures are left out, and named (`Drawing.left_out`), as are masks;
+    what is not to be seen is ignored.
 
     Parameters
     ----------
@@ -366,10 +389,15 @@ def read_drawing(data: bytes, name: str) -> Drawing:
         Area(line.element, line.look.rule) if line.look.filled and line.look.painted else None
         for line in found
     ]
-    joined = without_overlaps(lines, areas)
+    seen = clipped(lines, areas, [line.clips for line in found])
+    reader.cut += seen.given_up
+    at_most(len(seen.lines), MAX_STROKES, "strokes")
+    if not seen.lines:
+        raise FormatError("All lines of this drawing are hidden by its clips.")
+    joined = without_overlaps(seen.lines, seen.areas)
     if not joined:
         raise FormatError("The areas of this drawing cancel each other out.")
-    colors = [found[k].look.color for k, _ in joined]
+    colors = [found[seen.of[k]].look.color for k, _ in joined]
     sheet = reader.canvas and reader.canvas.scaled(reader.scale)
     drawing = sheet_drawing([points for _, points in joined], sheet, name, colors=colors)
     return replace(drawing, left_out=reader.left_out())

@@ -40,6 +40,7 @@ class Bitmap(NamedTuple):
 
     cells: Flags
     strips: Sequence[tuple[int, int]]
+    power: int
 
 
 class Square:
@@ -71,12 +72,12 @@ class Square:
         high, wide = bitmap.cells.shape
         if max(high, wide) > side:
             return None
+        smeared = self._smeared
+        while bitmap.power >= len(smeared):
+            smeared.append(smeared[-1] | smeared[-1] >> (1 << (len(smeared) - 1)))
         blocked = 0
         for behind, power in bitmap.strips:
-            while power >= len(self._smeared):
-                last = self._smeared[-1]
-                self._smeared.append(last | last >> (1 << (len(self._smeared) - 1)))
-            blocked |= self._smeared[power] >> behind
+            blocked |= smeared[power] >> behind
         free = _corner(self.cells, side - high + 1, side - wide + 1) & ~blocked
         if not free:
             return None
@@ -103,7 +104,7 @@ def bitmap_of(taken: Flags, cells: int) -> Bitmap:
         strips.append((r * cells + one, power))
         if two - one > 1 << power:
             strips.append((r * cells + two - (1 << power), power))
-    return Bitmap(taken, strips)
+    return Bitmap(taken, strips, max((power for _, power in strips), default=0))
 
 
 def drawn(rings: Sequence[Array], around: int) -> tuple[Flags, Array]:

@@ -9,8 +9,6 @@ import numpy as np
 from bozzetto.geometry.atlas.chart_flattening import Piece
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from bozzetto.arrays import Array, Flags, Index
 
 CREASE: Final = float(np.cos(np.radians(50.0)))
@@ -41,18 +39,11 @@ FRONT: Final = np.array([0.0, 1.0, 0.0])
 NEARLY: Final = 0.95
 """Share of the best axis from which the front's is as good."""
 
-ANGLES: Final = np.arange(12) * (np.pi / 12)
-PLACES: Final = np.arange(2, 15) / 16.0
-"""Directions and places of the straight cuts that are tried."""
-
 DIGITS: Final = 8
 """Decimals of a piece's size that count where it is cut."""
 
-BAND: Final = 0.1
+BAND: Final = 0.04
 """How far the border may be off the straight cut, as a share of the piece's size."""
-
-LONG: Final = 0.08
-"""What a cut costs: the area of a strip along it, as wide as this share of the piece's size."""
 
 
 class Surface:
@@ -164,21 +155,16 @@ class Surface:
         if FRONT @ matrix @ FRONT >= NEARLY * float(axis @ matrix @ axis):
             axis = FRONT
         axis = axis * np.sign(axis[np.abs(axis).argmax()])
-        return self._cut(face, spread @ axis, TILT, FIRM)
+        ahead = spread @ axis
+        parts = self._cut(face, ahead, TILT, FIRM)
+        return parts if len(parts) > 1 else self.parts(face, (ahead > 0.0).astype(np.intp))
 
-    def across(self, face: Index, seen: Array, rings: Sequence[Array]) -> list[Index]:
-        """Cut straight, so that the boxes around both parts leave little free.
+    def across(self, face: Index, ahead: Array) -> list[Index]:
+        """Cut where `ahead` (f,) changes its sign, in shares of the piece's size.
 
-        Parameters
-        ----------
-        face : (f,) int array
-            Faces of the surface.
-        seen : (f, 3, 2) float array
-            Their corners, flat.
-        rings : sequence of (n, 2) float arrays
-            Their borders, flat.
+        All stay together where one side is crumbs only.
         """
-        return self._cut(face, best_cut(seen, self.areas[face], rings), BAND, np.inf)
+        return self._cut(face, np.round(ahead, DIGITS), BAND, np.inf)
 
     def _mean(self, values: Array, face: Index) -> float:
         """Return the mean of values (f,) over some faces, by their areas."""
@@ -212,8 +198,7 @@ class Surface:
                 break
             for part in small:
                 side[place[part]] = ~side[place[part]]
-        parts = self.parts(face, side.astype(np.intp))
-        return parts if len(parts) > 1 else self.parts(face, (ahead > 0.0).astype(np.intp))
+        return self.parts(face, side.astype(np.intp))
 
 
 def shortest_cut(own: Index, other: Index, length: Array, near: Flags, side: Flags) -> Flags:
@@ -250,56 +235,6 @@ def shortest_cut(own: Index, other: Index, length: Array, near: Flags, side: Fla
     reached[breadth_first_order(left, source, return_predecessors=False)] = True
     found = side.copy()
     found[near] = reached[:source]
-    return found
-
-
-def best_cut(seen: Array, areas: Array, rings: Sequence[Array]) -> Array:
-    """Return how far each face (f,) is beyond the straight cut that leaves the least free.
-
-    It is given as a share of the size of all, which is the root of their area.
-
-    Parameters
-    ----------
-    seen : (f, 3, 2) float array
-        Their corners, flat.
-    areas : (f,) float array
-        On the surface.
-    rings : sequence of (n, 2) float arrays
-        Their borders, flat.
-    """
-    size = float(np.sqrt(areas.sum()))
-    shares = areas / float(areas.sum())
-    # In shares of its size, to so many digits that no rounding decides between equals.
-    middles = seen.mean(axis=1) / size
-    best = np.inf
-    found: Array = middles[:, 0] - float(np.median(middles[:, 0]))
-    frames = np.arange(8) * (np.pi / 16)
-    axes = np.concatenate([
-        np.stack([np.cos(frames), np.sin(frames)]), np.stack([-np.sin(frames), np.cos(frames)])
-    ], axis=1)  # fmt: skip
-    start = np.concatenate(list(rings)) / size
-    end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]) / size
-    for angle in ANGLES:
-        to, beside = np.array([np.cos(angle), np.sin(angle)]), (-np.sin(angle), np.cos(angle))
-        along = np.round(middles @ to, DIGITS)
-        low, high = float(along.min()), float(along.max())
-        for place in PLACES:
-            level = low + place * (high - low)
-            ahead = np.round(along - level, DIGITS)
-            if not 2.0 * ISLAND < float(shares[ahead > 0.0].sum()) < 1.0 - 2.0 * ISLAND:
-                continue
-            one, two = np.round(start @ to - level, DIGITS), np.round(end @ to - level, DIGITS)
-            over = one > 0.0
-            crossed = np.flatnonzero(over != (two > 0.0))
-            share = one[crossed] / (one[crossed] - two[crossed])
-            there = start[crossed] + share[:, None] * (end[crossed] - start[crossed])
-            spots = np.sort(there @ beside)
-            price = LONG * float((spots[1::2] - spots[:-1:2]).sum())
-            for part in (over, ~over):
-                span = np.ptp(np.concatenate([start[part], there]) @ axes, axis=0)
-                price += float((span[:8] * span[8:]).min())
-            if price < (1.0 - 1e-4) * best:
-                best, found = price, ahead
     return found
 
 

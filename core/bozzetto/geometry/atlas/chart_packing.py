@@ -9,12 +9,13 @@ of the best order are then taken out one by one and put back closer to the corne
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from bozzetto.geometry.atlas.chart_bitmaps import Bitmap, Square, bitmap_of, coarser, drawn
+from bozzetto.geometry.atlas.chart_compaction import compacted
 
 if TYPE_CHECKING:
     from bozzetto.arrays import Array, Flags, Index
@@ -34,7 +35,7 @@ GAP: Final = 2
 COARSE: Final = 3
 """Fine cells along a coarse one."""
 
-WORK: Final = 300_000
+WORK: Final = 600_000
 """Strips of cells that one search may look at, but for the first tries."""
 
 MOST_TRIES: Final = 200
@@ -57,6 +58,9 @@ DIGITS: Final = 5
 
 SEED: Final = 17
 """Of the search: the same charts always lie in the same places."""
+
+SLANTS: Final = (0.0, 0.25 * np.pi)
+"""Angles by which charts are turned, besides quarters."""
 
 QUARTER: Final = np.array([[0.0, -1.0], [1.0, 0.0]])
 """A quarter of a turn, by columns."""
@@ -86,7 +90,7 @@ class Packing(NamedTuple):
     Attributes
     ----------
     turn : (n, 2, 2) float array
-        The turn of each, by columns.
+        How each is turned and made a little larger, by columns.
     offset : (n, 2) float array
         Added after the turn.
     side : float
@@ -117,21 +121,27 @@ def packed(
     found = grid.settled(found, checkpoint)
     turns, offsets = grid.places(found)
     edge = GAP // 2 * grid.cell  # what is free around all
-    return Packing(turns, offsets - edge, found.side * grid.cell - 2.0 * edge)
+    packing = Packing(turns, offsets - edge, found.side * grid.cell - 2.0 * edge)
+    return _compacted(outlines, packing, 1.0 / cells, checkpoint)
 
 
-def side_of(outlines: Sequence[Outline], cells: int) -> float:
-    """Return about how long the side of a square with these charts is, by a short search.
-
-    Parameters
-    ----------
-    outlines : sequence of Outline
-        At least one with an area.
-    cells : int
-        Along the square; no two charts are in one.
-    """
-    grid, found = _searched(outlines, cells, 0, 1, 0)
-    return found.side * grid.cell
+def _compacted(
+    outlines: Sequence[Outline], packing: Packing, gap: float, checkpoint: Callable[[float], None]
+) -> Packing:
+    """Push charts together, if they are not too many."""
+    if not 1 < len(outlines) <= SLANTED:
+        return packing
+    placed = [
+        [ring @ turn + offset for ring in outline.rings]
+        for outline, turn, offset in zip(outlines, packing.turn, packing.offset, strict=True)
+    ]
+    low = np.min([np.concatenate(rings).min(axis=0) for rings in placed], axis=0)
+    # In shares of the side, to so many digits that the unit decides nothing.
+    size = packing.side
+    placed = [[np.round((ring - low) / size, 9) for ring in rings] for rings in placed]
+    turn, offset, side = compacted(placed, gap, lambda part: checkpoint(0.7 + 0.3 * part))
+    moved = np.einsum("nd,nde->ne", packing.offset - low, turn) + offset * size
+    return Packing(packing.turn @ turn, moved, side * size)
 
 
 def box_sizes(points: Array, angles: Array) -> tuple[Array, Array]:
@@ -149,7 +159,7 @@ def _searched(
     tries: int,
     checkpoint: Callable[[float], None] = _nobody,
 ) -> tuple[_Grid, _Placed]:
-    bare = [_upright(outline) for outline in outlines]
+    bare = [upright_turn(outline.rings) for outline in outlines]
     total = max(sum(outline.area for outline in outlines), 1e-300)
     longest = max(float(size[0]) for _, size in bare)
     # A long one lies along the diagonal at best.
@@ -162,9 +172,9 @@ def _searched(
         cell *= LARGER
 
 
-def _upright(outline: Outline) -> tuple[Array, Array]:
-    """Return the turn (2, 2) of the smallest box around an outline to lie flat, and its size."""
-    points = np.concatenate(list(outline.rings))
+def upright_turn(rings: Sequence[Array]) -> tuple[Array, Array]:
+    """Return the turn (2, 2) of the smallest box around rings to lie flat, and its size."""
+    points = np.concatenate(list(rings))
     angles: Array = np.linspace(0.0, 0.5 * np.pi, 64, endpoint=False, dtype=np.float64)
     width, height = box_sizes(points, angles)
     size = width * height
@@ -174,6 +184,34 @@ def _upright(outline: Outline) -> tuple[Array, Array]:
     if width[best] < height[best]:
         turn = turn @ QUARTER
     return turn, np.ptp(points @ turn, axis=0)
+
+
+def quarters(
+    rings: Sequence[Array], turn: Array, cell: float, around: int, slants: Sequence[float] = SLANTS
+) -> Iterator[tuple[Array, Flags, Array]]:
+    """Draw a chart in all positions: the turn (2, 2), its cells and where they begin, (2,).
+
+    Parameters
+    ----------
+    rings : sequence of (n, 2) float arrays
+        Its borders.
+    turn : (2, 2) float array
+        The one of the first position.
+    cell : float
+        Size of a cell.
+    around : int
+        How many cells beside it are taken, too.
+    slants : sequence of float
+        Angles that are added; each of them four times, by quarters.
+    """
+    for slant in slants:
+        turned = turn @ _turn(slant)
+        mask, low = drawn([ring @ turned / cell for ring in rings], around)
+        for _ in range(4):
+            yield turned, mask, low
+            turned = turned @ QUARTER
+            low = np.array([low[1], -low[0] - mask.shape[1]])
+            mask = mask.T[::-1]
 
 
 class _Placed(NamedTuple):
@@ -208,25 +246,15 @@ class _Grid:
         self.single, self.rest = order[:SINGLES].tolist(), order[SINGLES:]
         self.outlines, self.bare, self.cell, self.cells = outlines, bare, cell, cells
         self.coarse = coarse
-        slants = (0.0, 0.25 * np.pi) if len(self.single) <= SLANTED else (0.0,)
+        slants = SLANTS if len(self.single) <= SLANTED else SLANTS[:1]
         self.turns: list[list[Array]] = []
         self.lows: list[list[Array]] = []
         masks: list[list[Flags]] = []
         for number in self.single:
-            self.turns.append([])
-            self.lows.append([])
-            masks.append([])
-            for slant in slants:
-                turn = bare[number][0] @ _turn(slant)
-                rings = [ring @ turn / cell for ring in outlines[number].rings]
-                mask, low = drawn(rings, gap // 2)
-                for _ in range(4):
-                    self.turns[-1].append(turn)
-                    self.lows[-1].append(low)
-                    masks[-1].append(mask)
-                    turn = turn @ QUARTER
-                    low = np.array([low[1], -low[0] - mask.shape[1]])
-                    mask = mask.T[::-1]
+            made = list(quarters(outlines[number].rings, bare[number][0], cell, gap // 2, slants))
+            self.turns.append([turn for turn, _, _ in made])
+            self.lows.append([low for _, _, low in made])
+            masks.append([mask for _, mask, _ in made])
         self.block = _block(bare, self.rest, cell, gap)
         sizes = [float(boxes[k]) / cell**2 for k in self.single]
         if len(self.rest):
@@ -251,7 +279,7 @@ class _Grid:
         way, failed = ways[0], -1
         tries = max(len(ways), min(tries, WORK // max(effort, 1)))
         for number in range(tries):
-            checkpoint(0.5 * number / tries)
+            checkpoint(0.4 * number / tries)
             if number < len(ways):
                 tried = ways[number]
             elif best is None:
@@ -284,7 +312,7 @@ class _Grid:
         reach = 0
         for piece in way.order:
             maps = self.rough[piece][:4] if way.upright else self.rough[piece]
-            spot = _best_spot(square, maps, range(len(maps)), side, lowest=way.lowest)
+            spot = best_spot(square, maps, range(len(maps)), side, lowest=way.lowest)
             if spot is None:
                 return piece
             spots[piece] = row, column, position = spot
@@ -305,14 +333,14 @@ class _Grid:
         side = placed.side
         rounds = min(MOST_ROUNDS, MOVES // len(spots))
         for number in range(rounds):
-            checkpoint(0.5 + 0.5 * number / rounds)
+            checkpoint(0.4 + 0.3 * number / rounds)
             ends = {piece: max(self._ends(piece, spot)) for piece, spot in spots.items()}
             for piece in sorted(spots, key=lambda piece: (ends[piece], piece)):
                 row, column, position = spots[piece]
                 maps = self.maps[piece]
                 square.put(maps[position], row, column, taken=False)
                 far = ends[piece] == side
-                spot = _best_spot(
+                spot = best_spot(
                     square, maps, range(len(maps)) if far else (position,), side,
                     lowest=number % 2 == 1 and not far,
                 )  # fmt: skip
@@ -342,7 +370,7 @@ class _Grid:
         return turns, offsets
 
 
-def _best_spot(
+def best_spot(
     square: Square, maps: Sequence[Bitmap], positions: Sequence[int], side: int, *, lowest: bool
 ) -> tuple[int, int, int] | None:
     """Return row, column and position of the best place for a chart, if there is one."""

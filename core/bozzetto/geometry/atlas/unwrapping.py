@@ -9,6 +9,7 @@ import numpy as np
 
 from bozzetto.cached_properties import cached_property
 from bozzetto.geometry.atlas.chart_cutting import Surface
+from bozzetto.geometry.atlas.chart_fitting import Line, Part, cut_to_fit, straight_cuts
 from bozzetto.geometry.atlas.chart_flattening import (
     FOLDED,
     Piece,
@@ -16,9 +17,10 @@ from bozzetto.geometry.atlas.chart_flattening import (
     borders,
     flattened_piece,
     folded,
+    ring_area,
     stretch,
 )
-from bozzetto.geometry.atlas.chart_packing import Outline, box_sizes, packed, side_of
+from bozzetto.geometry.atlas.chart_packing import Outline, packed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -40,31 +42,13 @@ BENT: Final = 0.9
 CELLS: Final = 256
 """Cells along the square; charts are one apart."""
 
-FEW_CELLS: Final = 128
-"""The same to learn whether a cut helps: charts that touch none in common are as far apart."""
-
-FULL: Final = 0.8
-"""Share of the square from which no more charts are cut."""
-
-CUTS: Final = 24
-"""How many more cuts are tried."""
-
-PATIENCE: Final = 5
-"""After how many that gain nothing no more are."""
-
-GAIN: Final = 0.01
-"""By how much more of the square each further chart has to fill."""
-
-LEAST_FREE: Final = 0.005
-"""Area beside a chart in its box, as a share of the surface, from which a cut is tried."""
-
-LONG: Final = 0.7
-"""Share of the square's side from which a chart is tried to be cut because it is long."""
-
-
 FLAT: Final = 0.5
 CUT: Final = 0.8
 """Share of the work that is done when all lies flat, and when it is cut to fit, about."""
+
+
+HALVING: Final = np.array([[1.0, 0.0], [0.0, 1.0], [0.7, 0.7], [0.7, -0.7]])
+"""Directions in which a piece is cut in the middle where none of the better cuts parts it."""
 
 
 def _nobody(fraction: float) -> None:
@@ -161,8 +145,7 @@ def unwrapped_together(
                 charts.append(found)
                 done += len(found.piece.face)
             checkpoint(FLAT * done / count)
-    area = sum(float(one.areas.sum()) for one in surfaces)
-    charts = _cut_to_fit(area, charts, lambda part: checkpoint(FLAT + part * (CUT - FLAT)))
+    charts = _cut_to_fit(charts, lambda part: checkpoint(FLAT + part * (CUT - FLAT)))
     packing = packed(
         [chart.outline for chart in charts], CELLS, lambda part: checkpoint(CUT + part * (1 - CUT))
     )
@@ -180,52 +163,29 @@ def unwrapped_together(
     return laid
 
 
-def _cut_to_fit(
-    area: float, charts: list[Chart], checkpoint: Callable[[float], None]
-) -> list[Chart]:
-    """Cut charts across that are long or leave much of their boxes free, as far as that pays."""
-
-    def full(charts: list[Chart]) -> float:
-        return area / side_of([chart.outline for chart in charts], FEW_CELLS) ** 2
-
-    share = full(charts)
-    best, most, idle = charts, share, 0
-    count = len(charts)
-    whole: set[int] = set()
-    for number in range(CUTS):
-        checkpoint(number / CUTS)
-        if share >= FULL or idle == PATIENCE:
-            break
-        needs = [0.0 if id(chart) in whole else _need(chart, area, share) for chart in charts]
-        # Of equal ones the first, however they are rounded.
-        worst = int(np.argmax(np.round(needs, 5)))
-        if needs[worst] < 1.0:
-            break
-        chart = charts[worst]
-        parts = chart.surface.across(chart.piece.face, chart.corners, chart.outline.rings)
-        if len(parts) == 1:
-            whole.add(id(chart))
-            continue
-        charts = [*charts[:worst], *(_part_of(chart, part) for part in parts), *charts[worst + 1 :]]
-        share = full(charts)
-        idle += 1
-        worth = share - GAIN * (len(charts) - count)
-        if worth > most + 1e-6:
-            best, most, idle = charts, worth, 0
-    return best
+def _cut_to_fit(charts: list[Chart], checkpoint: Callable[[float], None]) -> list[Chart]:
+    """Cut charts straight across as far as that fills the square."""
+    fitting = cut_to_fit([_outlined(chart) for chart in charts], _cut, checkpoint)
+    return [part.content for part in fitting]
 
 
-def _need(chart: Chart, area: float, share: float) -> float:
-    """Return how much a cut of a chart is needed; below one, not at all."""
-    if len(chart.piece.face) == 1:
-        return 0.0
-    width, height = box_sizes(
-        np.concatenate(list(chart.outline.rings)), np.linspace(0.0, 0.5 * np.pi, 64, endpoint=False)
-    )
-    best = int((width * height).argmin())
-    free = float(width[best] * height[best]) - chart.outline.area
-    long = float(max(width[best], height[best])) / float(np.sqrt(area / share))
-    return max(free / (LEAST_FREE * area), long / LONG)
+def _outlined(chart: Chart) -> Part:
+    import shapely
+
+    rings = sorted(chart.outline.rings, key=lambda ring: -abs(ring_area(ring)))
+    polygon = shapely.Polygon(rings[0], [ring for ring in rings[1:] if len(ring) > 2])
+    if not polygon.is_valid:
+        polygon = max(shapely.get_parts(polygon.buffer(0.0)), key=lambda one: one.area)
+    return Part(polygon, chart)
+
+
+def _cut(part: Part, line: Line) -> list[Part]:
+    """Cut a chart near a line; all of it where no edges lead across."""
+    chart: Chart = part.content
+    middles = chart.corners.mean(axis=1)
+    ahead = (middles @ line.towards - line.level) / np.sqrt(chart.outline.area)
+    faces = chart.surface.across(chart.piece.face, ahead)
+    return [part] if len(faces) == 1 else [_outlined(_part_of(chart, face)) for face in faces]
 
 
 def _part_of(chart: Chart, face: Index) -> Chart:
@@ -273,7 +233,13 @@ def _tried(surface: Surface, face: Index) -> Chart | list[Index]:
     if float(np.linalg.norm(mean)) < BENT * float(size.sum()):
         return surface.by_sides(face)
     rings = [places[ring] for ring in borders(piece.triangles)]
-    return surface.across(face, corners, rings)
+    middles = corners.mean(axis=1)
+    lines = [*straight_cuts(rings), *(Line(to, float(np.median(middles @ to))) for to in HALVING)]
+    for line in lines:
+        parts = surface.across(face, (middles @ line.towards - line.level) / np.sqrt(size.sum()))
+        if len(parts) > 1:
+            return parts
+    return [face]
 
 
 def _in_two(surface: Surface, face: Index, parts: list[Index]) -> list[Index]:

@@ -217,23 +217,75 @@ CLIP = '<clipPath id="c">{}</clipPath>'
 BAR = '<g clip-path="url(#c)"><path d="M{} 20h40" stroke="red" fill="none"/></g>'
 
 
+HALF = '<rect width="100" height="50"/>'
+"""Up to x = 100, y = 50."""
+
+
 @pytest.mark.parametrize(
-    ("clip", "begin", "shown", "told"),
+    ("clip", "begin", "shown"),
     [
-        ('<rect width="100" height="50"/>', 30, True, False),
-        ('<rect width="100" height="50"/>', 80, True, True),
-        ('<rect width="100" height="50"/>', 120, False, False),
-        ('<rect width="100" height="50" transform="translate(-90 0)"/>', 30, False, False),
-        ('<rect width="100" height="50" transform="rotate(9)"/>', 30, True, True),
-        ('<circle cx="50" cy="20" r="50"/>', 30, True, True),
-        ('<circle cx="50" cy="20" r="50"/>', 101, False, False),
+        (HALF, 30, [(30, 70)]),
+        (HALF, 80, [(80, 100)]),
+        (HALF, 120, []),
+        ('<rect width="100" height="50" transform="translate(-90 0)"/>', 30, []),
+        ('<rect width="30" height="50"/><rect x="50" width="50" height="50"/>', 20,
+         [(20, 30), (50, 60)]),
+        ('<path clip-rule="evenodd" d="M0 0h99v50h-99zM40 0h10v50h-10z"/>', 20,
+         [(20, 40), (50, 60)]),
+        ('<circle cx="50" cy="20" r="50"/>', 70, [(70, 100)]),
+        ('<circle cx="50" cy="20" r="50"/>', 101, []),
+        ('<rect width="80" height="40" rx="20"/>', 50, [(50, 80)]),
+        ("", 30, []),
     ],
-)
-def test_a_clip_hides_what_lies_outside_and_is_told_where_it_cuts(clip, begin, shown, told):
+)  # fmt: skip
+def test_a_clip_cuts_lines_and_hides_what_lies_outside(clip, begin, shown):
     frame = '<path d="M0 0h100v100h-100z" stroke="red" fill="none"/>'
-    drawing = read(CLIP.format(clip) + BAR.format(begin) + frame)
-    assert len(drawing.strokes) == 1 + shown
-    assert any("cut by" in said for said in drawing.left_out) is told
+    body = CLIP.format(clip) + BAR.format(begin) + frame
+    assert read(body).left_out == ()
+    *bars, _ = lines(body)
+    assert [(one[0, 0], one[-1, 0]) for one in bars] == [
+        pytest.approx(ends, abs=0.02) for ends in shown
+    ]
+
+
+def test_clips_within_clips_and_of_clips_cut_together():
+    inner = '<clipPath id="d" clip-path="url(#c)"><rect x="10" width="60" height="90"/></clipPath>'
+    bar = '<g clip-path="url(#e)"><path clip-path="url(#d)" d="M0 20h90" stroke="red"/></g>'
+    outer = '<clipPath id="e"><rect x="20" width="99" height="99"/></clipPath>'
+    clip = CLIP.format('<rect width="50" height="50"/>')
+    (one,) = lines(clip + inner + outer + bar)
+    assert (one[0, 0], one[-1, 0]) == pytest.approx((20, 50))
+
+
+def test_a_clipped_area_ends_where_the_clip_does_and_a_stroke_stays_open():
+    clip = CLIP.format('<rect x="-9" width="29" height="40"/>')
+    area = '<rect clip-path="url(#c)" y="10" width="40" height="20" {}/>'
+    (one,) = lines(clip + area.format('fill="red"'))
+    assert one[0] == pytest.approx(one[-1])
+    assert np.ptp(one, axis=0) == pytest.approx([20, 20], abs=1e-6)
+    (other,) = lines(clip + area.format('fill="none" stroke="red"'))
+    assert {*map(tuple, np.round(other[[0, -1]], 6))} == {(20.0, 10.0), (20.0, 30.0)}
+    assert len(other) == 4
+
+
+def test_a_clipped_line_that_crosses_itself_is_one_stroke():
+    loop = "M0 0L40 40L40 0L0 40"
+    clip = CLIP.format('<rect x="-9" y="-9" width="99" height="48"/>')
+    (one,) = lines(clip + f'<path clip-path="url(#c)" d="{loop}" fill="none" stroke="red"/>')[:1]
+    assert one[0] == pytest.approx([0, 0])
+    assert (
+        len(lines(clip + f'<path clip-path="url(#c)" d="{loop}" fill="none" stroke="red"/>')) == 2
+    )
+
+
+@pytest.mark.parametrize(
+    "clip",
+    ["<text>a</text>", '<use href="#x"/>', '<g><rect width="9" height="9"/></g>'],
+)
+def test_a_clip_that_is_not_understood_cuts_nothing_and_is_told(clip):
+    drawing = read(CLIP.format(clip) + BAR.format(30))
+    assert len(drawing.strokes) == 1
+    assert any("cut by a mask or a clip" in said for said in drawing.left_out)
 
 
 def test_a_filled_line_that_nearly_comes_round_is_a_border():

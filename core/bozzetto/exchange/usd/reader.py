@@ -1,0 +1,465 @@
+"""USD, read: the meshes of a scene with their names, materials, pictures and bones.
+
+From text (``.usda``) and from packages with such text (``.usdz``). The binary form, "crate", has
+no specification but the code of OpenUSD: who has such a file is told how to get text of it.
+"""
+
+from __future__ import annotations
+
+import io
+import posixpath
+import zipfile
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array, Flags, Index
+from bozzetto.damaged_files import as_format_errors
+from bozzetto.errors import FormatError
+from bozzetto.exchange.color import WHITE, linear_to_srgb
+from bozzetto.exchange.limits import MAX_FACES, MAX_MESH_BYTES, MAX_PARTS, MAX_VERTICES, at_most
+from bozzetto.exchange.mesh.polygons import check_places, checked_mesh, is_degenerate, triangulate
+from bozzetto.exchange.mesh.stacked_pictures import Pictures
+from bozzetto.exchange.reading import Reading
+from bozzetto.exchange.usd.read_looks import ReadLook, ReadLooks
+from bozzetto.exchange.usd.read_places import local_matrix, moves
+from bozzetto.exchange.usd.read_skeletons import RATE, ReadSkeletons
+from bozzetto.exchange.usd.usda_text import ReadPrim, parsed
+from bozzetto.exchange.zip_entries import unpacked, unpacking
+from bozzetto.geometry.rig import Skin
+from bozzetto.geometry.shapes import FaceGroup, Shapes, Surface
+
+CRATE: Final = b"PXR-USDC"
+
+BINARY: Final = (
+    "Its scene is in USD’s binary form, which is not read here. Save it as .usda: in Blender and "
+    "Maya choose that ending, or run “usdcat in.usdc -o out.usda”."
+)
+
+SCENES: Final = (".usda", ".usdc", ".usd")
+
+MAX_ENTRIES: Final = 100_000
+
+UNIT: Final = 0.01
+"""Metres in a unit, where a file does not say it."""
+
+Y_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""Rows: our x, y and z (up) from x, y (up) and z of the file."""
+
+ARCS: Final = ("references", "payload", "inherits", "specializes", "subLayers")
+"""Metadata by which a scene takes something from elsewhere."""
+
+BODIES: Final = frozenset(("Cube", "Sphere", "Cylinder", "Cone", "Capsule", "Plane", "TetMesh"))
+CURVED: Final = frozenset(("BasisCurves", "NurbsCurves", "NurbsPatch", "HermiteCurves", "Points"))
+HIDDEN: Final = frozenset(("proxy", "guide"))
+"""Purposes of what is there for the work only."""
+
+PLACES: Final = ("primvars:st", "primvars:UVMap", "primvars:st0", "primvars:map1")
+"""Places in pictures, as most programs call them."""
+
+MAX_REPEATS: Final = 1e6
+"""How often a picture may be repeated on its way to a triangle."""
+
+
+def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
+    """Read the meshes of a scene, in millimetres with Z up.
+
+    Parameters
+    ----------
+    data : bytes
+        Text, or a package.
+    reading : Reading, optional
+        Where pictures lie beside it, and what is told.
+    """
+    reading = reading or Reading()
+    if data.startswith(CRATE):
+        raise FormatError(BINARY)
+    if not data.startswith(b"PK"):
+        return _Scene(parsed(data), reading, partial(_beside, reading)).shapes()
+    with as_format_errors(), unpacking():
+        zipped = zipfile.ZipFile(io.BytesIO(data))
+    with as_format_errors(), zipped:
+        names = zipped.namelist()
+        at_most(len(names), MAX_ENTRIES, "entries")
+        first = next((name for name in names if name.lower().endswith(SCENES)), None)
+        if first is None:
+            raise FormatError("There is no scene in this package. Export it again.")
+        text = unpacked(zipped, first, MAX_MESH_BYTES)
+        if text.startswith(CRATE):
+            raise FormatError(BINARY)
+        load = partial(_entry, zipped, frozenset(names), posixpath.dirname(first))
+        return _Scene(parsed(text), reading, load).shapes()
+
+
+def _beside(reading: Reading, name: str) -> bytes:
+    return reading.beside(posixpath.normpath(name), "picture")
+
+
+def _entry(zipped: zipfile.ZipFile, names: frozenset[str], folder: str, name: str) -> bytes:
+    path = posixpath.normpath(posixpath.join(folder, name))
+    if path not in names:
+        raise FormatError("It is not in the package.")
+    return unpacked(zipped, path, MAX_MESH_BYTES)
+
+
+class _Scene:
+    """A scene whose text is understood.
+
+    Parameters
+    ----------
+    root : ReadPrim
+        What stands at its top.
+    reading : Reading
+        What is told.
+    load : callable
+        Gives the bytes of a picture by its name.
+    """
+
+    def __init__(self, root: ReadPrim, reading: Reading, load: Callable[[str], bytes]) -> None:
+        self._root, self._reading, self._load = root, reading, load
+        self._prims = {one.path: one for one in root.walk()}
+        self._worlds: dict[str, Array] = {}
+        self._pictures = Pictures("USD", reading)
+        self._looks = ReadLooks(self._prims, reading)
+        rate = root.said.get("timeCodesPerSecond", root.said.get("framesPerSecond"))
+        rate = rate if isinstance(rate, float) and 0.0 < rate < 1e6 else RATE
+        self._skeletons = ReadSkeletons(self._prims, self._worlds, rate, reading)
+        self._left: Counter[str] = Counter()
+        tops = [one.name for one in root.children if one.kind == "def"]
+        self._top = tops[0] if len(tops) == 1 else root.said.get("defaultPrim")
+        self._size = [0, 0]
+
+    def shapes(self) -> Shapes:
+        """Return all meshes."""
+        meshes = self._placed()
+        at_most(len(meshes), MAX_PARTS, "parts")
+        parts = [part for one in meshes if (part := self._part(one)) is not None]
+        self._tell()
+        if not parts:
+            raise FormatError(
+                " ".join(("There are no faces in this file.", *self._reading.left_out))
+            )
+        return Shapes(surfaces=tuple(parts))
+
+    def _frame(self) -> Array:
+        """Return the change (4, 4) from the axes and the unit of the scene to ours."""
+        said = self._root.said
+        unit = said.get("metersPerUnit", UNIT)
+        if not isinstance(unit, float) or not 1e-9 <= unit <= 1e9:
+            raise FormatError("Its unit (metersPerUnit) is no length. Save it again.")
+        matrix = np.eye(4)
+        matrix[:3, :3] = 1000.0 * unit * (np.eye(3) if said.get("upAxis") == "Z" else Y_UP)
+        return matrix
+
+    def _placed(self) -> list[list[ReadPrim]]:
+        """Return every mesh that is shown, with what it is in, the innermost first."""
+        found: list[list[ReadPrim]] = []
+        frame = self._frame()
+        waiting: list[tuple[ReadPrim, Array, list[ReadPrim]]] = [
+            (one, frame, []) for one in reversed(self._root.children)
+        ]
+        self._left["arcs"] += sum(name in self._root.said for name in ARCS)
+        while waiting:
+            prim, above, holders = waiting.pop()
+            if prim.kind != "def" or prim.said.get("active") == 0.0:
+                continue
+            self._left["arcs"] += sum(name in prim.said for name in ARCS)
+            self._left["variants"] += prim.has_variants
+            if prim.word("visibility") == "invisible" or prim.word("purpose") in HIDDEN:
+                self._left["hidden"] += 1
+                continue
+            matrix, resets = local_matrix(prim)
+            with np.errstate(all="ignore"):
+                world = (frame if resets else above) @ matrix
+            if not np.isfinite(world).all():
+                raise FormatError("A transform moves its parts further than a scene can reach.")
+            self._worlds[prim.path] = world
+            inner = [prim, *holders]
+            self._left["motions"] += moves(prim)
+            if prim.type == "Mesh":
+                found.append(inner)
+            for kind, types in (("bodies", BODIES), ("curves", CURVED)):
+                self._left[kind] += prim.type in types
+            self._left["copies"] += prim.type == "PointInstancer"
+            self._left["cameras"] += prim.type == "Camera"
+            if prim.type != "PointInstancer":  # whose children are what it repeats
+                waiting += [(one, world, inner) for one in reversed(prim.children)]
+        return found
+
+    def _tell(self) -> None:
+        for key, what, many, why in (
+            ("arcs", "what it takes from elsewhere", "what it takes from {} other places",
+             "save it flattened: “usdcat --flatten in.usda -o out.usda”"),
+            ("variants", "what depends on a choice", "what depends on {} choices",
+             "save it flattened with the one that you want"),
+            ("hidden", "a hidden part", "{} hidden parts", "show them and save it again"),
+            ("bodies", "a body that is no mesh", "{} bodies that are no meshes",
+             "turn them into meshes first"),
+            ("curves", "a set of curves, patches or points",
+             "{} sets of curves, patches or points", "they have no faces"),
+            ("copies", "what is scattered as copies", "what is scattered as copies {} times",
+             "make them real first"),
+            ("subdivided", "that a part is subdivided", "that {} parts are subdivided",
+             "their cages are read; apply the subdivision first"),
+            ("faces", "the colours of the faces of a part", "the colours of the faces of {} parts",
+             "give them materials"),
+            ("forms", "that a part changes its form", "that {} parts change their form",
+             "the first one is read"),
+            ("motions", "a motion", "{} motions", "only those of bones are read"),
+            ("cameras", "a camera", "{} cameras", "only shapes are read"),
+        ):  # fmt: skip
+            count = self._left[key]
+            if count:
+                words = what if count == 1 else many.format(count)
+                self._reading.tell(f"Left out of the USD file: {words} ({why}).")
+
+    def _part(self, holders: list[ReadPrim]) -> Surface | None:
+        """Return a mesh as a part; None where it has no faces."""
+        prim = holders[0]
+        points, counts, rings = (
+            prim.numbers("points", 3), prim.numbers("faceVertexCounts", 1),
+            prim.numbers("faceVertexIndices", 1),
+        )  # fmt: skip
+        if points is None or counts is None or rings is None:
+            return None
+        check_places(points)
+        sizes, corners = _whole(counts, "faceVertexCounts"), _whole(rings, "faceVertexIndices")
+        if (sizes < 0).any() or int(sizes.sum()) != len(corners):
+            raise FormatError("A mesh has not as many corners as its faces say.")
+        if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
+            raise FormatError("A face names a vertex that the file does not hold.")
+        self._size[0] += len(points)
+        self._size[1] += int(np.maximum(sizes - 2, 0).sum())
+        at_most(self._size[0], MAX_VERTICES, "vertices")
+        at_most(self._size[1], MAX_FACES, "triangles")
+        self._left["subdivided"] += prim.word("subdivisionScheme") not in ("", "none")
+        self._left["forms"] += len(prim.values.get("points.timeSamples") or ()) > 1
+        corner = triangulate(points[corners], np.arange(len(corners)), sizes).astype(np.intp)
+        owner = np.repeat(np.arange(len(sizes)), np.maximum(sizes - 2, 0))
+        proper = ~is_degenerate(corners[corner].astype(np.int32)) & ~self._holes(prim, owner)
+        corner, owner = corner[proper], owner[proper]
+        if not len(corner):
+            return None
+        looks, kind = self._groups(holders, len(sizes))
+        order = np.argsort(kind[owner], kind="stable")
+        corner, owner = corner[order], owner[order]
+        used = np.bincount(kind[owner], minlength=len(looks))
+        world, skin = self._world(holders, len(points))
+        turn = world[:3, :3]
+        with np.errstate(all="ignore"):
+            flipped = bool(np.linalg.det(turn) < 0.0) != (prim.word("orientation") == "leftHanded")
+            places = points @ turn.T + world[:3, 3]
+        if flipped:
+            corner = corner[:, ::-1]
+        colors = self._colors(prim, len(points))
+        mesh = checked_mesh(places, corners[corner], _normals(prim, len(points), turn), colors)
+        part = Surface(mesh, prim.title, path=self._path(holders))
+        part = _grouped(part, [(look, int(n)) for look, n in zip(looks, used, strict=True) if n])
+        if part.color is None and not part.groups:
+            part = replace(part, color=_whole_color(prim))
+        if skin is not None and skin.rig.is_posed:
+            posed = skin.posed(part.mesh)
+            check_places(posed.vertices)
+            skin, part = replace(skin, rest=part.mesh), replace(part, mesh=posed)
+        part = replace(part, skin=skin)
+        return self._with_picture(part, prim, looks, used, corner, corners, len(points))
+
+    def _holes(self, prim: ReadPrim, owner: Index) -> Flags:
+        holes = prim.numbers("holeIndices", 1)
+        return np.isin(owner, [] if holes is None else holes[:, 0])
+
+    def _path(self, holders: list[ReadPrim]) -> tuple[str, ...]:
+        """Return the names of what a mesh is in; the top of the scene and a rig are no groups."""
+        outer = holders[1:]
+        if outer and outer[-1].name == self._top:
+            outer = outer[:-1]
+        names = [one.title for one in outer if one.type != "SkelRoot"]
+        if names and names[0] == holders[0].title:  # one that holds a mesh of its name is its place
+            names = names[1:]
+        return tuple(reversed(names))
+
+    def _world(self, holders: list[ReadPrim], count: int) -> tuple[Array, Skin | None]:
+        """Return the change from the axes of a mesh to our world, and the bones that it follows."""
+        prim = holders[0]
+        skeleton = self._skeletons.followed(holders)
+        if skeleton is not None:
+            try:
+                skin = skeleton.skin(prim, count, self._reading)
+                bound = prim.numbers("primvars:skel:geomBindTransform", 16)
+                world = skeleton.matrix
+                if bound is not None and len(bound) == 1:
+                    world = world @ bound[0].reshape(4, 4).T
+                if not np.isfinite(world).all():
+                    raise FormatError("They are too far away.")
+            except FormatError as error:
+                self._reading.tell(
+                    f"Left out of the USD file: the bones of a part. {error.message}"
+                )
+            else:
+                return world, skin
+        return self._worlds[prim.path], None
+
+    def _groups(self, holders: list[ReadPrim], count: int) -> tuple[list[ReadLook | None], Index]:
+        """Return the looks of a mesh, and which of them each polygon has."""
+        whole = next((look for one in holders if (look := self._looks.bound_to(one))), None)
+        looks: list[ReadLook | None] = [whole]
+        kind = np.zeros(count, np.intp)
+        for subset in holders[0].children:
+            if subset.type != "GeomSubset" or subset.word("elementType") not in ("", "face"):
+                continue
+            look = self._looks.bound_to(subset)
+            faces = subset.numbers("indices", 1)
+            if look is None or faces is None:
+                continue
+            rows = _whole(faces, "indices")
+            if len(rows) and not 0 <= rows.min() <= rows.max() < count:
+                raise FormatError("A group names a face that its mesh does not have.")
+            at_most(len(looks), MAX_PARTS, "parts and groups")
+            kind[rows] = len(looks)
+            looks.append(look._replace(name=subset.title))
+        return looks, kind
+
+    def _colors(
+        self, prim: ReadPrim, count: int
+    ) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]] | None:
+        """Return the colours of vertices; None where there are none."""
+        found = _primvar(prim, "primvars:displayColor", 3)
+        if found is None or len(found[0]) == 1:
+            return None
+        rows, interpolation = found
+        if interpolation not in ("vertex", "varying") or len(rows) != count:
+            self._left["faces"] += 1
+            return None
+        colors = np.full((count, 4), 255, np.uint8)
+        colors[:, :3] = linear_to_srgb(rows)
+        shares = _primvar(prim, "primvars:displayOpacity", 1)
+        if shares is not None and len(shares[0]) == count:
+            opaque = np.clip(np.nan_to_num(shares[0][:, 0]), 0.0, 1.0)
+            colors[:, 3] = np.rint(255.0 * opaque)
+        return colors
+
+    def _with_picture(
+        self, part: Surface, prim: ReadPrim, looks: list[ReadLook | None], used: Index,
+        corner: Index, corners: Index, count: int,
+    ) -> Surface:  # fmt: skip
+        """Return a part with the pictures of its materials, if there are any.
+
+        Parameters
+        ----------
+        part : Surface
+            Without them.
+        prim : ReadPrim
+            The mesh.
+        looks, used
+            What its triangles look like, and how many have each.
+        corner : (f, 3) int array
+            Of each triangle, among all corners of its polygons.
+        corners : (n,) int array
+            The vertices of these.
+        count : int
+            Of vertices.
+        """
+        files = sorted({look.picture for look, n in zip(looks, used, strict=True)
+                        if look is not None and look.picture and n})  # fmt: skip
+        if not files:
+            return part
+        found = next((one for name in PLACES if (one := _primvar(prim, name, 2))), None)
+        at = None if found is None else _by_corner(*found, corners, count)
+        if at is None or not (np.abs(at) <= MAX_REPEATS).all():
+            self._reading.tell(
+                "Left out of the USD file: the picture of a material. Its places on the surface "
+                "are not in the file."
+            )
+            return part
+        for file in files:
+            self._pictures.add(file, partial(self._load, file))
+        shown = [-1 if look is None or not look.picture else files.index(look.picture)
+                 for look, n in zip(looks, used, strict=True) if n]  # fmt: skip
+        plain = [(*((look.color if look else None) or WHITE), 255)
+                 for look, n in zip(looks, used, strict=True) if n]  # fmt: skip
+        sizes = used[used > 0]
+        texture = self._pictures.texture(
+            np.repeat(shown, sizes),
+            files,
+            at[corner],
+            np.repeat(np.array(plain, np.uint8), sizes, 0),
+        )
+        if texture is None:
+            return part
+        groups = tuple(replace(group, color=None) for group in part.groups)
+        mesh = replace(part.mesh, colors=None)
+        return replace(part, mesh=mesh, color=None, groups=groups, texture=texture)
+
+
+def _grouped(part: Surface, looks: list[tuple[ReadLook | None, int]]) -> Surface:
+    """Return a part with a group for each look; a single one that is called like it is no group."""
+    groups = []
+    for look, count in looks:
+        one = look or ReadLook(part.name)
+        groups.append(FaceGroup(one.name or part.name, count, one.color, one.finish))
+    if len(groups) > 1:
+        return replace(part, groups=tuple(groups))
+    (group,) = groups
+    if group.finish == "matt" and group.name == part.name:
+        return replace(part, color=group.color)
+    return replace(part, groups=(group,))
+
+
+def _whole(rows: Array, name: str) -> Index:
+    """Return numbers (n, 1) as whole ones, (n,)."""
+    values = rows[:, 0]
+    if not (np.abs(values) < 2.0**31).all() or (values != np.rint(values)).any():
+        raise FormatError(f"The numbers of “{name}” are not whole.")
+    return values.astype(np.intp)
+
+
+def _primvar(prim: ReadPrim, name: str, width: int) -> tuple[Array, str] | None:
+    """Return the rows of a primvar and what they are of; None where there are none."""
+    rows = prim.numbers(name, width)
+    if rows is None or not len(rows):
+        return None
+    said = prim.remarks.get(name, {}).get("interpolation", "constant")
+    which = prim.numbers(f"{name}:indices", 1)
+    if which is not None:
+        index = _whole(which, f"{name}:indices"[:40])
+        if not len(index) or not 0 <= index.min() <= index.max() < len(rows):
+            raise FormatError(f"The numbers of “{name[:40]}” name others that are not there.")
+        rows = rows[index]
+    return rows, str(said)
+
+
+def _by_corner(rows: Array, interpolation: str, corners: Index, count: int) -> Array | None:
+    """Return the rows of all corners; None where there are not as many as there should be."""
+    if interpolation == "faceVarying" and len(rows) == len(corners):
+        return rows
+    if interpolation in ("vertex", "varying") and len(rows) == count:
+        return np.asarray(rows[corners])
+    return None
+
+
+def _whole_color(prim: ReadPrim) -> tuple[int, int, int] | None:
+    """Return the one colour that a mesh without a material is shown in."""
+    found = _primvar(prim, "primvars:displayColor", 3)
+    if found is None or len(found[0]) != 1 or prim.targets("material:binding"):
+        return None
+    red, green, blue = (int(v) for v in linear_to_srgb(found[0][0]))
+    return red, green, blue
+
+
+def _normals(prim: ReadPrim, count: int, turn: Array) -> Array | None:
+    """Return the unit normals of vertices in our axes; None where the file has none of these."""
+    name = "primvars:normals" if "primvars:normals" in prim.values else "normals"
+    rows = prim.numbers(name, 3)
+    said = prim.remarks.get(name, {}).get("interpolation", "vertex")
+    if rows is None or len(rows) != count or said not in ("vertex", "varying"):
+        return None
+    with np.errstate(all="ignore"):
+        a, b, c = turn.T  # normals turn with the cofactors
+        cofactors = np.column_stack((np.cross(b, c), np.cross(c, a), np.cross(a, b)))
+        turned = rows @ cofactors.T * np.sign(np.linalg.det(turn))
+        length = np.linalg.norm(turned, axis=1, keepdims=True)
+        return np.asarray(turned / length) if (length > 0.0).all() else None
