@@ -77,6 +77,16 @@ def test_what_is_not_carved_says_why_where_it_is_and_what_would_help():
     assert not labels_of(modeler, state, solved(state))
 
 
+def test_walls_of_a_smooth_outline_have_no_knot_at_which_they_might_break():
+    """CAD splits a surface of degree n at a knot that is there n times, or complains of it."""
+    (shell,) = solved(drawn(stroke(disc(60.0)))).detailed.changed
+    made = [f.surface for f, owner in zip(shell.faces, shell.owners, strict=True) if owner.made]
+    assert len(made) > 1
+    for surface in made:
+        for degree, knots in zip(surface.degrees, surface.knots, strict=True):
+            assert np.unique(knots, return_counts=True)[1][1:-1].max(initial=0) < degree
+
+
 def test_a_square_has_four_corners_and_a_disc_none():
     (flat,) = drawn(stroke(square(50.0))).of_kind(Detail)
     (smooth,) = drawn(stroke(disc(60.0))).of_kind(Detail)
