@@ -109,15 +109,20 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
     def view_advice(self, state: ProductState, camera: Camera, job: Job) -> ViewAdvice | None:
         """Return the rough shape of a product that is not begun: it is not on the sheet yet.
 
-        It is best seen from between its sides, so that curves can be drawn over several of them.
+        It is best seen whole and from between its sides, so that curves can be drawn over several
+        of them.
         """
         if not state.nodes or any(not isinstance(node, RoughShape) for node in state.nodes):
             return None
         scene = scene_of(state, None)
-        if np.abs(camera.axes[2]).max() < ALONG_AXIS:
+        if np.abs(camera.axes[2]).max() >= ALONG_AXIS:
+            better = fit_points(standard_view(camera, "three-quarter"), scene.points(), MARGIN)
+            return ViewAdvice("good", "Only one side is in view.", better, scene)
+        seen, depths = camera.project(scene.points())
+        if ((seen >= 0.0) & (seen <= camera.viewport)).all() and (depths > 0.0).all():
             return ViewAdvice("good", "", scene=scene)
-        better = fit_points(standard_view(camera, "three-quarter"), scene.points(), MARGIN)
-        return ViewAdvice("good", "Only one side is in view.", better, scene)
+        better = fit_points(camera, scene.points(), MARGIN)
+        return ViewAdvice("good", "The rough shape is not wholly in view.", better, scene)
 
     @override
     def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> ProductState:

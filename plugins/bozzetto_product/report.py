@@ -15,7 +15,7 @@ from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_mesh import radius_ratios
 from bozzetto_product.hand_over.names import group_name, loop_names, piece_names
 from bozzetto_product.model.curves import Curve
-from bozzetto_product.model.details import Detail
+from bozzetto_product.model.details import KINDS, Detail
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.paper.paper_surface import PaperSurface
 from bozzetto_product.solve.result import ProductResult, SolvedPatch
@@ -58,7 +58,10 @@ FIGURES: Final[Mapping[str, Figure]] = {
     "edges": Figure(""),
     "group": Figure(""),
     "gaps": Figure(""),
-    "kind": Figure("Kind", "What becomes of the area inside"),
+    "g1_vertices": Figure(
+        "Triangles off smooth", "The same between triangles, as their files show it", "°", digits=2
+    ),
+    "kind": Figure("Kind", "What becomes of the area inside", values=dict(KINDS)),
     "carved": Figure("Carved", "Whether the surface has this detail"),
     "floor_error": Figure(
         "Off the depth",
@@ -86,15 +89,16 @@ def report_of(state: ProductState, result: ProductResult, job: Job) -> dict[str,
     -------
     dict
         ``"loops"``: names of the curves or pieces of curves round each surface; ``"patches"``:
-        for each ``"name"``, ``"group"`` (its name in OBJ files), ``"curves"``, ``"vertices"``,
+        for each ``"id"``, ``"name"``, ``"group"`` (its name in OBJ files), ``"curves"``, ``"vertices"``,
         ``"quality_min"`` and ``"quality_p5"`` (2 r / R of its triangles),
         ``"boundary_error_mm"``, ``"area_mm2"``, ``"g1_deg"`` and ``"g1_vertices_deg"``;
         ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``,
         ``"angle_deg"``, the greatest anywhere on it, and ``"angle_vertices_deg"``, the greatest at
         vertices of the triangles, where alone files of triangles show it;
         ``"joints"``: how many;
-        ``"details"``: for each ``"name"``, ``"kind"``, ``"carved"`` and ``"floor_error_mm"``, how
-        far its floor is from the true offset; ``"walls"``: for each part with walls
+        ``"details"``: for each ``"id"``, ``"name"``, ``"kind"``, ``"carved"`` and
+        ``"floor_error_mm"``, how far its floor is from the true offset, None where it is not
+        carved; ``"walls"``: for each part with walls
         ``"thinnest_mm"`` and ``"thickest_mm"``; ``"closed"``; ``"open_edges"``: names;
         ``"gaps"``: of each end that nearly meets something ``"curve"``, ``"other"`` and
         ``"width_mm"``;
@@ -138,6 +142,7 @@ def _patch(
     quality = radius_ratios(mesh)
     smooth = [edge for edge in edges if edge["smooth"] and one.name in edge["patches"]]
     return {
+        "id": one.patch.id,
         "name": one.name,
         "group": group_name(one.name),
         "curves": loop_names(one.loop, names),
@@ -153,10 +158,11 @@ def _patch(
 
 def _detail(one: SolvedDetail) -> dict[str, Any]:
     return {
+        "id": one.detail.id,
         "name": one.name,
         "kind": one.detail.kind,
         "carved": not one.problem,
-        "floor_error_mm": one.deviation,
+        "floor_error_mm": None if one.problem else one.deviation,
     }
 
 

@@ -98,6 +98,11 @@ class Section(QWidget):
         """Whether the content is shown."""
         return self._heading.isChecked()
 
+    @property
+    def heading_height(self) -> int:
+        """Height of the heading, px."""
+        return self._heading.height()
+
     def rename(self, title: str) -> None:
         """Give it another heading."""
         self._heading.setText(title)

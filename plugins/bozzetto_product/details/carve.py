@@ -58,6 +58,10 @@ DRAFT: Final = (
     "The walls would meet before the floor. Make the draft angle or the depth smaller, or the "
     "outline rounder."
 )
+GROOVE: Final = (
+    "The walls of the gap would meet before its floor. Make the draft angle or the depth smaller, "
+    "or the gap wider."
+)
 
 Thickness = Callable[[Array, Array], Array]
 """Points and outward normals, (n, 3), to how far the body reaches behind them, (n,) mm."""
@@ -282,7 +286,7 @@ def _planned(
     if height < 0.0:
         _check_room(offset, rings[0], form.depth, thickness)
     floors = [_on_floor(level, k, ring) for k, ring in enumerate(rings)]
-    _check(floors, rings, floors, DRAFT)
+    _check(floors, rings, floors, GROOVE if form.kind == "button" else DRAFT)
     return _Plan(rings, (), level, offset)
 
 

@@ -32,8 +32,10 @@ HALVINGS: Final = 14
 
 MOST_SPANS: Final = 3000
 
-KINK: Final = 1e-4
-"""Difference of derivatives on both sides of a knot, as share of their length, that is a kink."""
+KINKS: Final = (0.05, 1e-4)
+"""Difference of derivatives on both sides of a knot, as share of their length, that is a kink; the
+second one where nothing can be followed with the first. Wherever a curve is cut its fits differ a
+little, and CAD splits a surface with a kink, or complains."""
 
 NODES: Final = 0.5 - 0.5 * np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
 """Chebyshev-Lobatto places in a span, at which it is interpolated."""
@@ -99,19 +101,20 @@ def fitted_edges(
     UserError
         If a curve is not on its surface, or too rough to be followed.
     """
-    breaks = np.linspace(start, end, pieces + 1)
     samples: list[dict[tuple[float, float], Array]] = [{} for _ in tracks]
-    for _ in range(HALVINGS):
-        for track, known in zip(tracks, samples, strict=True):
-            _look(track, breaks, known)
-        paths, edges, bad, kinks = _fits(tracks, samples, breaks, size)
+    for kink in KINKS:
+        breaks = np.linspace(start, end, pieces + 1)
+        for _ in range(HALVINGS):
+            for track, known in zip(tracks, samples, strict=True):
+                _look(track, breaks, known)
+            paths, edges, bad, kinks = _fits(tracks, samples, breaks, size, kink)
+            if not bad.any() or len(breaks) > MOST_SPANS:
+                break
+            middles = 0.5 * (breaks[:-1] + breaks[1:])[bad]
+            breaks = np.sort(np.concatenate((breaks, middles)))
         if not bad.any():
             break
-        middles = 0.5 * (breaks[:-1] + breaks[1:])[bad]
-        breaks = np.sort(np.concatenate((breaks, middles)))
-        if len(breaks) > MOST_SPANS:
-            break
-    if bad.any():
+    else:
         raise UserError(
             "The outline is too rough for this surface. Draw it more smoothly, or elsewhere."
         )
@@ -140,6 +143,7 @@ def _fits(
     samples: Sequence[dict[tuple[float, float], Array]],
     breaks: Array,
     size: float,
+    kink: float,
 ) -> tuple[list[Array], list[Array], Flags, Flags]:
     """Return Bézier points of paths and edges, spans that are off, and joints with a kink."""
     widths = np.diff(breaks)
@@ -152,7 +156,7 @@ def _fits(
         values = row[:, : DEGREE + 1]
         path = np.einsum("ij,sjd->sid", TO_BEZIER, values)
         path[:, 0], path[:, -1] = values[:, 0], values[:, -1]
-        kinks |= _kinked(path, widths)
+        kinks |= _kinked(path, widths, kink)
         raw.append(path)
     paths = [_smooth(path, widths, kinks) for path in raw]
     images = []
@@ -161,7 +165,7 @@ def _fits(
         space = track.surface.value(*inner.T).reshape(len(widths), DEGREE + 1, 3)
         edge = np.einsum("ij,sjd->sid", TO_BEZIER, space)
         edge[:, 0], edge[:, -1] = space[:, 0], space[:, -1]
-        kinks |= _kinked(edge, widths)
+        kinks |= _kinked(edge, widths, kink)
         images.append(edge)
     edges = [_smooth(edge, widths, kinks) for edge in images]
     for track, row, path, edge in zip(tracks, found, paths, edges, strict=True):
@@ -182,10 +186,10 @@ def _slopes(points: Array, widths: Array) -> tuple[Array, Array]:
     return before, behind
 
 
-def _kinked(points: Array, widths: Array) -> Flags:
+def _kinked(points: Array, widths: Array, kink: float) -> Flags:
     before, behind = _slopes(points, widths)
     length = np.linalg.norm(before, axis=1) + np.linalg.norm(behind, axis=1)
-    return np.asarray(np.linalg.norm(before - behind, axis=1) > KINK * length)
+    return np.asarray(np.linalg.norm(before - behind, axis=1) > kink * length)
 
 
 def _smooth(points: Array, widths: Array, kinks: Flags) -> Array:

@@ -52,8 +52,8 @@ SAME: Final = 1e-3
 """...and become one surface: root mean square distance as share of the size."""
 
 EVEN: Final = 0.1
-"""Variation of curvature below which an evened surface is believed rather than a sweep: of
-spheres, tori and saddles it was 0.02 at most."""
+"""Variation of curvature below which an evened surface is believed rather than a sweep, and
+without a look at the plate's: of spheres, tori and saddles it was 0.02 at most."""
 
 TOLD: Final = 0.3
 """Distance of a sweep from the surface of least energy, as share of its distance from the sides,
@@ -336,7 +336,7 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
             swept = _Candidate(_fitted(asked, start, sweep))
             if not swept.folds and _apart(swept, best) > TOLD * sweep.off:
                 return swept.solution
-    if is_even:
+    if is_even and best.score < EVEN:
         return best.solution
     plate = _Candidate(_started(asked, PLATE))
     even_plate = _evened_or(asked, plate)

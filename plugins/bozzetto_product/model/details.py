@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,15 @@ from bozzetto.plugin import Parameter, Part
 from bozzetto_product.model.appearance import FINISHES, Color, Finish
 
 DetailKind = Literal["in", "raised", "cut", "button", "split"]
+
+KINDS: Final = (
+    ("in", "Pressed in"),
+    ("raised", "Raised"),
+    ("cut", "Cut through"),
+    ("button", "Button with a gap"),
+    ("split", "Split"),
+)
+"""Kinds of details, and what people call them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +97,7 @@ class Detail(Part):
         Parameter(
             "Kind",
             help="What becomes of the area inside.",
-            choices=(
-                ("in", "Pressed in"),
-                ("raised", "Raised"),
-                ("cut", "Cut through"),
-                ("button", "Button with a gap"),
-                ("split", "Split"),
-            ),
+            choices=KINDS,
         ),
     ] = "in"
     depth: Annotated[

@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
-from bozzetto.scene import Handle, Lines, Shaded
+from bozzetto.scene import Handle, Label, Lines, Shaded
 from bozzetto.view import triple
 from bozzetto_product.details.ground import Ground, followed_outline
 from bozzetto_product.details.outline_places import tangent_axes
@@ -119,8 +119,8 @@ def _apart(color: Color) -> Color:
     return red, green, blue
 
 
-def outline_lines(result: ProductResult, selected: str) -> Iterator[Lines]:
-    """Yield the outlines of the chosen detail, and of those that could not be carved."""
+def outline_items(result: ProductResult, selected: str) -> Iterator[Lines | Label]:
+    """Yield the outlines of the chosen detail, and of those not carved, which say why."""
     for one in result.detailed.details:
         chosen = one.detail.id == selected
         if not one.outlines or not (chosen or one.problem):
@@ -129,6 +129,9 @@ def outline_lines(result: ProductResult, selected: str) -> Iterator[Lines]:
         starts = np.cumsum([0, *(len(row) for row in one.outlines[:-1])]).astype(np.int32)
         color = "warning" if one.problem else "accent"
         yield Lines(points, starts, color=color, width=WIDTH + chosen)
+        if one.problem:
+            topmost = points[int(np.argmax(points[:, 2]))]
+            yield Label(triple(topmost), one.problem.split(". ")[0].rstrip("."), "warning")
 
 
 def emblem_handles(state: ProductState, result: ProductResult) -> Iterator[Handle]:

@@ -27,7 +27,7 @@ from bozzetto_product.view.colors import colors_of
 from bozzetto_product.view.detail_view import (
     EMBLEM_TOOL,
     emblem_handles,
-    outline_lines,
+    outline_items,
     surface_items,
     wall_meshes,
 )
@@ -110,7 +110,7 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
     if result is not None:
         layers += [
             Layer("chosen surface", tuple(_chosen(state, result))),
-            Layer("outlines", tuple(outline_lines(result, state.selected))),
+            Layer("outlines", tuple(outline_items(result, state.selected))),
             Layer("joints", tuple(_joints(result))),
             Layer("gaps", tuple(_gaps(result))),
             Layer("handles", tuple(_handles(state, result)), tool=MOVE_TOOL),

@@ -11,7 +11,9 @@ from bozzetto.document.model import Document, Model
 from bozzetto.document.storage.bozz_file import decode_document, encode_document
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline
+from bozzetto.plugin import Job
 from bozzetto.plugin.host.registry import Registry
+from bozzetto.scene import Label
 from bozzetto.view import Camera
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.state import ProductState
@@ -52,6 +54,37 @@ def test_a_round_is_pressed_in_where_it_was_drawn():
     assert one.problem == ""
     seen = CAMERA.project(one.outlines[0])[0]
     assert distances_to_polyline(seen, disc(60.0)).max() < 1.2
+
+
+def labels_of(modeler, state, result):
+    return [item for _, item in modeler.scene(state, result).items() if isinstance(item, Label)]
+
+
+def test_what_is_not_carved_says_why_where_it_is_and_what_would_help():
+    state = drawn(stroke(disc(60.0)))
+    (sound,) = state.of_kind(Detail)
+    modeler = ProductModeler()
+    for kind, helps in (("in", "outline rounder"), ("button", "gap wider")):
+        detail = replace(sound, kind=kind, depth=8.0, draft=60.0)
+        failing = replace(state, nodes=(*state.nodes[:-1], detail))
+        result = solved(failing)
+        (one,) = result.detailed.details
+        assert helps in one.problem
+        labels = labels_of(modeler, failing, result)
+        assert [one.problem.startswith(label.text) for label in labels] == [True]
+        (told,) = modeler.report(failing, result, Job())["details"]
+        assert (told["id"], told["carved"], told["floor_error_mm"]) == (sound.id, False, None)
+    assert not labels_of(modeler, state, solved(state))
+
+
+def test_walls_of_a_smooth_outline_have_no_knot_at_which_they_might_break():
+    """CAD splits a surface of degree n at a knot that is there n times, or complains of it."""
+    (shell,) = solved(drawn(stroke(disc(60.0)))).detailed.changed
+    made = [f.surface for f, owner in zip(shell.faces, shell.owners, strict=True) if owner.made]
+    assert len(made) > 1
+    for surface in made:
+        for degree, knots in zip(surface.degrees, surface.knots, strict=True):
+            assert np.unique(knots, return_counts=True)[1][1:-1].max(initial=0) < degree
 
 
 def test_a_square_has_four_corners_and_a_disc_none():

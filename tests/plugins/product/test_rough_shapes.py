@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import Job
+from bozzetto.view import Camera
 from bozzetto_product.model.rough_shapes import RoughKind, RoughShape
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.rough_shapes.shapes import rough_mesh
 
 KINDS = get_args(RoughKind)
@@ -64,3 +68,19 @@ def test_a_turned_shape_is_round(kind: str) -> None:
 def test_a_size_that_is_none_is_refused(size: float) -> None:
     with pytest.raises(UserError):
         rough_mesh(RoughShape(kind="box", length=size))
+
+
+def test_a_rough_shape_out_of_sight_offers_a_view_of_all_of_it() -> None:
+    """A bottle in the place of a box is higher than the view of that box."""
+    modeler = ProductModeler()
+    tall = RoughShape(id="r", kind="bottle", length=70.0, width=70.0, height=900.0)
+    camera = Camera(eye=(220.0, -260.0, 160.0), target=(0.0, 0.0, 30.0))
+    for shape, offered in ((_shape("box"), False), (tall, True)):
+        state = ProductState().with_node(shape)
+        advice = modeler.view_advice(state, camera, Job())
+        assert advice is not None
+        assert (advice.better is not None) == offered
+    assert advice.better is not None
+    seen, depths = advice.better.project(rough_mesh(tall).vertices)
+    assert ((seen >= 0.0) & (seen <= advice.better.viewport)).all()
+    assert (depths > 0.0).all()

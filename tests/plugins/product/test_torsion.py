@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry import Spline
-from bozzetto_product.fill.corners import loop_corners
+from bozzetto_product.fill.corners import FLAT_SINE, loop_corners
 from bozzetto_product.fill.network_fills import fill_net
 from bozzetto_product.fill.normals import common_fields, edge_normals
 from bozzetto_product.fill.torsion import with_torsions
@@ -21,6 +21,7 @@ from tests.plugins.product.known_surfaces import (
     graph,
     loop_on,
     net_of_splines,
+    oriented_normals,
     random_loop,
     torus,
     true_normals,
@@ -95,6 +96,34 @@ def test_a_node_inside_a_smooth_side_takes_the_normal_that_the_corners_tell(side
     truth = surface.normal(np.array([net.nodes[net.edges[edge].start] for edge, _ in loop]))
     cosines = np.abs((np.array(normals) * truth).sum(axis=1))
     assert np.degrees(np.arccos(np.clip(cosines.min(), -1, 1))) < 1.5
+
+
+def senses(known):
+    """Cosines between the normals of corners and those of the surface, turned alike."""
+    truth = known.surface.normal(known.net.nodes)
+    normals = [corner.normal for corner in oriented_normals(known)]
+    cosines = (np.array(normals) * truth).sum(axis=1)
+    return cosines * np.sign(cosines.sum())
+
+
+@pytest.mark.parametrize("seed", [88060, *range(300_000, 300_012)])
+def test_corners_have_one_sense_however_far_the_surface_bends(seed):
+    """Near the rim of an ellipsoid a concave corner lies at 54 degrees to the whole loop."""
+    assert senses(random_loop(seed)).min() > 0.0
+
+
+def test_hooks_at_the_starts_of_curves_turn_no_sharp_corner_over():
+    known = random_loop(300_004)
+    splines = []
+    for edge in known.net.edges:
+        points = edge.spline.control_points.copy()
+        points[1] = points[0] - 0.02 * (points[1] - points[0])
+        splines.append(Spline(edge.spline.knots, points))
+    net, loop = net_of_splines(splines)
+    for sound, hooked in zip(oriented_normals(known), loop_corners(net, loop), strict=True):
+        if sound.sine > FLAT_SINE:
+            assert sound.normal @ hooked.normal > 0.9
+            assert sound.concave == hooked.concave
 
 
 def test_normals_are_the_same_in_any_frame_and_size():

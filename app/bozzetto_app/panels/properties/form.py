@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtWidgets import QApplication, QLabel, QVBoxLayout, QWidget
 
 from bozzetto_app.i18n import tr
@@ -115,6 +115,8 @@ class ParametersPanel(PanelScroll):
         if fields != self._fields or (chosen != self._owner and self._is_in_use()):
             self._fields = fields
             self._rebuild()
+        if chosen != self._owner:
+            QTimer.singleShot(0, self, self._bring_into_sight)  # once it is laid out
         self._owner = chosen
         if self._part_section is not None and part is not None:
             self._part_section.rename(part.name)
@@ -146,6 +148,16 @@ class ParametersPanel(PanelScroll):
         )
         self._empty.setVisible(not own and not inner)
         self._form.setVisible(bool(own or inner))
+
+    def _bring_into_sight(self) -> None:
+        """Scroll to the form of the chosen part, if its heading is out of sight."""
+        section = self._part_section
+        if section is None:
+            return
+        top = section.mapTo(self.widget(), QPoint()).y()
+        bar, height = self.verticalScrollBar(), self.viewport().height()
+        if not bar.value() <= top <= bar.value() + height - section.heading_height:
+            bar.setValue(top)
 
     def _value_dragged(self) -> None:
         """Follow the values of a drag; `changed` comes only when it ends or pauses."""

@@ -120,7 +120,7 @@ def _parts(value: Any) -> list[Mapping[str, Any]]:
 def rows_of(
     report: Mapping[str, Any], figures: Mapping[str, Figure], depth: int = 0, part: str = ""
 ) -> Iterator[Row]:
-    """Return the rows of a report, in its own order.
+    """Return the rows of a report, in its own order, after what it warns of.
 
     A value whose key also occurs with ``expected_`` before it is good when both agree. A
     single part without a name needs no heading. Mappings and long lists are summed up where
@@ -138,7 +138,7 @@ def rows_of(
     part : str
         Id of the part that is chosen: where a list tells of it, only this part is shown.
     """
-    for key, value in report.items():
+    for key, value in sorted(report.items(), key=lambda entry: entry[0] != "warnings" or depth):
         figure = figure_of(key, figures)
         if key in UNREAD or not (figure is None or figure.label):
             continue

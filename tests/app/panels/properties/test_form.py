@@ -278,6 +278,32 @@ def test_a_part_of_the_same_kind_keeps_the_form_unless_somebody_types_in_it(
     assert (with_parts._form is form) == (QApplication.focusWidget() is None)
 
 
+def test_the_form_of_a_part_that_is_chosen_comes_into_sight(qtbot, with_parts, fake_session):
+    """Whoever read the figures below and chooses another part must not look for its form."""
+
+    def choose(part):
+        fake_session.trees["m1"] = fake_session.trees["m1"].chosen(part)
+        fake_session.selection.changed.emit()
+        qtbot.wait(20)
+
+    def seen_at():
+        return with_parts._part_section.mapTo(with_parts.viewport(), QPoint()).y()
+
+    ids = [part.id for part in fake_session.trees["m1"].parts]
+    with_parts.resize(264, 300)
+    qtbot.wait(20)
+    bar = with_parts.verticalScrollBar()
+    for away in (bar.maximum(), 0):
+        bar.setValue(away)
+        assert not 0 <= seen_at() < 260
+        choose(next(one for one in ids if one != fake_session.parts.chosen.id))
+        assert 0 <= seen_at() < 260
+    bar.setValue(bar.value() - 40)
+    there = bar.value()
+    choose(next(one for one in ids if one != fake_session.parts.chosen.id))
+    assert bar.value() == there, "it was in sight"
+
+
 def test_a_colour_is_chosen_from_the_chart_or_taken_back(with_parts, fake_session):
     color = row(with_parts, "color", "part")
     swatch = color.words.buddy()

@@ -107,6 +107,11 @@ def test_a_curve_is_told_in_figures_and_its_data_are_not(qapp):
     ]
 
 
+def test_what_is_warned_of_comes_first(qapp):
+    report = {"closed": True, "parts": [{"name": "Lid", "area": 3}], "warnings": ["It folds."]}
+    assert next(rows_of(report, {})).key == "It folds."
+
+
 def test_without_another_reading_there_is_no_figure_for_it(qapp):
     (row,) = rows_of({"margin": 1000.0}, SYMMETRY)
     assert row.value == "none"
