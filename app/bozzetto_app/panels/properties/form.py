@@ -151,10 +151,10 @@ class ParametersPanel(PanelScroll):
 
     def _bring_into_sight(self) -> None:
         """Scroll to the form of the chosen part, if its heading is out of sight."""
-        section = self._part_section
-        if section is None:
+        section, page = self._part_section, self.widget()
+        if section is None or page is None:
             return
-        top = section.mapTo(self.widget(), QPoint()).y()
+        top = section.mapTo(page, QPoint()).y()
         bar, height = self.verticalScrollBar(), self.viewport().height()
         if not bar.value() <= top <= bar.value() + height - section.heading_height:
             bar.setValue(top)
