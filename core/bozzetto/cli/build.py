@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -114,6 +114,7 @@ def _build_one(
             model = bench.sources.from_mesh_file(modeler_id, mesh, source.stem, values)
         else:
             model = bench.sources.from_drawing(modeler_id, drawing, values)
+        warn(_idle(model.state, values))
         report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
         camera = None if drawing is None else drawing.camera
         if options.command_id:
@@ -133,6 +134,18 @@ def _build_one(
     except UserError as problem:
         raise UserError(problem.message + _places(problem, drawing)) from problem
     return report, {} if written is None else {"written": written}
+
+
+def _idle(state: Any, values: dict[str, object]) -> Iterator[str]:
+    """Yield which values change nothing, and what has to be set first."""
+    from bozzetto.parameters import needed_first, parameter_fields
+
+    found = [(field, getattr(state, field.name)) for field in parameter_fields(type(state))]
+    for field, _ in found:
+        labels = needed_first(field, found) if field.name in values else ()
+        if labels:
+            names = " or ".join(f"“{label}”" for label in labels)
+            yield f"“{field.parameter.label}” changes nothing yet: set {names} first."
 
 
 def _places(problem: UserError, drawing: Any) -> str:
