@@ -117,6 +117,17 @@ def test_styling_curves_stand_in_the_step_file(tmp_path: Path) -> None:
     assert b"Swage" in (tmp_path / "car.step").read_bytes()
 
 
+def test_what_is_set_and_changes_nothing_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    view = {"image": {"width": 1200, "height": 800}, "marks": {"C1": [100.0, 500.0]}}
+    bare = ["--allow-template", "--set", "share=0.3"]
+    built(tmp_path, {"views": [view]}, more=bare)
+    assert "“Share” changes nothing yet: set “Blend with” first." in capsys.readouterr().err
+    built(tmp_path, {"views": [view]}, more=[*bare, "--set", "blend=coupe"])
+    assert "changes nothing" not in capsys.readouterr().err
+
+
 def test_a_car_without_marks_enough_says_what_is_missing(tmp_path: Path) -> None:
     file = car("sedan", 4).marks_file()
     for view in file["views"]:
