@@ -123,7 +123,7 @@ def test_what_is_set_and_changes_nothing_is_told(
     view = {"image": {"width": 1200, "height": 800}, "marks": {"C1": [100.0, 500.0]}}
     bare = ["--allow-template", "--set", "share=0.3"]
     built(tmp_path, {"views": [view]}, more=bare)
-    assert "“Share” changes nothing yet: set “Blend with” first." in capsys.readouterr().err
+    assert "“Share” changes nothing while “Blend with” is “Nothing”." in capsys.readouterr().err
     built(tmp_path, {"views": [view]}, more=[*bare, "--set", "blend=coupe"])
     assert "changes nothing" not in capsys.readouterr().err
 
