@@ -137,7 +137,8 @@ class _Scene:
         """Return all meshes."""
         meshes = self._placed()
         at_most(len(meshes), MAX_PARTS, "parts")
-        parts = [part for one in meshes if (part := self._part(one)) is not None]
+        with np.errstate(all="ignore"):  # numbers may be extreme; what comes of them is looked at
+            parts = [part for one in meshes if (part := self._part(one)) is not None]
         self._tell()
         if not parts:
             raise FormatError(
