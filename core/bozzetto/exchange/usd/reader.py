@@ -88,7 +88,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         first = next((name for name in names if name.lower().endswith(SCENES)), None)
         if first is None:
             raise FormatError("There is no scene in this package. Export it again.")
-        text = unpacked(zipped, first, MAX_MESH_BYTES)
+        text = unpacked(zipped, first, MAX_MESH_BYTES, "a scene")
         if text.startswith(CRATE):
             raise FormatError(BINARY)
         load = partial(_entry, zipped, frozenset(names), posixpath.dirname(first))
@@ -103,7 +103,7 @@ def _entry(zipped: zipfile.ZipFile, names: frozenset[str], folder: str, name: st
     path = posixpath.normpath(posixpath.join(folder, name))
     if path not in names:
         raise FormatError("It is not in the package.")
-    return unpacked(zipped, path, MAX_MESH_BYTES)
+    return unpacked(zipped, path, MAX_MESH_BYTES, "a picture")
 
 
 class _Scene:

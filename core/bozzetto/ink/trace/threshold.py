@@ -178,7 +178,7 @@ def ink_mask(darkness: NDArray[np.float32], sensitivity: float = 0.5, rim: float
     return InkMask(darkness, begun[labels] & ~_beyond_the_page(labels))
 
 
-def _beyond_the_page(labels: NDArray[np.int32]) -> Flags:
+def _beyond_the_page(labels: NDArray[np.signedinteger]) -> Flags:
     """Return what lies along the border of a picture as no line does: a rim of the table.
 
     A line that leaves the picture meets its border no longer than it is wide. What meets it longer
@@ -186,7 +186,7 @@ def _beyond_the_page(labels: NDArray[np.int32]) -> Flags:
 
     Parameters
     ----------
-    labels : (h, w) int32
+    labels : (h, w) int
         Numbers of what hangs together; 0 for paper.
     """
     depth = max(1, round(WIDEST_LINE * max(labels.shape)))
