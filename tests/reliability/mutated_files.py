@@ -273,8 +273,9 @@ def seeds() -> list[Case]:
     ]  # fmt: skip
     painted = Shapes(solids=(painted_box(), solid))
     found += [(".off", OFF), (".svgz", gzip.compress(SVG, mtime=0)), *_packages(painted)]
-    found += [(".usda", USDA), (".usd", usda.write_shapes(painted, FileFrame("m", "y"), beside="a"))]
-    found += [(".usdz", usdz.write_shapes(painted, FileFrame("m", "y"))), (".usdc", USDA)]
+    metres = FileFrame("m", "y")
+    found += [(".usda", USDA), (".usd", usda.write_shapes(painted, metres, beside="a"))]
+    found += [(".usdz", usdz.write_shapes(painted, metres)), (".usdc", USDA)]
     found.append((".ply", ASCII_PLY.replace(b"4 0 1 2 3", b"3 0 1 2")))
     if find_spec("ezdxf"):
         found += [(".dxf", DXF), (".dxf", DXF_MESH)]

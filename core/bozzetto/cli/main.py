@@ -43,8 +43,29 @@ EXIT_INTERRUPTED = 130
 VIEW_HELP = "front, right, top, three-quarter …; by default the document's own if all lies in it"
 
 
+class _Once(argparse.Action):
+    """Keeps a value; a second one, which would drop the first without a word, is refused."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: object,
+        option_string: str | None = None,
+    ) -> None:
+        given = namespace.__dict__.setdefault("given", set())
+        if option_string is not None and self.dest in given:
+            raise argparse.ArgumentError(self, "it is given twice, and can be only once")
+        given.add(self.dest)
+        setattr(namespace, self.dest, values)
+
+
 class _Parser(argparse.ArgumentParser):
-    """Says its errors the way everything else does."""
+    """Says its errors the way everything else does, and takes what stands for one value once."""
+
+    def __init__(self, **how: Any) -> None:
+        super().__init__(**how)
+        self.register("action", None, _Once)
 
     def error(self, message: str) -> NoReturn:
         command = self.prog

@@ -19,13 +19,24 @@ def unpacking() -> Iterator[None]:
         raise FormatError(f"It cannot be unpacked: {words_of(error)}. Save it again.") from error
 
 
-def unpacked(zipped: zipfile.ZipFile, name: str, most: int) -> bytes:
+def unpacked(zipped: zipfile.ZipFile, name: str, most: int, what: str) -> bytes:
     """Return the content of an entry, if it has no more than so many bytes.
+
+    Parameters
+    ----------
+    zipped : ZipFile
+        The package.
+    name : str
+        Of the entry.
+    most : int
+        Bytes, unpacked.
+    what : str
+        Of what, for the message.
 
     Raises
     ------
     FormatError
     """
-    at_most(zipped.getinfo(name).file_size, most, "bytes in one of its files")
+    at_most(zipped.getinfo(name).file_size, most, f"bytes in {what}")
     with unpacking():
         return zipped.read(name)

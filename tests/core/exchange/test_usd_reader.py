@@ -114,6 +114,23 @@ def test_mirrored_and_left_handed_faces_look_outwards(tmp_path):
         assert turned == (1.0 if own in (mirror,) else up)
 
 
+@pytest.mark.parametrize("kind", ["color3f[] primvars:displayColor", "color4f[] primvars:Color"])
+def test_colours_of_corners_that_agree_are_those_of_vertices(tmp_path, kind):
+    """As Blender writes them."""
+    last = ", 1" if "4f" in kind else ""
+    rows = [f"({red}, 0, 1{last})" for red in (0, 1, 0, 1)]
+    for third, told in ((rows[0], ()), (rows[1], ("colours",))):
+        values = ", ".join([*rows, rows[0], rows[1], third])
+        triangle = SQUARE.replace("[4]", "[4, 3]").replace("2, 3]", "2, 3, 0, 1, 2]")
+        said = f'{kind} = [{values}] (interpolation = "faceVarying")'
+        found = read(tmp_path, f'def Mesh "m" {{{triangle}{said}}}')
+        (part,) = found.shapes.meshes()
+        assert all(word in found.left_out[0] for word in told)
+        assert len(found.left_out) == len(told)
+        if not told:
+            assert part.mesh.colors[:, 0].tolist() == [0, 255, 0, 255]
+
+
 @pytest.mark.parametrize(
     ("extra", "told"),
     [

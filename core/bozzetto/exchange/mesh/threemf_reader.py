@@ -131,7 +131,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
             if path not in names:
                 raise FormatError(f"Its part “{path[:80]}” is missing. Save it again.")
             _ModelReader(package, path, top=path == first).read(
-                unpacked(zipped, names[path], MAX_MODEL_BYTES)
+                unpacked(zipped, names[path], MAX_MODEL_BYTES, "a model")
             )
             named = {key[0] for one in package.objects.values() for key, _ in one.components}
             named |= {key[0] for key, _ in package.items}
@@ -166,7 +166,7 @@ def _tell(package: _Package, helpers: int, reading: Reading) -> None:
 def _picture(zipped: zipfile.ZipFile, names: dict[str, str], path: str) -> bytes:
     if path not in names:
         raise FormatError("It is not in the file.")
-    return unpacked(zipped, names[path], MAX_MODEL_BYTES)
+    return unpacked(zipped, names[path], MAX_MODEL_BYTES, "a model")
 
 
 def _start_of(zipped: zipfile.ZipFile, names: dict[str, str]) -> str:
@@ -178,7 +178,7 @@ def _start_of(zipped: zipfile.ZipFile, names: dict[str, str]) -> str:
             found.append("/" + attributes.get("Target", "").lstrip("/"))
 
     if "/_rels/.rels" in names:
-        parse_events(unpacked(zipped, names["/_rels/.rels"], MAX_MODEL_BYTES), start)
+        parse_events(unpacked(zipped, names["/_rels/.rels"], MAX_MODEL_BYTES, "a model"), start)
     start_of = found[0] if found else MODEL
     if start_of not in names:
         raise FormatError("There is no model in this 3MF file. Export it again.")

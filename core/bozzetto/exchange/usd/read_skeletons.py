@@ -183,6 +183,8 @@ class ReadSkeletons:
         held = _Held(places, parents, axes)
         if rest is not None and len(rest) == len(joints):
             local = rest.reshape(-1, 4, 4).transpose(0, 2, 1)
+            if not (np.abs(local[:, :3, 3]) <= MAX_COORDINATE).all():
+                raise FormatError("One of them stands too far away.")
             turned = Rotation.from_matrix(_rotations(local[:, :3, :3]))
             turns, shifts = held.pose(turned.as_quat()[None], local[None, :, :3, 3])
             turns, shifts = _unless_still(turns[0], shifts[0], places)

@@ -61,6 +61,9 @@ HIDDEN: Final = frozenset(("proxy", "guide"))
 PLACES: Final = ("primvars:st", "primvars:UVMap", "primvars:st0", "primvars:map1")
 """Places in pictures, as most programs call them."""
 
+PAINTS: Final = (("primvars:displayColor", 3), ("primvars:Color", 4), ("primvars:Col", 4))
+"""Colours of vertices, and how many numbers each is: USD's own, and as Blender calls them."""
+
 MAX_REPEATS: Final = 1e6
 """How often a picture may be repeated on its way to a triangle."""
 
@@ -88,7 +91,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         first = next((name for name in names if name.lower().endswith(SCENES)), None)
         if first is None:
             raise FormatError("There is no scene in this package. Export it again.")
-        text = unpacked(zipped, first, MAX_MESH_BYTES)
+        text = unpacked(zipped, first, MAX_MESH_BYTES, "a scene")
         if text.startswith(CRATE):
             raise FormatError(BINARY)
         load = partial(_entry, zipped, frozenset(names), posixpath.dirname(first))
@@ -103,7 +106,7 @@ def _entry(zipped: zipfile.ZipFile, names: frozenset[str], folder: str, name: st
     path = posixpath.normpath(posixpath.join(folder, name))
     if path not in names:
         raise FormatError("It is not in the package.")
-    return unpacked(zipped, path, MAX_MESH_BYTES)
+    return unpacked(zipped, path, MAX_MESH_BYTES, "a picture")
 
 
 class _Scene:
@@ -137,7 +140,8 @@ class _Scene:
         """Return all meshes."""
         meshes = self._placed()
         at_most(len(meshes), MAX_PARTS, "parts")
-        parts = [part for one in meshes if (part := self._part(one)) is not None]
+        with np.errstate(all="ignore"):  # numbers may be extreme; what comes of them is looked at
+            parts = [part for one in meshes if (part := self._part(one)) is not None]
         self._tell()
         if not parts:
             raise FormatError(
@@ -255,7 +259,7 @@ class _Scene:
             places = points @ turn.T + world[:3, 3]
         if flipped:
             corner = corner[:, ::-1]
-        colors = self._colors(prim, len(points))
+        colors = self._colors(prim, len(points), corners)
         mesh = checked_mesh(places, corners[corner], _normals(prim, len(points), turn), colors)
         part = Surface(mesh, prim.title, path=self._path(holders))
         part = _grouped(part, [(look, int(n)) for look, n in zip(looks, used, strict=True) if n])
@@ -324,18 +328,24 @@ class _Scene:
         return looks, kind
 
     def _colors(
-        self, prim: ReadPrim, count: int
+        self, prim: ReadPrim, count: int, corners: Index
     ) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]] | None:
         """Return the colours of vertices; None where there are none."""
-        found = _primvar(prim, "primvars:displayColor", 3)
+        name, wide = next((one for one in PAINTS if one[0] in prim.values), PAINTS[0])
+        found = _primvar(prim, name, wide)
         if found is None or len(found[0]) == 1:
             return None
         rows, interpolation = found
+        if interpolation == "faceVarying" and len(rows) == len(corners):
+            of_vertices = np.ones((count, wide))
+            of_vertices[corners] = rows
+            if (of_vertices[corners] == rows).all():  # all faces round a vertex agree
+                rows, interpolation = of_vertices, "vertex"
         if interpolation not in ("vertex", "varying") or len(rows) != count:
             self._left["faces"] += 1
             return None
         colors = np.full((count, 4), 255, np.uint8)
-        colors[:, :3] = linear_to_srgb(rows)
+        colors[:, :3] = linear_to_srgb(rows[:, :3])
         shares = _primvar(prim, "primvars:displayOpacity", 1)
         if shares is not None and len(shares[0]) == count:
             opaque = np.clip(np.nan_to_num(shares[0][:, 0]), 0.0, 1.0)

@@ -175,7 +175,33 @@ def ink_mask(darkness: NDArray[np.float32], sensitivity: float = 0.5, rim: float
     begun = np.zeros(count + 1, bool)
     begun[labels[darkness > strong]] = True
     begun[0] = False
-    return InkMask(darkness, begun[labels])
+    return InkMask(darkness, begun[labels] & ~_beyond_the_page(labels))
+
+
+def _beyond_the_page(labels: NDArray[np.signedinteger]) -> Flags:
+    """Return what lies along the border of a picture as no line does: a rim of the table.
+
+    A line that leaves the picture meets its border no longer than it is wide. What meets it longer
+    is cleared as far from there as a rim can be taken for ink; lines that go on from it stay.
+
+    Parameters
+    ----------
+    labels : (h, w) int
+        Numbers of what hangs together; 0 for paper.
+    """
+    depth = max(1, round(WIDEST_LINE * max(labels.shape)))
+    beyond = np.zeros(labels.shape, bool)
+    turned = ((labels, beyond), (labels.T, beyond.T), (labels[::-1], beyond[::-1]),
+              (labels.T[::-1], beyond.T[::-1]))  # fmt: skip
+    for rows, cleared in turned:
+        edge = np.concatenate(([0], rows[0], [0]))
+        starts = np.flatnonzero((edge[1:] != edge[:-1]) & (edge[1:] > 0))
+        ends = np.flatnonzero((edge[1:] != edge[:-1]) & (edge[:-1] > 0))
+        for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
+            if end - start > depth:
+                strip = np.s_[:depth, max(start - depth, 0) : end + depth]
+                cleared[strip] |= rows[strip] == edge[start + 1]
+    return beyond
 
 
 def _grain(darkness: NDArray[np.float32]) -> float:

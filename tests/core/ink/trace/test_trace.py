@@ -237,3 +237,17 @@ def test_joining_many_lines_takes_time_in_proportion():
 
     seconds(1000)
     assert seconds(8000) < 16 * max(seconds(1000), 1e-3)
+
+
+@pytest.mark.parametrize("quarter", range(4))
+def test_a_rim_of_the_table_is_no_line_and_one_that_leaves_the_page_stays(quarter):
+    picture = np.full((700, 900), 235, np.uint8)
+    row, column = np.mgrid[:700, :900]
+    picture[row < 9 - column / 60] = 70  # the page lies a little askew
+    picture[300:304, 200:] = 60
+    picture[:500, 600:604] = 60
+    picture = np.rot90(picture, quarter)
+    pixels = np.dstack([picture, picture, picture, np.full_like(picture, 255)])
+    lines = [one.points for one in trace(sheet_of(pixels))]
+    drawn = sum(np.linalg.norm(np.diff(one, axis=0), axis=1).sum() for one in lines)
+    assert drawn == pytest.approx(1200, rel=0.06)  # one of 700, one of 500
