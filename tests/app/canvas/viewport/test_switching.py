@@ -356,25 +356,27 @@ def test_slow_frames_are_coarse_while_a_value_is_dragged_and_sharp_at_rest(qtbot
     assert viewport._frame.width() == SIZE[0]
 
 
-def test_shapes_that_come_slowly_get_no_sharp_frame_between_them(qtbot, box_scene):
+def test_shapes_that_come_slowly_get_no_sharp_frame_between_them(qtbot, box_scene, monkeypatch):
     viewport = SoftwareViewport()
     qtbot.addWidget(viewport)
     viewport.resize(*SIZE)
     viewport.show()
     viewport.set_scene(box_scene)
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
-    viewport._frame_time = 10.0  # as on a slow machine
-    viewport.set_scene(Scene(box_scene.layers), moving=True)
-    for number in range(4):
-        qtbot.wait(400)
-        if number > 0:  # from the second one on it is known how slowly they come
-            assert viewport._frame.width() < SIZE[0]
-        viewport._frame_time = 10.0
+    clock = 1000.0
+    monkeypatch.setattr("bozzetto_app.canvas.viewport.software.perf_counter", lambda: clock)
+    rests = []
+    for wait in (0.0, 0.5, 0.7, 0.1, 30.0):
+        clock += wait
+        viewport._rest.stop()
         viewport.set_scene(Scene(box_scene.layers), moving=True)
+        rests.append(viewport._rest.interval() / 1000.0)
+    assert min(rests) == rests[0] == rests[3] == rests[4], "nothing is known of the next shape"
+    assert rests[1] > 0.5
+    assert rests[2] > 0.7
+    viewport._rest.start(5000)
     viewport.set_scene(Scene(box_scene.layers))
-    assert viewport._rest.remainingTime() <= REST
-    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
-    assert viewport._frame.width() == SIZE[0]
+    assert viewport._rest.interval() == REST, "the last shape is sharp as soon as after a turn"
 
 
 def test_the_very_same_scene_is_not_drawn_again(qtbot, box_scene):
