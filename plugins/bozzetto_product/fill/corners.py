@@ -34,7 +34,7 @@ CONCAVE_COSINE: Final = -0.6
 its neighbours tell neither."""
 
 CHORDS: Final = 12
-"""Chords of an edge, an even length apart, that tell on which side of the corners the surface is."""
+"""Chords of an edge, an even length apart, that tell on which side of corners the surface is."""
 
 
 @dataclass(frozen=True, eq=False)

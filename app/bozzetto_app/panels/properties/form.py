@@ -114,6 +114,8 @@ class ParametersPanel(PanelScroll):
             self._fields = fields
             self._rebuild()
         if chosen != self._owner:
+            if chosen[0] != self._owner[0]:
+                self.verticalScrollBar().setValue(0)
             QTimer.singleShot(0, self, self._bring_into_sight)  # once it is laid out
         self._owner = chosen
         if self._part_section is not None and part is not None:
