@@ -194,7 +194,7 @@ def _best_senses(own: list[float], along: list[float]) -> tuple[int, ...]:
     """
     best: tuple[float, tuple[int, ...]] = (-np.inf, ())
     for first in (1, -1):
-        ways = {first: (first * own[0], (first,))}
+        ways: dict[int, tuple[float, tuple[int, ...]]] = {first: (first * own[0], (first,))}
         for value, link in zip(own[1:], along[:-1], strict=True):
             ways = {
                 sense: max(

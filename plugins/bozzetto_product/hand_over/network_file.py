@@ -157,8 +157,8 @@ def _rows(value: object, scale: float) -> dict[str, Array]:
         plain = " ".join(name.replace("/", " ").split())
         if plain != name:
             raise UserError(
-                f"The name “{name[:80]}” has a “/”, which tells pieces apart, or blanks in a row or "
-                f"at an end. Call the curve “{plain[:80] or 'c'}”, here and in loops."
+                f"The name “{name[:80]}” has a “/”, which tells pieces apart, or blanks in a row "
+                f"or at an end. Call the curve “{plain[:80] or 'c'}”, here and in loops."
             )
         if name in rows:
             raise UserError(f"Two curves are called “{name}”. Give each its own name.")

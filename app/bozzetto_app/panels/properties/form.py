@@ -152,10 +152,10 @@ class ParametersPanel(PanelScroll):
         section = self._part_section
         if section is None:
             return
-        top = section.mapTo(self.widget(), QPoint()).y()
-        bar, height = self.verticalScrollBar(), self.viewport().height()
-        if not bar.value() <= top <= bar.value() + height - section.heading_height:
-            bar.setValue(top)
+        top = section.mapTo(self.viewport(), QPoint()).y()
+        if not 0 <= top <= self.viewport().height() - section.heading_height:
+            bar = self.verticalScrollBar()
+            bar.setValue(bar.value() + top)
 
     def _value_dragged(self) -> None:
         """Follow the values of a drag; `changed` comes only when it ends or pauses."""
