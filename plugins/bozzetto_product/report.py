@@ -89,8 +89,8 @@ def report_of(state: ProductState, result: ProductResult, job: Job) -> dict[str,
     -------
     dict
         ``"loops"``: names of the curves or pieces of curves round each surface; ``"patches"``:
-        for each ``"id"``, ``"name"``, ``"group"`` (its name in OBJ files), ``"curves"``, ``"vertices"``,
-        ``"quality_min"`` and ``"quality_p5"`` (2 r / R of its triangles),
+        for each ``"id"``, ``"name"``, ``"group"`` (its name in OBJ files), ``"curves"``,
+        ``"vertices"``, ``"quality_min"`` and ``"quality_p5"`` (2 r / R of its triangles),
         ``"boundary_error_mm"``, ``"area_mm2"``, ``"g1_deg"`` and ``"g1_vertices_deg"``;
         ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``,
         ``"angle_deg"``, the greatest anywhere on it, and ``"angle_vertices_deg"``, the greatest at

@@ -34,7 +34,7 @@ CONCAVE_COSINE: Final = -0.6
 its neighbours tell neither."""
 
 CHORDS: Final = 12
-"""Chords of an edge, an even length apart, that tell on which side of the corners the surface is."""
+"""Chords of an edge, an even length apart, that tell on which side of corners the surface is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +194,7 @@ def _best_senses(own: list[float], along: list[float]) -> tuple[int, ...]:
     """
     best: tuple[float, tuple[int, ...]] = (-np.inf, ())
     for first in (1, -1):
-        ways = {first: (first * own[0], (first,))}
+        ways: dict[int, tuple[float, tuple[int, ...]]] = {first: (first * own[0], (first,))}
         for value, link in zip(own[1:], along[:-1], strict=True):
             ways = {
                 sense: max(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -153,11 +154,11 @@ def _rows(value: object, scale: float) -> dict[str, Array]:
         name = curve.get("name", f"c{number + 1}")
         if not isinstance(name, str) or not 1 <= len(name) <= 200:
             raise UserError(f"{where}.name is a text of 1 to 200 letters. Give it one, or none.")
-        if "/" in name or " " in name:
-            plain = "_".join(name.replace("/", " ").split())
+        plain = " ".join(name.replace("/", " ").split())
+        if plain != name:
             raise UserError(
-                f"The name “{name[:80]}” has a blank or a “/”, which tell lists and pieces apart. "
-                f"Call the curve “{plain[:80] or 'c'}”, here and in loops."
+                f"The name “{name[:80]}” has a “/”, which tells pieces apart, or blanks in a row "
+                f"or at an end. Call the curve “{plain[:80] or 'c'}”, here and in loops."
             )
         if name in rows:
             raise UserError(f"Two curves are called “{name}”. Give each its own name.")
@@ -252,9 +253,26 @@ def _pressures(
 ) -> dict[frozenset[str], float]:
     made = {}
     for names, number in an_object(value, "network.pressure").items():
-        for name in str(names).split():
+        listed = _names_in(str(names), rows)
+        for name in listed:
             _known(name, "network.pressure", rows)
         where = f"network.pressure.{str(names)[:40]}"
-        key = frozenset(_first_name(name, where, again) for name in str(names).split())
+        key = frozenset(_first_name(name, where, again) for name in listed)
         made[key] = a_number(number, where, -2.0, 2.0)
     return made
+
+
+def _names_in(text: str, rows: Mapping[str, Array]) -> list[str]:
+    """Return names that blanks part and may have some themselves: the longest there is, each time.
+
+    What is no name is one word.
+    """
+    words = text.split()
+    names = []
+    while words:
+        starts = {" ".join(words[:end]): end for end in range(len(words), 0, -1)}
+        told = (name for name in starts if re.sub(r"/\d+$", "", name) in rows)
+        name = next(told, words[0])
+        names.append(name)
+        words = words[starts[name] :]
+    return names

@@ -305,15 +305,25 @@ def test_three_closed_circles_whose_seams_lie_on_crossings_are_a_ball() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "told"), [("Côté gauche / bas", "“Côté_gauche_bas”"), ("/", "“c”"), ("a b", "“a_b”")]
+    ("name", "told"), [("Côté gauche / bas", "“Côté gauche bas”"), ("/", "“c”"), (" a ", "“a”")]
 )
-def test_a_name_with_blanks_is_told_with_one_that_goes(name, told):
+def test_a_name_that_cannot_be_told_apart_is_told_with_one_that_goes(name, told):
     facts = box()
     facts["network"]["curves"][3]["name"] = name
     with pytest.raises(UserError) as problem:
         product_of_network(facts)
     assert name in str(problem.value)
     assert f"Call the curve {told}" in str(problem.value)
+
+
+def test_names_may_have_blanks_as_those_of_the_window_have():
+    facts = box()
+    for curve in facts["network"]["curves"]:
+        curve["name"] = " ".join(curve["name"])
+    facts["network"]["loops"] = [["a b", "b f", "e f", "a e"], ["a b", "b c", "c d", "d a"]]
+    facts["network"]["pressure"] = {"b c a b d a c d": 0.5}
+    state = product_of_network(facts)
+    assert [patch.pressure for patch in state.of_kind(Patch)] == [0.0, 0.5]
 
 
 @pytest.mark.parametrize("over", [0.02, 0.06, 0.15])

@@ -116,6 +116,8 @@ class ParametersPanel(PanelScroll):
             self._fields = fields
             self._rebuild()
         if chosen != self._owner:
+            if chosen[0] != self._owner[0]:
+                self.verticalScrollBar().setValue(0)
             QTimer.singleShot(0, self, self._bring_into_sight)  # once it is laid out
         self._owner = chosen
         if self._part_section is not None and part is not None:
@@ -151,13 +153,13 @@ class ParametersPanel(PanelScroll):
 
     def _bring_into_sight(self) -> None:
         """Scroll to the form of the chosen part, if its heading is out of sight."""
-        section, page = self._part_section, self.widget()
-        if section is None or page is None:
+        section = self._part_section
+        if section is None:
             return
-        top = section.mapTo(page, QPoint()).y()
-        bar, height = self.verticalScrollBar(), self.viewport().height()
-        if not bar.value() <= top <= bar.value() + height - section.heading_height:
-            bar.setValue(top)
+        top = section.mapTo(self.viewport(), QPoint()).y()
+        if not 0 <= top <= self.viewport().height() - section.heading_height:
+            bar = self.verticalScrollBar()
+            bar.setValue(bar.value() + top)
 
     def _value_dragged(self) -> None:
         """Follow the values of a drag; `changed` comes only when it ends or pauses."""
