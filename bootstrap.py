@@ -26,7 +26,7 @@ VENV = ROOT / ".venv"
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = BIN / ("python.exe" if os.name == "nt" else "python")
 STAMP = VENV / "bozzetto-installed"
-SIDE_BY_SIDE = ("-n", "auto", "--dist", "loadfile")  # pytest-xdist: a process for every core
+SIDE_BY_SIDE = ("-n", "auto", "--dist", "worksteal")  # pytest-xdist: a process for every core
 OLDEST, NEWEST = (3, 11), (3, 14)  # as requires-python in pyproject.toml
 
 APT = ("apt-get", "install", "-y", "--no-install-recommends")
