@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -39,6 +40,8 @@ from bozzetto.cli.trace import add_trace
 from bozzetto.errors import UserError
 
 EXIT_INTERRUPTED = 130
+EXIT_UNREAD = 141
+"""As of programs that are ended because nobody reads on, such as behind ``| head``."""
 
 VIEW_HELP = "front, right, top, three-quarter …; by default the document's own if all lies in it"
 
@@ -83,13 +86,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0, or 1 for a plugin's fault, 2 for a mistake in the input, 130 for Ctrl+C.
+        0, or 1 for a plugin's fault, 2 for a mistake in the input, 130 for Ctrl+C, 141 if what is
+        printed is not read to its end.
     """
     try:
-        return _run(argv)
+        code = _run(argv)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return code
     except KeyboardInterrupt:
         complain("stopped. Nothing was left half-written.")
         return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        # Else it is tried again at the end of the process, with a traceback.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_UNREAD
 
 
 def _run(argv: Sequence[str] | None) -> int:

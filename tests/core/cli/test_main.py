@@ -382,6 +382,18 @@ def test_strokes_that_are_too_small_are_named(bozzetto, tmp_path):
     assert "warning: 1 stroke of “Part 1” is too small and is not used." in process.stderr
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="a closed pipe is another error there")
+def test_who_reads_no_further_gets_no_traceback():
+    words = [sys.executable, "-m", "bozzetto.cli.main", "plugins"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    with process.stderr as errors:
+        assert errors.read() == b""
+    assert process.wait(60) == 141
+
+
 def test_a_setting_that_changes_nothing_is_named(bozzetto, square):
     build = ("build", "silhouette", "square.svg", "-o", "square.stl", "--set", "depth=9")
     process = bozzetto(*build)
