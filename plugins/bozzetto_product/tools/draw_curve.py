@@ -61,6 +61,10 @@ _LIES: Final = {
     "upright": "Draw from place to place of a surface: the curve stands upright on it.",
     "plane": "Draw in the plane that was set; “New curves lie” in the panel leads back.",
 }
+_COVERED: Final = (
+    "Surfaces lie within what they were drawn on. Hide that in the list of objects to see them, "
+    "and show it again to draw on it."
+)
 _GAP: Final = (
     "An end nearly meets a curve, {:.3g} mm away. Touch it with the tool “Join” to join them."
 )
@@ -93,6 +97,8 @@ class DrawCurve(ProductTool):
             return NextStep(_GAP.format(gaps[0].distance), gaps[0].place, JOIN_TOOL)
         if state.of_kind(Curve) and not state.of_kind(Patch):
             return NextStep("Draw on until curves enclose an area: it gets a surface by itself.")
+        if state.of_kind(FollowedShape) and state.of_kind(Patch):
+            return NextStep(_COVERED)
         return NextStep(_LIES.get(state.lay, self.hint))
 
     @override

@@ -15,6 +15,7 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen, Shell
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.rough_shapes import FollowedShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.operations.meetings import spline_of, splines_of
@@ -82,6 +83,16 @@ def test_a_touch_cuts_a_curve_there(shell: Shell) -> None:
     assert np.linalg.norm(cut - (10.0, -30.0, TOP)) <= 1.5
     with pytest.raises(UserError, match="no curve here"):
         shell.tap(5.0, 5.0, tool="split")
+
+
+def test_who_draws_on_another_object_is_told_how_surfaces_within_it_are_seen(shell: Shell) -> None:
+    draw = DrawCurve()
+    draw_rectangle(shell, PEN)
+    assert shell.state.of_kind(Patch)
+    own = draw.next_step(shell.state).sentence
+    followed = shell.state.with_node(FollowedShape("f1", "Drawn on", source="m1"))
+    assert "Hide" in draw.next_step(followed).sentence
+    assert "Hide" not in own
 
 
 def test_ends_that_nearly_meet_are_offered_and_joined(shell: Shell) -> None:
