@@ -1,4 +1,9 @@
-"""Small pictures of drawings and documents, without building anything."""
+"""Small pictures of drawings and documents, without building anything.
+
+They are made in a worker, which must not let Qt decode a picture: the first time Qt makes objects
+of its decoders, and waits for a lock while it holds the interpreter. The window's thread may hold
+that lock, and wait for the interpreter, while it deletes a widget: then neither goes on.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QSize, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
 from bozzetto.document.storage.zip_container import ContainerReader
 from bozzetto.errors import UserError
+from bozzetto.images.png import decode_picture
 from bozzetto_app.session.files import DOCUMENT_ENDING
 from bozzetto_app.style.theme import current_palette
 
@@ -44,8 +51,14 @@ def _of_document(path: Path) -> QImage | None:
     reader = ContainerReader(path.read_bytes())
     if "thumbnail.png" not in reader:
         return None
-    image = QImage.fromData(reader.read("thumbnail.png"))
-    return None if image.isNull() else image
+    return _image_of(decode_picture(reader.read("thumbnail.png")))
+
+
+def _image_of(pixels: NDArray[np.uint8]) -> QImage:
+    """Return RGBA pixels (h, w, 4) as an image of its own."""
+    height, width = pixels.shape[:2]
+    rows = np.ascontiguousarray(pixels)
+    return QImage(rows.data, width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()
 
 
 def _of_ink(path: Path) -> QImage | None:
@@ -76,8 +89,7 @@ def _of_picture(picture: Picture | None) -> QImage | None:
     """Return a sketch, as large as the small picture has room for."""
     if picture is None:
         return None
-    whole = QImage.fromData(picture.encoded.tobytes())
-    fitted = whole.scaled(
+    fitted = _image_of(picture.pixels).scaled(
         QSize(*SIZE),
         Qt.AspectRatioMode.KeepAspectRatio,
         Qt.TransformationMode.SmoothTransformation,
