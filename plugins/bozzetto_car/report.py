@@ -250,7 +250,7 @@ def _input_not_used(body: Body) -> Iterator[Caution]:
             yield Caution(f"{name}: {words}")
         if placed.misfit is not None:
             yield Caution(f"{name}: {NO_CAR.format(placed.misfit)}")
-        elif placed.is_known and solved.cost.bend > 0.0:
+        if placed.is_known and solved.cost.bend > 0.0:
             far = f"{placed.mean_miss or 0.0:.0f} px"
             words = f"no car has the marks as they are; they are missed by {far}."
             yield Caution(f"{name}: {words} {BENT}")

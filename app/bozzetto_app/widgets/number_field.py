@@ -150,7 +150,8 @@ class NumberField(QDoubleSpinBox):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setFixedHeight(HEIGHT)
         self.lineEdit().setTextMargins(2, 0, 2, 0)
-        self.lineEdit().installEventFilter(self)
+        for watched in (self, self.lineEdit()):
+            watched.installEventFilter(self)
         self.lineEdit().setCursor(Qt.CursorShape.SizeHorCursor)
         self.lineEdit().setAccessibleName(name)
         if zero:
@@ -210,14 +211,6 @@ class NumberField(QDoubleSpinBox):
             self.edited.emit(self.value(), dragging)
 
     # -- typing --
-
-    def event(self, event: QEvent) -> bool:
-        if event.type() == QEvent.Type.ShortcutOverride and not self._typing:
-            key = cast(QKeyEvent, event)
-            if any(key.matches(own) for own in OF_THE_DOCUMENT):
-                event.ignore()
-                return False
-        return super().event(event)
 
     def stepBy(self, steps: int) -> None:
         self._change(self.value() + steps * self.step_at(self.value()), dragging=False)
@@ -293,6 +286,11 @@ class NumberField(QDoubleSpinBox):
                 return self._drag(cast(QMouseEvent, event))
             if kind == QEvent.Type.MouseButtonRelease and self._grabbed is not None:
                 return self._release()
+        elif event.type() == QEvent.Type.ShortcutOverride and not self._typing:
+            key = cast(QKeyEvent, event)
+            if any(key.matches(own) for own in OF_THE_DOCUMENT):
+                event.ignore()
+                return True
         return super().eventFilter(watched, event)
 
     def _press(self, event: QMouseEvent) -> bool:

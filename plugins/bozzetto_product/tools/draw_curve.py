@@ -97,7 +97,7 @@ class DrawCurve(ProductTool):
             return NextStep(_GAP.format(gaps[0].distance), gaps[0].place, JOIN_TOOL)
         if state.of_kind(Curve) and not state.of_kind(Patch):
             return NextStep("Draw on until curves enclose an area: it gets a surface by itself.")
-        if state.of_kind(FollowedShape) and state.of_kind(Patch):
+        if len(state.of_kind(FollowedShape)) and len(state.of_kind(Patch)):
             return NextStep(_COVERED)
         return NextStep(_LIES.get(state.lay, self.hint))
 

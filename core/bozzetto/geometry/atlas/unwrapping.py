@@ -39,6 +39,9 @@ FEW: Final = 0.02
 BENT: Final = 0.9
 """Length of a piece's mean normal below which it is cut where it bends, if it covers itself."""
 
+DIGITS: Final = 10
+"""Decimals of places that count, with the root of all area as unit."""
+
 CELLS: Final = 256
 """Cells along the square; charts are one apart."""
 
@@ -132,10 +135,9 @@ def unwrapped_together(
     list of Atlas
         Of each mesh its faces; the numbers of the charts go on from one to the next.
     """
-    surfaces = [
-        Surface(np.asarray(vertices, np.float64), np.asarray(faces, np.intp))
-        for vertices, faces in meshes
-    ]
+    plain = [(np.asarray(v, np.float64), np.asarray(f, np.intp)) for v, f in meshes]
+    unit = float(np.sqrt(sum(map(_area, *zip(*plain, strict=True)))))
+    surfaces = [Surface(_in_unit(vertices, unit), faces) for vertices, faces in plain]
     checkpoint(0.0)
     count, done = sum(len(surface.faces) for surface in surfaces), 0
     charts: list[Chart] = []
@@ -159,8 +161,25 @@ def unwrapped_together(
                 number[chart.piece.face] = k
         corners = np.clip(corners / packing.side, 0.0, 1.0)  # but for its rounding it is
         corners[..., 1] = 1.0 - corners[..., 1]
-        laid.append(Atlas(corners, number, packing.side))
+        laid.append(Atlas(corners, number, packing.side * unit))
     return laid
+
+
+def _area(vertices: Array, faces: Index) -> float:
+    """Return the area of a mesh."""
+    corner, first, second = (vertices[faces[:, k]] for k in range(3))
+    across = np.cross(first - corner, second - corner)
+    return float(np.linalg.norm(across, axis=1).sum()) / 2.0
+
+
+def _in_unit(vertices: Array, unit: float) -> Array:
+    """Return places about the middle of a mesh, in a unit, without the rounding of its own unit.
+
+    Of two layouts that are as good one is taken by the last digit, and the same mesh in another
+    unit or place is laid out in the same way.
+    """
+    middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    return np.asarray(np.round((vertices - middle) / unit, DIGITS))
 
 
 def _cut_to_fit(charts: list[Chart], checkpoint: Callable[[float], None]) -> list[Chart]:
