@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -127,8 +127,8 @@ def armature_of(state: SilhouetteState) -> Armature | None:
     """Return the joints of all parts that add to the shape; None where there are none.
 
     The largest piece has its root at its thickest joint. Every other one is attached to the
-    largest of those it touches: its joint nearest to one of that piece becomes its root. What
-    touches nothing has a root of its own.
+    largest of those it touches: its joint nearest to one of that piece becomes its root, where it
+    leaves that piece if it begins inside. What touches nothing has a root of its own.
 
     Parameters
     ----------
@@ -158,11 +158,12 @@ def armature_of(state: SilhouetteState) -> Armature | None:
         away = np.linalg.norm(piece.places - piece.places.mean(axis=0), axis=1)
         root, parent = most_central(piece.radii, away), -1
         if piece in touched:
-            _, onto = touched[piece]
-            gaps = np.linalg.norm(piece.places[:, None] - onto.places, axis=2)
-            reach = piece.radii[:, None] + onto.radii
+            holder, onto = touched[piece]
+            piece, roots = _leaving(piece, holder)
+            gaps = np.linalg.norm(piece.places[roots, None] - onto.places, axis=2)
+            reach = piece.radii[roots, None] + onto.radii
             root, there = divmod(int((gaps / reach).argmin()), len(onto.nodes))
-            parent = onto.first + there
+            root, parent = int(roots[root]), onto.first + there
         limbs = _rooted(piece, root, len(parents))
         hung.append((piece, limbs))
         parents += [parent, *(limbs.first + limbs.parents[1:]).tolist()]
@@ -215,6 +216,49 @@ def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
 
 def _lifted(placement: Placement, nodes: Array) -> Array:
     return placement.points(np.column_stack([nodes[:, :2], np.zeros(len(nodes))]))
+
+
+def _leaving(piece: _Piece, holder: _Piece) -> tuple[_Piece, Index]:
+    """Return a piece without what lies inside the piece that it hangs on, and where it leaves that.
+
+    Of each row that begins inside the last joint there stays, as a hip or a shoulder; of the
+    branches into the corners of a limb's broad beginning, nothing.
+
+    Returns
+    -------
+    _Piece
+        As it was if all of it lies inside.
+    (k,) int array
+        Its joints that may hang on the other piece: those inside, else all.
+    """
+    home = holder.placement.inverse().points(piece.places)
+    depth = np.abs(home[:, 2]) / max(holder.part.inflation, 1e-300)
+    inside = holder.skeleton.heights(home[:, :2]) > depth
+    if inside.all() or not inside.any():
+        return piece, np.arange(len(inside))
+    links = piece.joints.links
+    kept = np.ones(len(inside), bool)
+    while True:
+        left = links[kept[links].all(axis=1)]
+        degrees = np.bincount(left.ravel(), minlength=len(kept))
+        ends = np.flatnonzero(kept & inside & (degrees == 1))
+        ways = left[np.isin(left, ends).any(axis=1)]
+        ways = np.concatenate([ways, ways[:, ::-1]])
+        ways = ways[np.isin(ways[:, 0], ends)]
+        gone = ways[inside[ways[:, 1]] | (degrees[ways[:, 1]] > 2), 0]
+        if not len(gone):
+            break
+        kept[gone[0]] = False
+    left = np.flatnonzero(kept[links].all(axis=1))
+    number = np.cumsum(kept) - 1
+    joints = Joints(
+        piece.joints.nodes[kept],
+        number[links[left]],
+        piece.joints.thickness[left],
+        tuple(piece.joints.paths[k] for k in left.tolist()),
+    )
+    places = np.flatnonzero(inside[kept])
+    return replace(piece, joints=joints), places if len(places) else np.arange(len(joints.nodes))
 
 
 def _touch(one: _Piece, other: _Piece) -> bool:

@@ -1,9 +1,11 @@
 """Names of bones that tell animators what they are, and on which side.
 
 Parts that a person named keep that name. Else the row of joints between junctions is the body;
-where left and right hang on it alike, as far as a hand draws them alike, it is the spine, what
-rises from it is the head, and of two pairs the upper one are the arms. The left is that of the
-character, which looks at who draws it: the side of +x.
+where left and right hang on it alike, as far as a hand draws them alike, it is the spine, and
+what rises from it is the head. Of two pairs the upper one are the arms; of more, the lowest are
+the legs if they point down, and the next ones the arms: those above are ears, horns or wings.
+What hangs on a limb, such as fingers, a hand or a foot of its own outline, is named as the limb.
+The left is that of the character, which looks at who draws it: the side of +x.
 """
 
 from __future__ import annotations
@@ -63,8 +65,9 @@ def bone_names(places: Array, parents: Sequence[int], parts: Sequence[str]) -> t
         Name of the part that each joint is in.
     """
     chains = _chains(parents, parts)
-    sides = _sides(chains, places)
-    words = _words(chains, sides, places)
+    holders = _holders(chains)
+    sides = _sides(chains, holders, places)
+    words = _words(chains, holders, sides, places)
     names = [""] * len(parents)
     taken: set[str] = set()
     counts: dict[str, int] = {}
@@ -109,8 +112,20 @@ def _chains(parents: Sequence[int], parts: Sequence[str]) -> list[_Chain]:
     return chains
 
 
-def _sides(chains: Sequence[_Chain], places: Array) -> dict[int, tuple[str, int]]:
-    """Return the side and the partner of each chain that has one."""
+def _holders(chains: Sequence[_Chain]) -> list[int]:
+    """Return the chain that each one hangs on; -1 for the roots' own."""
+    chain_of = {joint: number for number, chain in enumerate(chains) for joint in chain.joints}
+    found = [chain_of[chain.base] for chain in chains]
+    return [-1 if holder == number else holder for number, holder in enumerate(found)]
+
+
+def _sides(
+    chains: Sequence[_Chain], holders: Sequence[int], places: Array
+) -> dict[int, tuple[str, int]]:
+    """Return the side and the partner of each chain that has one.
+
+    What hangs on a limb is on the limb's side, with or without a partner (-1) of its own.
+    """
     size = float(np.ptp(places, axis=0).max())
     middle = places[chains[0].joints[0], 0]
     tips = np.array([places[chain.joints[-1]] for chain in chains])
@@ -121,38 +136,52 @@ def _sides(chains: Sequence[_Chain], places: Array) -> dict[int, tuple[str, int]
     gaps[~beside] = gaps[:, ~beside] = np.inf
     gaps[ends[:, None] != ends] = np.inf
     found: dict[int, tuple[str, int]] = {}
+    gaps[gaps > ALIKE * size] = np.inf
+    # A shoe begins where its leg ends: of what ends alike, that is a pair which begins alike.
+    bases = places[[chain.base for chain in chains]]
+    starts = bases * [-1.0, 1.0, 1.0] + [2.0 * middle, 0.0, 0.0]
+    gaps += np.linalg.norm(bases[:, None] - starts, axis=2)
     for flat in np.argsort(gaps, axis=None, kind="stable").tolist():
         one, other = divmod(flat, len(chains))
-        if not gaps[one, other] <= ALIKE * size:
+        if not np.isfinite(gaps[one, other]):
             break
         if one not in found and other not in found and tips[one, 0] > tips[other, 0]:
             found[one], found[other] = (".L", other), (".R", one)
     paired = [number in found or not beside[number] for number in np.flatnonzero(ends)]
-    return found if found and np.mean(paired) >= SYMMETRIC else {}
+    if not found or np.mean(paired) < SYMMETRIC:
+        return {}
+    for number, holder in enumerate(holders):
+        if holder in found:
+            found[number] = (found[holder][0], found.get(number, ("", -1))[1])
+    return found
 
 
 def _words(
-    chains: Sequence[_Chain], sides: dict[int, tuple[str, int]], places: Array
+    chains: Sequence[_Chain],
+    holders: Sequence[int],
+    sides: dict[int, tuple[str, int]],
+    places: Array,
 ) -> dict[int, str]:
     """Return what each chain is."""
     words = {}
-    pairs = [k for k, (side, _) in sides.items() if side == ".L" and chains[k].ends]
-    pairs.sort(key=lambda k: -float(places[chains[k].base, 2]))
+    pairs = [k for k, (side, _) in sides.items() if side == ".L" and holders[k] not in sides]
+    pairs.sort(key=lambda k: tuple(-places[[chains[k].base, chains[k].joints[0]], 2]))
     limbs = 0
-    known = {2: ("Arm", "Leg")}.get(len(pairs), ())
-    for rank, number in enumerate(pairs):
-        word = known[rank] if known else "Limb"
-        if len(pairs) == 1:
-            along = places[chains[number].joints[-1]] - places[chains[number].base]
-            word = "Leg" if -along[2] > abs(along[0]) else "Arm"
-        elif not known:
+    for number, word in zip(pairs, _pair_words([chains[k] for k in pairs], places), strict=True):
+        if not word:
             limbs += 1
             word = f"Limb {limbs}"
         words[number] = words[sides[number][1]] = word
+    # What bears more than pairs of limbs, such as ears, is below the head.
+    bearing = {holders[k] for k, word in words.items() if word in ("Arm", "Leg")}
+    bearing |= {holders[k] for k in range(len(chains)) if k not in sides}
     for number, chain in enumerate(chains):
         if number in words:
             continue
-        if not chain.ends or number == 0:
+        if holders[number] in sides:
+            words[number] = words[holders[number]]
+            continue
+        if number == 0 or number in bearing or not (chain.ends or sides):
             words[number] = "Spine" if sides else "Body"
             continue
         rise = places[chain.joints[-1], 2] - places[chain.base, 2]
@@ -162,3 +191,16 @@ def _words(
             word = f"Limb {limbs}"
         words[number] = word
     return words
+
+
+def _pair_words(pairs: Sequence[_Chain], places: Array) -> Sequence[str]:
+    """Return what pairs of limbs are, the highest first; "" for those without a word."""
+    if not pairs:
+        return ()
+    ways = [places[pair.joints[-1]] - places[pair.base] for pair in pairs]
+    stands = bool(-ways[-1][2] > abs(ways[-1][0]))
+    if len(pairs) == 1:
+        return ("Leg",) if stands else ("Arm",)
+    if len(pairs) == 2:
+        return ("Arm", "Leg")
+    return ("",) * (len(pairs) - 2) + (("Arm", "Leg") if stands else ("", ""))

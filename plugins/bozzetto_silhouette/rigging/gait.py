@@ -55,6 +55,8 @@ class _Limb(NamedTuple):
         From its beginning to its end, mm.
     height : float
         Of its end above the lowest joint of all, as share of the height of all.
+    base : int
+        Joint that it hangs on; -1 at a root.
     """
 
     stem: str
@@ -62,13 +64,20 @@ class _Limb(NamedTuple):
     joints: list[int]
     way: Array
     height: float
+    base: int
 
     @property
     def stands(self) -> bool:
-        """Whether it is a leg of what is seen from its side: no trunk, and no tail."""
+        """Whether it is a leg: no trunk, and no tail."""
         return (
             self.stem not in TRUNK and -self.way[2] > abs(float(self.way[0])) and self.height < FOOT
         )
+
+    def middle(self, places: Array) -> int:
+        """Return the joint, of two or more and not the first, nearest to half of the length."""
+        row = places[self.joints]
+        along = np.concatenate([[0.0], np.linalg.norm(np.diff(row, axis=0), axis=1).cumsum()])
+        return self.joints[1 + int(np.abs(along[1:] - 0.5 * along[-1]).argmin())]
 
 
 def walking(state: SilhouetteState, context: Context) -> SilhouetteState:
@@ -81,7 +90,9 @@ def walking(state: SilhouetteState, context: Context) -> SilhouetteState:
     """
     armature = _armature(state)
     limbs = _limbs(armature)
-    sided = [limb for limb in limbs if limb.side and limb.stem.startswith("Leg")]
+    outer = {joint for limb in limbs if limb.side for joint in limb.joints}
+    pairs = [limb for limb in limbs if limb.side and limb.base not in outer]
+    sided = [limb for limb in pairs if limb.stands]
     legs = sided or sorted(
         (limb for limb in limbs if limb.stands),
         key=lambda limb: float(armature.rig.joints[limb.joints[0], 0]),
@@ -91,7 +102,8 @@ def walking(state: SilhouetteState, context: Context) -> SilhouetteState:
             "A walk needs two limbs that point down. Draw legs, take the sway, or keep poses of "
             "your own as keys."
         )
-    phases = [0.0 if k % 2 == 0 else np.pi for k in range(len(legs))]
+    second = [limb.side == ".R" for limb in legs] if sided else [k % 2 for k in range(len(legs))]
+    phases = np.where(second, np.pi, 0.0).tolist()
     turns = np.zeros((POSES, len(armature.radii), 3))
     beat = 2.0 * np.pi * np.arange(POSES) / POSES
     for leg, phase in zip(legs, phases, strict=True):
@@ -100,14 +112,19 @@ def walking(state: SilhouetteState, context: Context) -> SilhouetteState:
         if len(leg.joints) > 1:
             # Bent while it comes forward; forward is towards us, or to where the horse looks.
             bend = np.maximum(np.cos(beat + phase), 0.0)[:, None]
-            turns[:, leg.joints[1]] += KNEE * bend * about * (1.0 if sided else -1.0)
+            knee = leg.middle(armature.rig.joints)
+            turns[:, knee] += KNEE * bend * about * (1.0 if sided else -1.0)
     if sided:
         legs_at = {leg.side: phase for leg, phase in zip(legs, phases, strict=True)}
+        trunk = [limb for limb in limbs if limb.stem in TRUNK or limb.base < 0]
+        held = {joint for limb in trunk for joint in limb.joints}
+        arms = [limb for limb in pairs if limb.base in held and not limb.stands]
+        for arm in arms:
+            if arm.side in legs_at:
+                against = np.sin(beat + legs_at[arm.side] + np.pi)
+                turns[:, arm.joints[0]] += SWING * against[:, None] * _backwards(arm)
         for limb in limbs:
-            if limb.stem.startswith("Arm") and limb.side in legs_at:
-                against = np.sin(beat + legs_at[limb.side] + np.pi)
-                turns[:, limb.joints[0]] += SWING * against[:, None] * _backwards(limb)
-            elif limb.stem == "Spine":
+            if limb.stem == "Spine":
                 for joint in limb.joints[1:]:
                     turns[:, joint] += TWIST * np.sin(beat)[:, None] * UPWARD
     return posed_by(state, _quaternions(turns), "walk", WALK / POSES)
@@ -129,7 +146,7 @@ def swaying(state: SilhouetteState, context: Context) -> SilhouetteState:
         size = LEAN if limb.stem in TRUNK else WAVE
         sense = -1.0 if limb.side == ".R" else 1.0
         for rank, joint in enumerate(limb.joints):
-            if armature.rig.parents[joint] >= 0 and not limb.stem.startswith("Leg"):
+            if armature.rig.parents[joint] >= 0 and not limb.stands:
                 late = np.sin(beat - 0.6 * rank)
                 turns[:, joint] += sense * size * late[:, None] * DEEP
     if not turns.any():
@@ -160,7 +177,7 @@ def _limbs(armature: Armature) -> list[_Limb]:
         held: Sequence[int] = [joint for joint in joints if (rig.parents == joint).any()]
         if held:
             height = float(rig.joints[joints[-1], 2] - low) / tall
-            limbs.append(_Limb(stem, side, list(held), way, height))
+            limbs.append(_Limb(stem, side, list(held), way, height, first))
     return limbs
 
 

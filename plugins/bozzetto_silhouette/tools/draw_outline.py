@@ -17,7 +17,7 @@ from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, ri
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, stroke_in
 from bozzetto_silhouette.tools.attachment import floating_part, offer_to_attach
 from bozzetto_silhouette.tools.erase import without
-from bozzetto_silhouette.tools.erasing_tool import ErasingTool
+from bozzetto_silhouette.tools.erasing_tool import ANIMATE, PLAY, ErasingTool
 from bozzetto_silhouette.tools.hole_filling import FILL, part_drawn_around
 from bozzetto_silhouette.tools.landing import landing_scene
 from bozzetto_silhouette.tools.reflection import reflected, reflected_scene, reflection_of
@@ -60,11 +60,13 @@ class DrawOutline(ErasingTool):
 
     @override
     def next_step(self, state: SilhouetteState) -> NextStep:
-        """Return the hint, or what to do with a part that touches nothing or is pierced."""
+        """Return the hint, or what to do with a loose part, a pierced one or a motion."""
         part = floating_part(state)
         if part is None:
             pierced = part_drawn_around(state)
             if pierced is None:
+                if state.keys and not state.posing:
+                    return NextStep(PLAY, tool=ANIMATE, panel=True)
                 return super().next_step(state)
             return NextStep(
                 f"“{pierced.name}” has what it was drawn around as its hole. {FILL.title} "

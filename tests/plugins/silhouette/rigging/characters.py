@@ -67,6 +67,41 @@ def man(arms=0.0, seed=None):
     return np.array(rounded.exterior.coords)[:-1]
 
 
+def person_of_parts(seed, ears=True):
+    """A person who faces us, every limb an outline of its own as a hand draws it.
+
+    Broad ends of limbs lie in the body, feet and ears are parts too, in a random order.
+    """
+    rng = np.random.default_rng(seed)
+    vary = lambda v: v * rng.uniform(0.85, 1.15)  # noqa: E731
+    body, tall = vary(28), vary(40)
+    angle = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    ball = np.column_stack([np.cos(angle), np.sin(angle)])
+    rings = [ball * [body, tall], ball * vary(20) + [0, tall + 14]]
+    shoulder, hand, hip, foot = vary(0.5 * tall), vary(55), vary(12), tall + vary(45)
+    reach = body + hand
+    arm = [[0.6 * body, shoulder + 7], [reach, shoulder - 36], [reach - 3, shoulder - 48],
+           [0.7 * body, shoulder - 16]]  # fmt: skip
+    leg = [[hip - 8, -0.7 * tall], [hip + 8, -0.7 * tall], [hip + 11, -foot], [hip - 3, -foot]]
+    shoe = [[hip - 5, 6 - foot], [hip + 12, 6 - foot], [hip + 24, -foot - 7], [hip - 5, -foot - 8]]
+    pairs = [arm, leg, shoe]
+    if ears:
+        top = tall + 28
+        pairs.append([[5, top], [14, top - 4], [vary(16), top + 32], [vary(11), top + 33]])
+    for ring in pairs:
+        for side in (-1.0, 1.0):
+            jitter = rng.normal(0.0, 0.4, (4, 2))
+            rings.append(shapely.Polygon((np.array(ring) + jitter) * [side, 1.0]))
+    nodes = []
+    for number, ring in enumerate(rings, 1):
+        if isinstance(ring, shapely.Polygon):
+            ring = np.array(ring.buffer(2.0, 8).exterior.segmentize(4.0).coords)[:-1]
+        strokes = Strokes([drawn(np.vstack([ring, ring[:1]]))])
+        nodes.append(Part(id=f"n{number}", name=f"Part {number}", strokes=strokes))
+    order = [0, *(1 + rng.permutation(len(nodes) - 1))]
+    return SilhouetteState(nodes=tuple(nodes[k] for k in order), resolution=48)
+
+
 def dense(skin):
     """Weights as a table, (v, n)."""
     table = np.zeros((len(skin.weights), len(skin.rig.joints)))

@@ -24,7 +24,13 @@ from bozzetto_silhouette.modeler import Silhouette
 from bozzetto_silhouette.rigging.posing import rig_of
 from tests.core.exchange.test_skins import opened, shown
 from tests.plugins.silhouette.outlines import COMMITTED, circle, svg_rings
-from tests.plugins.silhouette.rigging.characters import FRONT, fitted, man, state_of_rings
+from tests.plugins.silhouette.rigging.characters import (
+    FRONT,
+    fitted,
+    man,
+    person_of_parts,
+    state_of_rings,
+)
 from tests.plugins.silhouette.rigging.test_armature import turned
 
 MODELER = Silhouette()
@@ -105,6 +111,42 @@ def test_left_and_right_walk_alike_half_a_cycle_apart():
     for name in ("Leg", "Leg-2", "Arm"):
         left, right = rig.names.index(f"{name}.L"), rig.names.index(f"{name}.R")
         np.testing.assert_allclose(np.abs(rig.turns[left]), np.abs(half.turns[right]), atol=1e-6)
+
+
+@pytest.mark.parametrize("ears", [False, True])
+@pytest.mark.parametrize("seed", [200, 201, 202, 203])
+def test_a_person_drawn_limb_by_limb_walks_towards_us(seed, ears):
+    state = person_of_parts(seed, ears)
+    rig = rig_of(state)
+    stems = {name.split(".")[0].split("-")[0] for name in rig.names}
+    assert stems - {"Limb 1"} == {"Spine", "Head", "Arm", "Leg"}
+    assert ("Limb 1" in stems) == ears
+    walk = ran(state, "walk")
+    places = np.array([rig_of(later(walk, t)).posed()[1] for t in np.linspace(0.0, 1.1, 12)])
+    aside, ahead, _ = np.abs(places - rig.joints).max(axis=0).max(axis=0)
+    assert ahead > 3.0 * aside, "legs swing to and from us, not from side to side"
+    moved = np.linalg.norm(places - rig.joints, axis=2).max(axis=0)
+    for side in (".L", ".R"):
+        limbs = {word: [k for k, n in enumerate(rig.names) if n.startswith(word) and side in n]
+                 for word in ("Arm", "Leg", "Limb")}  # fmt: skip
+        leg = limbs["Leg"]
+        lowest = min(leg, key=lambda k: rig.joints[k, 2])
+        assert moved[lowest] > 10.0
+        assert moved[limbs["Arm"]].max() > 5.0
+        assert moved[limbs["Limb"]].max(initial=0.0) < 3.0, "ears go with the head"
+    # Where limbs begin inside the body they have one joint there, and no bones into its corners.
+    body = rig.joints[[n.startswith("Spine") for n in rig.names]]
+    for name, place in zip(rig.names, rig.joints, strict=True):
+        if "." in name and "-" in name:
+            assert np.linalg.norm(body - place, axis=1).min() > 10.0
+
+
+def test_a_motion_says_how_it_is_played():
+    draw = next(tool for tool in MODELER.tools() if tool.id == "draw")
+    step = MODELER.next_step(ran(PERSON, "walk"), draw)
+    assert (step.tool, step.panel) == (ANIMATE.id, True)
+    assert "P to play" in step.sentence
+    assert not MODELER.next_step(PERSON, draw).panel
 
 
 MIRRORED = state_of_rings(
