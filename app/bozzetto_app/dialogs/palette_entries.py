@@ -38,7 +38,7 @@ class Entry:
     id : str
         Stays the same from one opening to the next.
     title, kind : str
-        The person's words.
+        The person's words; the kind of a command is where it stands in the menus.
     run : callable
     icon : str or Path
     key : str
@@ -91,7 +91,7 @@ def entries_of(
         yield Entry(
             f"command {action.id}",
             action.plain_title,
-            action.menu[0].replace("&", "") if action.menu else tr("Palette", "Command"),
+            " › ".join(action.menu).replace("&", "") or tr("Palette", "Command"),
             partial(actions.run, action.id),
             action.icon or "command",
             key_text(action),

@@ -89,6 +89,20 @@ def test_tools_objects_parameters_modelers_and_documents(palette, done, fake_ses
     assert done == ["tolerance", Path("/x/Rocking horse.bozz")]
 
 
+def test_what_stands_in_a_submenu_is_found_by_its_words(palette, registry, window, done):
+    registry.register(
+        Action(
+            "object.use.box",
+            "Box",
+            lambda: done.append("use"),
+            menu=("&Object", "U&se as input for"),
+        )
+    )
+    palette.open_over(window)
+    find_and_run(palette, "use as input box")
+    assert done == ["use"]
+
+
 def test_the_kind_can_be_typed_too(palette):
     QTest.keyClicks(palette.field, "object horse")
     assert titles(palette)[0] == "Horse"
