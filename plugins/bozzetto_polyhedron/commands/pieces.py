@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context
+from bozzetto.plugin import Context, NextStep
+from bozzetto_polyhedron.model.fittings import Fitting
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.solve.followed import MOST_BODIES, Sources, divided_of, siblings_of
@@ -50,6 +51,20 @@ def put_together(state: PolyhedronState, context: Context) -> PolyhedronState:
 def has_followed(state: PolyhedronState) -> bool:
     """Return whether there are bodies of other objects."""
     return bool(state.of_kind(Followed))
+
+
+def step_of_followed(state: PolyhedronState) -> NextStep:
+    """Return how bodies of other objects become a mechanism: free, hinged, pulled."""
+    if len(state.shown(Followed)) < 2:
+        return NextStep(
+            "Free what is to move: with “Free a piece” touch a limb, a door or a lid.", tool="free"
+        )
+    if not state.of_kind(Fitting):
+        return NextStep(
+            "Draw a “Hinge” along its axis, or right across a limb, where a piece is to turn.",
+            tool="hinge",
+        )
+    return NextStep("Pull a piece with “Move”, or press P to play.", tool="move")
 
 
 def touched_piece(

@@ -13,7 +13,8 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh
 from bozzetto.scene import Item, Layer, Palette, Scene, Shaded, render
 from bozzetto.view import Camera, fit_points, triple
-from bozzetto_polyhedron.commands.answers import chosen_body
+from bozzetto_polyhedron.commands.answers import chosen_body, has_body
+from bozzetto_polyhedron.commands.pieces import has_followed, step_of_followed
 from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Answer
@@ -113,7 +114,8 @@ def gallery_of(
     try:
         body = chosen_body(state)
     except UserError as problem:
-        return Gallery("", str(problem))
+        of_others = has_followed(state) and not has_body(state)
+        return Gallery("", step_of_followed(state).sentence if of_others else str(problem))
     found = solved(body, state)
     if not found.answers:
         waiting = "What the drawing could mean is shown here once its lines close."

@@ -10,6 +10,8 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, override
 from bozzetto.scene import Scene
+from bozzetto_polyhedron.commands.answers import has_body
+from bozzetto_polyhedron.commands.pieces import has_followed, step_of_followed
 from bozzetto_polyhedron.model.assign_stroke import with_strokes
 from bozzetto_polyhedron.model.changes import Added, Join
 from bozzetto_polyhedron.model.same_view import on_sheet
@@ -63,6 +65,8 @@ class DrawLines(ErasingTool):
         linkages = [one for one in state.shown(Body) if is_linkage(one, state)]
         if linkages and (body is None or body in linkages):
             return NextStep(LINKAGE, tool="move")
+        if body is None and has_followed(state) and not has_body(state):
+            return step_of_followed(state)
         if body is None or not len(body.strokes):
             return NextStep(FIRST)
         graph = graph_of_ink(body.strokes, never)

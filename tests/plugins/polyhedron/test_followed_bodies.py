@@ -26,6 +26,7 @@ from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.solve.followed_pieces import divided, is_closed
 from bozzetto_polyhedron.solve.moving import moving
+from bozzetto_polyhedron.tools.draw_lines import DrawLines
 from bozzetto_polyhedron.tools.fittings import DrawHinge
 from bozzetto_polyhedron.tools.move import Move
 from bozzetto_polyhedron.tools.pieces import FreePiece
@@ -72,6 +73,13 @@ def test_parts_of_other_objects_are_bodies_with_the_mass_of_their_volume():
     masses = moving(state, GIVEN).machine.assembly.masses
     assert masses[0] == pytest.approx(1240.0 * 100 * 30 * 20 * 1e-9, rel=1e-5)
     assert moving(state).numbers == {}
+
+
+def test_the_next_step_leads_from_another_object_to_a_mechanism():
+    whole = MODELER.follow({"one": GIVEN["one"]})
+    assert DrawLines().next_step(whole).tool == FreePiece.id
+    assert DrawLines().next_step(MODELER.follow(GIVEN)).tool == DrawHinge.id
+    assert DrawLines().next_step(hinged()).tool == Move.id
 
 
 def test_what_has_no_surface_is_refused_and_an_open_one_weighs_like_a_sheet():
