@@ -90,7 +90,8 @@ class ShapeInput(QObject):
         bench, history = self._workbench, self._drawing.history
         known = resolved(self._drawing.document)
         models = [known[model_id] for model_id in model_ids]
-        abilities = bench.registry.info(modeler_id).abilities
+        info = bench.registry.info(modeler_id)
+        abilities = info.abilities
         follows = "follow" in abilities and not (parts and "read_shapes" in abilities)
 
         def work(job: Job) -> Model:
@@ -115,9 +116,10 @@ class ShapeInput(QObject):
                 label = tr("Session", "Follow {names}", names=names)
             else:
                 label = tr("Session", "Start from “{name}”", name=model.name)
-            # A copy stands where the object stands: what lies over it would hide it.
-            copied = () if follows or parts else tuple(model_ids)
-            self._drawing.apply_model(label, model, is_new=True, hidden=copied)
+            # What stands where the object stands would lie in it, or hide it.
+            replaced = info.replaces if follows else not parts
+            hidden = tuple(model_ids) if replaced else ()
+            self._drawing.apply_model(label, model, is_new=True, hidden=hidden)
             self.begun.emit()
             if "follow" in abilities and not follows:
                 self._notices.tell(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QTimer
@@ -62,6 +64,27 @@ def test_using_an_object_makes_a_follower_in_one_step(session):
     assert session.drawing.history.undo_label == "Follow “Body”"
     assert (words(session, follower), words(session, body)) == ("follows “Body”", "")
     assert shown_size(session, follower) == 15.0
+
+
+@pytest.mark.parametrize("replaces", [True, False])
+def test_what_is_replaced_is_hidden_in_the_same_step_and_followed_all_the_same(
+    make_session, boxes, settle, monkeypatch, replaces
+):
+    session = make_session(MODELER, extra=[boxes.package])
+    told = replace(session.registry.info(MODELER), replaces=replaces)
+    monkeypatch.setattr(session.registry, "info", lambda _: told)
+    session.drawing.show(Document(), None)
+    body = session.workbench.new_model(MODELER, BoxState(10.0), "Body")
+    session.drawing.commit("Add", Document((body,)))
+    session.selection.select(body.id)
+    session.shapes.use_chosen(MODELER)
+    settle(session)
+    first, follower = two(session)
+    assert first.visible != replaces
+    assert shown_size(session, follower) == 15.0
+    session.drawing.undo()
+    settle(session)
+    assert [model.visible for model in session.drawing.document] == [True]
 
 
 def test_followers_are_solved_again_when_the_source_changes_moves_or_is_hidden(session, settle):

@@ -87,6 +87,7 @@ def test_manifest_keys_are_explained(tmp_path):
         "abilities": '["panel", "read_shapes"]',
         "facts": '"template"',
         "sides": '{ front = "left", left = "front" }',
+        "replaces": "true",
     }
     assert keys == values.keys()
     top = ("id", "title", "version", "summary", "api", "checks_files")

@@ -85,6 +85,8 @@ class ModelerInfo:
         The keys by which its files are told from others.
     sides : mapping of str to str
         Its own names of sides, and the world's for each; see `ModelerEntry`.
+    replaces : bool
+        Whether what it follows is hidden when it begins.
     """
 
     id: str
@@ -100,3 +102,4 @@ class ModelerInfo:
     order: int = 50
     facts: tuple[str, ...] = ()
     sides: Mapping[str, str] = field(default_factory=dict)
+    replaces: bool = False

@@ -83,6 +83,7 @@ class _ModelerTable(msgspec.Struct, frozen=True):
     facts: Key | Annotated[list[Key], msgspec.Meta(max_length=MOST_KEYS)] = ""
     order: int = 50
     sides: dict[Side, Side] = {}
+    replaces: bool = False
 
 
 class _PluginTable(msgspec.Struct, frozen=True):
@@ -133,6 +134,9 @@ class ModelerEntry:
     sides : mapping of str to str
         Where what it makes has its own front, back, left and right: each name stands for the side
         of the world that is called so. Empty where they are the world's.
+    replaces : bool
+        Whether what it makes of other objects that it follows stands in their place: they are
+        hidden then, in the same step.
     """
 
     id: str
@@ -145,6 +149,7 @@ class ModelerEntry:
     order: int = 50
     facts: tuple[str, ...] = ()
     sides: Mapping[Side, Side] = field(default_factory=dict)
+    replaces: bool = False
 
 
 @dataclass(frozen=True)
