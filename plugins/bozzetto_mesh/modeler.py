@@ -18,7 +18,7 @@ from bozzetto.geometry import (
     meshed,
 )
 from bozzetto.plugin import Job, Modeler, Parameter, override
-from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto.scene import Layer, Scene, shaded_part
 
 MM_PER: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 """Millimetres in a unit."""
@@ -132,20 +132,6 @@ def _where_any(row: Iterable[_Kept | None]) -> tuple[_Kept | None, ...]:
     return () if all(one is None for one in kept) else kept
 
 
-def _shaded(part: Solid | Surface) -> tuple[Shaded, ...]:
-    """Return what is shown of a part: its colours and pictures at its vertices, or its groups."""
-    mesh = part.mesh if part.texture is None else part.texture.painted(part.mesh)
-    if mesh.colors is not None or not any(group.color for group in part.groups):
-        return (Shaded(mesh) if part.color is None else Shaded(mesh, part.color),)
-    found, begin = [], 0
-    for group in part.groups:
-        own = replace(mesh, faces=mesh.faces[begin : begin + group.count])
-        color = group.color or part.color
-        found.append(Shaded(own) if color is None else Shaded(own, color))
-        begin += group.count
-    return tuple(found)
-
-
 class ImportedMesh(Modeler[MeshState, MeshState]):
     """A mesh from a file. There is nothing to draw and nothing to solve."""
 
@@ -177,7 +163,7 @@ class ImportedMesh(Modeler[MeshState, MeshState]):
     def scene(self, state: MeshState, result: MeshState | None) -> Scene:
         """Return the meshes, shaded in their colours or else in clay."""
         shown = result or state.standing()
-        items = tuple(item for part in shown.parts() for item in _shaded(part))
+        items = tuple(item for part in shown.parts() for item in shaded_part(part))
         return Scene((Layer("mesh", items),))
 
     @override

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Brep, Curve, Placement, Shapes, Solid, Surface, cylinder, plane_face
+from bozzetto.geometry import Brep, Curve, Placement, Shapes, Solid, cylinder, plane_face
 from bozzetto_polyhedron.drawing_on.cylinders import brep_with_cylinders
 from bozzetto_polyhedron.flat_pages import page_curves
 from bozzetto_polyhedron.mechanism.assembly import Motion
@@ -21,7 +21,7 @@ from bozzetto_polyhedron.solve.followed import Sources
 from bozzetto_polyhedron.solve.moving import NOTHING, Moving, moving
 from bozzetto_polyhedron.solve.paths import path_of
 from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies
-from bozzetto_polyhedron.solve.placing import placement_of, taken_by
+from bozzetto_polyhedron.solve.placing import followed_part, placement_of, taken_by
 
 
 def shapes_of(
@@ -112,12 +112,11 @@ def _followed(state: PolyhedronState, made: Moving) -> Shapes:
     for part in state.shown(Followed):
         if part.id not in made.meshes:
             continue
-        number = made.numbers[part.id]
-        mesh = made.meshes[part.id].placed(taken_by(made, number, made.motion(state.moved)))
-        if made.machine.shapes[number].solid:
-            solids.append(Solid(mesh, part.name))
+        moved = followed_part(part, made, made.motion(state.moved))
+        if isinstance(moved, Solid):
+            solids.append(moved)
         else:
-            surfaces.append(Surface(mesh, part.name))
+            surfaces.append(moved)
     return Shapes(solids=tuple(solids), surfaces=tuple(surfaces))
 
 

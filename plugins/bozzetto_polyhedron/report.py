@@ -20,7 +20,7 @@ from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of
-from bozzetto_polyhedron.solve.followed import Sources, followed_meshes
+from bozzetto_polyhedron.solve.followed import Sources, followed_bodies
 from bozzetto_polyhedron.solve.forces import forces_of
 from bozzetto_polyhedron.solve.moving import MOST_POSES, NOTHING, is_mechanism, moving
 from bozzetto_polyhedron.solve.pipeline import Solved
@@ -94,7 +94,7 @@ def cautions_of(
         found = results.get(body.id)
         if found is not None and body.moves != "flat":
             cautions += [Caution(f"“{body.name}”: {text}") for text in _doubts(body, found)]
-    there = followed_meshes(state, sources)
+    there = followed_bodies(state, sources)
     gone = [part.name for part in state.shown(Followed) if part.id not in there]
     cautions += [
         Caution(f"“{name}” is no part of what it follows any more. Delete it here, or undo.")

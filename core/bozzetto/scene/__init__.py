@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from bozzetto.scene.renderer.zbuffer import DepthBuffer as DepthBuffer
     from bozzetto.scene.renderer.zbuffer import blank_buffer as blank_buffer
     from bozzetto.scene.renderer.zbuffer import rasterize as rasterize
+    from bozzetto.scene.shaded_parts import shaded_part as shaded_part
     from bozzetto.scene.surface_places import FollowedPlaces as FollowedPlaces
     from bozzetto.scene.surface_places import SurfacePlaces as SurfacePlaces
     from bozzetto.scene.surface_places import follow as follow
@@ -54,6 +55,7 @@ else:
             "bozzetto.scene.picking": "Hits SceneSurface cast_rays",
             "bozzetto.scene.renderer.renderer": "render",
             "bozzetto.scene.renderer.zbuffer": "DepthBuffer blank_buffer rasterize",
+            "bozzetto.scene.shaded_parts": "shaded_part",
             "bozzetto.scene.surface_places": "FollowedPlaces SurfacePlaces follow located "
             "surface_mesh",
             "bozzetto.scene.surface_runs": "depth_breaks unbroken_runs",

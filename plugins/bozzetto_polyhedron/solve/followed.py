@@ -12,7 +12,7 @@ from bozzetto.plugin import override, remembered
 from bozzetto_polyhedron.mechanism.convex_parts import Polytope, convex_parts
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import PolyhedronState
-from bozzetto_polyhedron.solve.followed_pieces import Divided, divided
+from bozzetto_polyhedron.solve.followed_pieces import Divided, Taken, divided
 
 Sources: TypeAlias = Mapping[str, Shapes]
 """What the objects hand over that a model follows, by their ids, in the frame of the model."""
@@ -65,8 +65,8 @@ def bodies_of(sources: Sources) -> PolyhedronState:
     return state
 
 
-def followed_meshes(state: PolyhedronState, sources: Sources) -> dict[str, Mesh]:
-    """Return the triangles of the followed bodies that are shown and there, by their ids."""
+def followed_bodies(state: PolyhedronState, sources: Sources) -> dict[str, Taken]:
+    """Return the followed bodies that are shown and there, by their ids."""
     found = {}
     for part in state.shown(Followed):
         whole = divided_of(part, sources)
@@ -77,9 +77,9 @@ def followed_meshes(state: PolyhedronState, sources: Sources) -> dict[str, Mesh]
             continue
         others = {each.piece for each in siblings_of(part, state)} - {part.piece}
         left = tuple(k for k, name in enumerate(whole.names) if name not in others)
-        mesh = _taken(whole, left if number is None else (number,))
-        if mesh is not None:
-            found[part.id] = mesh
+        taken = _taken(whole, left if number is None else (number,))
+        if taken is not None:
+            found[part.id] = taken
     return found
 
 
@@ -113,7 +113,7 @@ def _divided(same: Same, solid: str) -> Divided | None:
 
 
 @remembered(limit=64)
-def _taken(whole: Divided, numbers: tuple[int, ...]) -> Mesh | None:
+def _taken(whole: Divided, numbers: tuple[int, ...]) -> Taken | None:
     return whole.taken(numbers)
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Index
-from bozzetto.geometry import Mesh, Solid, Surface
+from bozzetto.geometry import FaceGroup, Mesh, Solid, Surface
 from bozzetto.plugin import cached_property
 
 SPECK: Final = 0.03
@@ -20,6 +21,20 @@ WALL: Final = 2.0
 """Thickness, mm, of what a piece is that would enclose less: a skin, such as a door."""
 
 
+class Taken(NamedTuple):
+    """Pieces of a body as one.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    groups : tuple of FaceGroup
+        All triangles, in their order.
+    """
+
+    mesh: Mesh
+    groups: tuple[FaceGroup, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Divided:
     """The triangles of a body and the pieces that they make.
@@ -27,20 +42,24 @@ class Divided:
     Parameters
     ----------
     mesh : Mesh
+        With normals, and with colours where a part has some.
     names : tuple of str
         Of the pieces, no two alike.
     piece : (f,) intp
         Which piece each triangle belongs to.
+    groups : tuple of FaceGroup
+        All triangles, in their order, with the colours and finishes that they came with.
     """
 
     mesh: Mesh
     names: tuple[str, ...]
     piece: Index
+    groups: tuple[FaceGroup, ...]
 
     @cached_property
     def largest(self) -> int:
         """Number of the piece of most volume; of an open body of most area."""
-        sizes = [self.taken((k,)) for k in range(len(self.names))]
+        sizes = [None if part is None else part.mesh for part in map(self.alone, self.names)]
         closed = is_closed(self.mesh)
         found = [
             0.0 if mesh is None else _volume(mesh) if closed else float(_areas(mesh).sum())
@@ -52,24 +71,39 @@ class Divided:
         """Return the number of a piece; None where it is not there."""
         return self.names.index(name) if name in self.names else None
 
-    def taken(self, numbers: Collection[int]) -> Mesh | None:
-        """Return some pieces as one mesh; None where nothing is left of it.
+    def alone(self, name: str) -> Taken | None:
+        """Return a single piece."""
+        return self.taken((self.names.index(name),))
+
+    def taken(self, numbers: Collection[int]) -> Taken | None:
+        """Return some pieces as one; None where nothing is left of it.
 
         Where all of the body is closed, it is closed as well: each ring of the cut gets a fan of
         triangles about its middle, the same on both sides of the cut. One that encloses less than
         its skin would as a sheet stays open.
         """
         if len(numbers) == len(self.names):
-            return self.mesh
-        faces = self.mesh.faces[np.isin(self.piece, list(numbers))]
-        if not len(faces):
+            return Taken(self.mesh, self.groups)
+        kept = np.isin(self.piece, list(numbers))
+        if not kept.any():
             return None
-        open_mesh = _compact(self.mesh.vertices, faces)
+        begins = np.cumsum([0, *(group.count for group in self.groups)])
+        counts = [int(kept[a:b].sum()) for a, b in itertools.pairwise(begins.tolist())]
+        groups = tuple(
+            replace(group, count=count)
+            for group, count in zip(self.groups, counts, strict=True)
+            if count
+        )
+        open_mesh = _compact(self.mesh, self.mesh.faces[kept])
         if not is_closed(self.mesh):
-            return open_mesh
+            return Taken(open_mesh, groups)
         closed = _capped(open_mesh)
         areas, volume = _areas(open_mesh), _volume(closed)
-        return closed if volume > WALL * float(areas.sum()) else open_mesh
+        if volume <= WALL * float(areas.sum()):
+            return Taken(open_mesh, groups)
+        last = groups[-1]
+        caps = len(closed.faces) - len(open_mesh.faces)
+        return Taken(closed, (*groups[:-1], replace(last, count=last.count + caps)))
 
 
 def divided(parts: Sequence[Solid | Surface], name: str) -> Divided | None:
@@ -82,21 +116,42 @@ def divided(parts: Sequence[Solid | Surface], name: str) -> Divided | None:
     name : str
         Of the body: what has no groups is called so.
     """
-    vertices, faces, labels, names = [], [], [], list[str]()
-    count = 0
+    labels, names, groups = [], list[str](), list[FaceGroup]()
     for part in parts:
-        vertices.append(np.asarray(part.mesh.vertices))
-        faces.append(np.asarray(part.mesh.faces, np.intp) + count)
-        count += len(part.mesh.vertices)
-        rows = [(group.name or name, group.count) for group in part.groups]
-        for label, size in rows or [(name, len(part.mesh.faces))]:
+        whole = FaceGroup(name, len(part.mesh.faces))
+        for group in part.groups or (whole,):
+            label = group.name or name
             if label not in names:
                 names.append(label)
-            labels.append(np.full(size, names.index(label), np.intp))
-    if not any(len(each) for each in faces):
+            labels.append(np.full(group.count, names.index(label), np.intp))
+            groups.append(replace(group, name=label, color=group.color or part.color))
+    if not any(group.count for group in groups):
         return None
-    mesh = Mesh(np.concatenate(vertices), np.concatenate(faces).astype(np.int32))
-    return _by_connection(mesh, np.concatenate(labels), names)
+    mesh = _joined([part.mesh for part in parts])
+    return _by_connection(mesh, np.concatenate(labels), names, tuple(groups))
+
+
+def _joined(meshes: Sequence[Mesh]) -> Mesh:
+    """Return meshes as one, with their normals; with colours where one of them has some."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)]).tolist()
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)]
+    painted = any(mesh.colors is not None for mesh in meshes)
+    colors = [_colors(mesh) for mesh in meshes] if painted else []
+    return Mesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate(faces).astype(np.int32),
+        np.concatenate([mesh.vertex_normals() for mesh in meshes]),
+        np.concatenate([rgba for rgba, _ in colors]) if painted else None,
+        np.concatenate([cover for _, cover in colors]) if painted else None,
+    )
+
+
+def _colors(mesh: Mesh) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """Return RGBA of the vertices, (v, 4), and how much of it is their own, (v,)."""
+    count = len(mesh.vertices)
+    if mesh.colors is None:
+        return np.zeros((count, 4), np.uint8), np.zeros(count, np.uint8)
+    return mesh.colors, np.full(count, 255, np.uint8) if mesh.cover is None else mesh.cover
 
 
 def is_closed(mesh: Mesh) -> bool:
@@ -106,7 +161,9 @@ def is_closed(mesh: Mesh) -> bool:
     return bool((np.unique(numbers, return_counts=True)[1] == 2).all())
 
 
-def _by_connection(mesh: Mesh, labels: Index, names: Sequence[str]) -> Divided:
+def _by_connection(
+    mesh: Mesh, labels: Index, names: Sequence[str], groups: tuple[FaceGroup, ...]
+) -> Divided:
     """Tell apart what hangs apart in each group; specks go to the piece that is nearest."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -145,7 +202,7 @@ def _by_connection(mesh: Mesh, labels: Index, names: Sequence[str]) -> Divided:
         middles = np.asarray(mesh.vertices, float)[mesh.faces].mean(axis=1)
         _, nearest = cKDTree(middles[~specks]).query(middles[specks])
         piece[specks] = piece[~specks][nearest]
-    return Divided(mesh, _apart(called), piece)
+    return Divided(mesh, _apart(called), piece, groups)
 
 
 def _apart(names: Sequence[str]) -> tuple[str, ...]:
@@ -160,10 +217,16 @@ def _apart(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(made)
 
 
-def _compact(vertices: NDArray[np.float32], faces: NDArray[np.int32]) -> Mesh:
+def _compact(mesh: Mesh, faces: NDArray[np.int32]) -> Mesh:
     """Return triangles with those vertices alone that they use."""
     used, numbers = np.unique(faces, return_inverse=True)
-    return Mesh(np.asarray(vertices)[used], numbers.reshape(-1, 3).astype(np.int32))
+    return Mesh(
+        mesh.vertices[used],
+        numbers.reshape(-1, 3).astype(np.int32),
+        None if mesh.normals is None else mesh.normals[used],
+        None if mesh.colors is None else mesh.colors[used],
+        None if mesh.cover is None else mesh.cover[used],
+    )
 
 
 def _capped(mesh: Mesh) -> Mesh:
@@ -174,9 +237,7 @@ def _capped(mesh: Mesh) -> Mesh:
     following: dict[int, list[int]] = {}
     for begin, end in sides[counts[which.ravel()] == 1].tolist():
         following.setdefault(begin, []).append(end)
-    vertices = [np.asarray(mesh.vertices, float)]
-    faces = [np.asarray(mesh.faces, np.intp)]
-    count = len(mesh.vertices)
+    rings: list[Index] = []
     while following:
         ring = [next(iter(following))]
         while ring[-1] in following:
@@ -184,11 +245,35 @@ def _capped(mesh: Mesh) -> Mesh:
             ring.append(ends.pop())
             if not ends:
                 del following[ring[-2]]
-        begins, ends_of = np.array(ring[:-1]), np.array(ring[1:])
-        vertices.append(vertices[0][begins].mean(axis=0)[None])
-        faces.append(np.stack((ends_of, begins, np.full(len(begins), count)), axis=1))
-        count += 1
-    return Mesh(np.concatenate(vertices).astype(np.float32), np.concatenate(faces).astype(np.int32))
+        rings.append(np.array(ring[:-1]))
+    if not rings:
+        return mesh
+    places = np.asarray(mesh.vertices, float)
+    middles = np.array([places[ring].mean(axis=0) for ring in rings])
+    fans = [
+        np.stack((np.roll(ring, -1), ring, np.full(len(ring), len(places) + number)), axis=1)
+        for number, ring in enumerate(rings)
+    ]
+    firsts = [ring[0] for ring in rings]
+    return Mesh(
+        np.concatenate([places, middles]).astype(np.float32),
+        np.concatenate([mesh.faces, *fans]).astype(np.int32),
+        None if mesh.normals is None else np.concatenate([mesh.normals, _outwards(places, rings)]),
+        None if mesh.colors is None else np.concatenate([mesh.colors, mesh.colors[firsts]]),
+        None if mesh.cover is None else np.concatenate([mesh.cover, mesh.cover[firsts]]),
+    )
+
+
+def _outwards(places: Array, rings: Sequence[Index]) -> NDArray[np.float32]:
+    """Return the unit normal of the fan in each ring, which goes round as the skin's border."""
+    areas = []
+    for ring in rings:
+        rim = places[ring] - places[ring].mean(axis=0)
+        areas.append(np.cross(np.roll(rim, -1, axis=0), rim).sum(axis=0))
+    found = np.array(areas)
+    return np.asarray(
+        found / np.maximum(np.linalg.norm(found, axis=1), 1e-300)[:, None], np.float32
+    )
 
 
 def _sides(faces: NDArray[np.int64]) -> NDArray[np.int64]:

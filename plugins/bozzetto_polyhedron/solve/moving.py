@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, frozen
-from bozzetto.geometry import Mesh
+from bozzetto.geometry import FaceGroup, Mesh
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
 from bozzetto_polyhedron.mechanism.fittings import fastened
@@ -21,7 +21,7 @@ from bozzetto_polyhedron.model.limits import is_near
 from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import Body, Moved, PolyhedronState, Recording
 from bozzetto_polyhedron.solid.face_rings import edges_of
-from bozzetto_polyhedron.solve.followed import Sources, followed_meshes, key_of, parts_of
+from bozzetto_polyhedron.solve.followed import Sources, followed_bodies, key_of, parts_of
 from bozzetto_polyhedron.solve.followed_pieces import is_closed
 from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
 from bozzetto_polyhedron.solve.spots import (
@@ -55,6 +55,8 @@ class Moving:
         Bodies that have become part of another one, by their ids, and which.
     meshes : dict of str to Mesh
         Surfaces at rest of those that have one, by the ids of their bodies, mm.
+    groups : dict of str to tuple of FaceGroup
+        Of the triangles of bodies of other objects, by the ids of these bodies: their colours.
     """
 
     machine: Machine
@@ -62,6 +64,7 @@ class Moving:
     numbers: dict[str, int]
     joined: dict[str, str]
     meshes: dict[str, Mesh]
+    groups: dict[str, tuple[FaceGroup, ...]]
 
     def number_of(self, body_id: str) -> int | None:
         """Return the number of the shape that a body is, or is part of; None without any."""
@@ -135,7 +138,8 @@ def moving(state: PolyhedronState, sources: Sources = NOTHING) -> Moving:
             mesh = drawn[body.id].mesh
             if mesh is not None:
                 meshes[body.id] = mesh
-    for part_id, mesh in followed_meshes(state, sources).items():
+    followed = followed_bodies(state, sources)
+    for part_id, (mesh, _) in followed.items():
         if is_near(mesh.vertices):
             numbers[part_id] = len(shapes)
             shapes.append(_followed_shape(state.node(part_id), mesh, state))
@@ -150,7 +154,8 @@ def moving(state: PolyhedronState, sources: Sources = NOTHING) -> Moving:
     aliases = {part: numbers[whole] for part, whole in joined.items() if whole in numbers}
     machine = fastened(machine, fastenings_of(state, numbers | aliases))
     machine = meeting(machine) if state.contact else machine
-    made = Moving(machine, Stepper(machine.assembly), numbers, joined, meshes)
+    groups = {part_id: taken.groups for part_id, taken in followed.items() if part_id in meshes}
+    made = Moving(machine, Stepper(machine.assembly), numbers, joined, meshes, groups)
     tolerance = 1e-6 * made.extent * METRE
     stepper = Stepper(machine.assembly, damping=state.damping, tolerance=tolerance)
     return replace(made, stepper=stepper)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto.geometry import Placement
+from bozzetto.geometry import Placement, Solid, Surface
 from bozzetto_polyhedron.mechanism.assembly import Motion
 from bozzetto_polyhedron.mechanism.pieces import METRE
+from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.solve.moving import Moving
 
 
@@ -14,6 +15,18 @@ def taken_by(made: Moving, number: int, motion: Motion) -> Placement:
     """Return where a body that moves as one piece has been taken."""
     pieces = made.machine.holders[number]
     return placement_of(made, int(pieces[0]), motion) if len(pieces) else Placement()
+
+
+def followed_part(part: Followed, made: Moving, motion: Motion) -> Solid | Surface:
+    """Return a body of another object where its motion has taken it, in its colours."""
+    number = made.numbers[part.id]
+    groups = made.groups[part.id]
+    kind = Solid if made.machine.shapes[number].solid else Surface
+    return kind(
+        made.meshes[part.id].placed(taken_by(made, number, motion)),
+        part.name,
+        groups=groups if any(group.color for group in groups) else (),
+    )
 
 
 def placement_of(made: Moving, piece: int, motion: Motion) -> Placement:

@@ -8,14 +8,14 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
-from bozzetto.scene import Item, Points, Shaded
+from bozzetto.scene import Item, Points, Shaded, shaded_part
 from bozzetto_polyhedron.mechanism.assembly import Motion
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solid.face_rings import area_vector
 from bozzetto_polyhedron.solid.triangulation import face_triangles
 from bozzetto_polyhedron.solve.moving import Moving
-from bozzetto_polyhedron.solve.placing import taken_by
+from bozzetto_polyhedron.solve.placing import followed_part
 from bozzetto_polyhedron.view.drawing_layers import segments
 from bozzetto_polyhedron.view.solid_layers import EDGE_WIDTH, faceted
 
@@ -54,9 +54,7 @@ def moved_items(body: Body, made: Moving, motion: Motion) -> list[Item]:
 
 def followed_items(part: Followed, made: Moving, motion: Motion) -> list[Item]:
     """Return a body of another object where its motion has taken it."""
-    number = made.numbers[part.id]
-    mesh = made.meshes[part.id].placed(taken_by(made, number, motion))
-    return [Shaded(mesh, color="clay")]
+    return list(shaded_part(followed_part(part, made, motion)))
 
 
 def anchor_items(body: Body | Followed, made: Moving, motion: Motion) -> list[Item]:

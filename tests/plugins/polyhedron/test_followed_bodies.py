@@ -14,10 +14,12 @@ from bozzetto.cli.main import main
 from bozzetto.document.links import resolved
 from bozzetto.document.model import Document
 from bozzetto.errors import UserError
+from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry import Curve, FaceGroup, Mesh, Placement, Shapes, Solid, Surface
 from bozzetto.ink import Stroke
 from bozzetto.parameters import idle_parameters, valued_fields
 from bozzetto.plugin import Context, Drag, Ink, Job, Tap
+from bozzetto.scene import Shaded
 from bozzetto.testing import Shell
 from bozzetto.view import Camera
 from bozzetto_polyhedron.commands.pieces import put_together, take_apart
@@ -134,6 +136,59 @@ def test_files_and_scene_get_them_where_they_are():
     assert MODELER.report(state, result, Job())["mechanism"]["pieces"] == 1
     gone = MODELER.solve(state, Job(sources={"two": Shapes(curves=())}))
     assert "no part" in MODELER.cautions(state, gone)[0].message
+
+
+RED, BLUE = (200, 30, 20), (10, 60, 220)
+
+
+def test_bodies_keep_the_colours_and_the_normals_of_what_they_follow():
+    body, arm = (
+        Manifold.cube((50, 30, 30)).translate((-50, -15, 0)),
+        Manifold.cube((60, 10, 10)).translate((-10, -5, 10)),
+    )
+    mesh = mesh_of(body + arm)
+    inside = np.asarray(mesh.vertices)[mesh.faces][:, :, 0].max(axis=1) > 1.0
+    order = np.argsort(inside, kind="stable")
+    normals = np.tile(np.float32([0.0, 0.6, 0.8]), (len(mesh.vertices), 1))
+    mesh = replace(mesh, faces=mesh.faces[order], normals=normals)
+    groups = (
+        FaceGroup("body", int((~inside).sum()), RED),
+        FaceGroup("arm", int(inside.sum()), BLUE),
+    )
+    sources = {"one": Shapes(solids=(Solid(mesh, "toy", groups=groups),))}
+    whole = MODELER.follow(sources)
+    apart = take_apart(whole, Context(sources=sources))
+    for state in (whole, apart):
+        result = MODELER.solve(state, Job(sources=sources))
+        solids = MODELER.shapes(state, result).solids
+        told = {group.name: group.color for solid in solids for group in solid.groups}
+        assert told == {"body": RED, "arm": BLUE}
+        shown = [item for layer in MODELER.scene(state, result).layers for item in layer.items
+                 if isinstance(item, Shaded)]  # fmt: skip
+        assert {item.color for item in shown} == {RED, BLUE}
+        areas = {item.color: len(item.mesh.faces) for item in shown}
+        assert areas[RED] >= groups[0].count
+        assert areas[BLUE] >= groups[1].count
+        for solid in solids:
+            check_solid(solid)
+            of_cut = np.abs(solid.mesh.normals - np.float32([0.0, 0.6, 0.8])).max(axis=1) > 1e-6
+            assert of_cut.sum() == (state is apart)
+            np.testing.assert_allclose(np.abs(solid.mesh.normals[of_cut, 0]), 1.0, atol=1e-6)
+
+
+def test_painted_vertices_keep_their_paint_where_pieces_part():
+    paint = np.zeros((len(BODY.mesh.vertices), 4), np.uint8)
+    paint[:] = np.where(np.asarray(BODY.mesh.vertices)[:, :1] > 0, (*RED, 255), (*BLUE, 255))
+    painted = Solid(replace(BODY.mesh, colors=paint), "body")
+    sources = {"one": Shapes(solids=(painted, replace(LEG, color=RED)))}
+    state = MODELER.follow(sources)
+    result = MODELER.solve(state, Job(sources=sources))
+    body, leg = MODELER.shapes(state, result).solids
+    np.testing.assert_array_equal(body.mesh.colors, paint)
+    assert [group.color for group in leg.groups] == [RED]
+    shown = [item for layer in MODELER.scene(state, result).layers for item in layer.items
+             if isinstance(item, Shaded)]  # fmt: skip
+    assert [item.color for item in shown if item.mesh.colors is None] == [RED]
 
 
 def test_pulling_takes_hold_of_a_followed_body():
@@ -328,7 +383,7 @@ def test_pieces_of_any_division_weigh_what_the_whole_weighs(seed):
         groups=(FaceGroup("a", int(counts[0])), FaceGroup("b", int(counts[1]))),
     )  # fmt: skip
     whole = divided([solid], "ball")
-    pieces = [whole.taken((k,)) for k in range(len(whole.names))]
+    pieces = [whole.taken((k,)).mesh for k in range(len(whole.names))]
     volumes = [abs(solid_volume(piece)) for piece in pieces]
     assert all(is_closed(piece) for piece in pieces)
     assert sum(volumes) == pytest.approx(solid_volume(whole.mesh), rel=1e-6)
