@@ -16,7 +16,8 @@ from bozzetto_app.testing import WindowShell
 from bozzetto_app.testing.window_shell import CANVAS
 from tests import linked_boxes, plugin_package, spring
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "bozzetto_ribbon"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+EXAMPLE = DOCS / "examples" / "bozzetto_ribbon"
 PEN = Pen()
 
 
@@ -162,3 +163,11 @@ def test_an_object_is_followed_and_chosen(moving):
     moving.choose(follower.id)
     assert moving.state == follower.state
     assert abs(moving.shapes().solids[0].mesh.bounds - before).max() > 1.0
+
+
+def test_every_method_is_explained():
+    guide = (DOCS / "plugin-authors-guide.md").read_text("utf-8")
+    table = guide.partition("| `window` | |")[2].partition("```")[0]
+    for name in vars(WindowShell):
+        if not name.startswith("_"):
+            assert f"`{name}" in table, name
