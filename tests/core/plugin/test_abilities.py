@@ -112,6 +112,24 @@ def test_a_command_that_writes_changes_nothing_and_knows_its_file(
     assert [path.name for path in tmp_path.iterdir() if path.suffix == ".md"] == []
 
 
+def test_an_ending_that_only_a_command_writes_names_the_command(
+    shell, marks, monkeypatch, tmp_path, capsys
+):
+    from bozzetto.cli.main import main
+
+    monkeypatch.setattr(marks, "commands", listed(marks))
+    monkeypatch.setattr("bozzetto.cli.export.workbench", lambda: shell.workbench)
+    shell.draw(LINE)
+    drawn = str(shell.save())
+    target = tmp_path / "marks.txt"
+    assert main(["export", drawn, "-o", str(target)]) != 0
+    assert "add --command list" in capsys.readouterr().err
+    assert main(["export", drawn, "-o", str(target), "--command", "list"]) == 0
+    assert target.read_text() == "marks: 1"
+    assert main(["export", drawn, "-o", str(tmp_path / "marks.zzz")]) != 0
+    assert "Use one of" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("content", [None, "text", b"", adviser.MarksState()])
 def test_what_a_command_writes_is_checked(shell, marks, monkeypatch, tmp_path, content):
     def run(state, context):
