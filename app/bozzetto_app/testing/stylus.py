@@ -15,6 +15,9 @@ __all__ = ["Stylus"]
 Place = Sequence[float]
 """Canvas pixels (x, y)."""
 
+FIRM: Final = 0.5
+"""Pressure where none is given."""
+
 NO_BUTTON: Final = Qt.MouseButton.NoButton
 LEFT: Final = Qt.MouseButton.LeftButton
 NO_KEY: Final = Qt.KeyboardModifier.NoModifier
@@ -54,24 +57,38 @@ class Stylus:
             3,
         )
 
-    def press(self, place: Place) -> None:
-        """Put the pen down."""
-        self._send(QEvent.Type.TabletPress, place, 0.5, LEFT, LEFT)
+    def hover(self, place: Place) -> None:
+        """Hold the pen near, without a touch."""
+        self._send(QEvent.Type.TabletMove, place, 0.0, NO_BUTTON, NO_BUTTON)
 
-    def move(self, place: Place) -> None:
+    def press(self, place: Place, pressure: float = FIRM) -> None:
+        """Put the pen down."""
+        self._send(QEvent.Type.TabletPress, place, pressure, LEFT, LEFT)
+
+    def move(self, place: Place, pressure: float = FIRM) -> None:
         """Move the pen that is down."""
-        self._send(QEvent.Type.TabletMove, place, 0.5, NO_BUTTON, LEFT)
+        self._send(QEvent.Type.TabletMove, place, pressure, NO_BUTTON, LEFT)
 
     def lift(self, place: Place) -> None:
         """Lift the pen."""
         self._send(QEvent.Type.TabletRelease, place, 0.0, LEFT, NO_BUTTON)
 
-    def draw(self, points: Iterable[Place], *, lift: bool = True) -> None:
-        """Draw along places (canvas pixels), and lift the pen at the last one."""
+    def draw(
+        self,
+        points: Iterable[Place],
+        *,
+        pressure: Sequence[float] | None = None,
+        lift: bool = True,
+    ) -> None:
+        """Draw along places (canvas pixels), and lift the pen at the last one.
+
+        `pressure` (0 … 1) has a value for each place; even where it is not given.
+        """
         first, *rest = points
-        self.press(first)
-        for place in rest:
-            self.move(place)
+        firm, *further = pressure if pressure is not None else [FIRM] * (1 + len(rest))
+        self.press(first, firm)
+        for place, firmness in zip(rest, further, strict=True):
+            self.move(place, firmness)
         QApplication.processEvents()
         if lift:
             self.lift(rest[-1] if rest else first)

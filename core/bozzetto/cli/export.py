@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from bozzetto.cli.handover import handover_of
@@ -26,7 +27,11 @@ def export(options: argparse.Namespace) -> int:
 
     outputs = options.output
     for output in () if options.command_id else outputs:
-        check_ending(output)
+        try:
+            check_ending(output)
+        except UserError:
+            _name_command(options, output)
+            raise
     refuse_overwriting([options.document], outputs, options.report)
     handover = handover_of(options)
     bench = workbench()
@@ -68,6 +73,29 @@ def export(options: argparse.Namespace) -> int:
             ]
         write_report(options.report, said)
     return 0
+
+
+def _name_command(options: argparse.Namespace, output: Path) -> None:
+    """Refuse an ending that only a command of an object writes, with the command's name.
+
+    Raises
+    ------
+    UserError
+        If there is such a command.
+    """
+    from bozzetto.workbench.export_document import chosen_models, unusable
+
+    bench = workbench()
+    models, _ = chosen_models(open_document(bench, options.document), options.object)
+    for model in models:
+        if unusable(bench, model) is not None:
+            continue
+        for command in bench.commands.of(model.modeler):
+            if command.writes and command.writes == output.suffix.lower():
+                raise UserError(
+                    f"“{command.writes}” is written by a command of “{model.name}”: add "
+                    f"--command {command.id}."
+                )
 
 
 def _has_command(bench: Any, model: Any, command_id: str) -> bool:

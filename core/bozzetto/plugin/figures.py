@@ -29,7 +29,8 @@ class Figure:
     label : str
         A few words; "" for what is only there for other programs, and not shown.
     help : str
-        One sentence for hovering: what it measures, with the field's own name for it.
+        One sentence for hovering: what it measures, with the field's own name for it;
+        not empty where there is a label.
     unit : str
         Unit of the value that is shown, such as "mm", "°" or "%".
     factor : float

@@ -14,19 +14,21 @@ from typing import Any, Final
 import numpy as np
 
 from bozzetto.document.storage.state_codec import state_digest
-from bozzetto.errors import UserError
+from bozzetto.errors import Unfinished, UserError
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.shapes import Curve, Shapes, Skeleton, Solid
 from bozzetto.images.stored_picture import Picture
+from bozzetto.plugin.context import Context
 from bozzetto.plugin.figures import UNITS, figure_of, without_unit
-from bozzetto.plugin.gesture import Tap
+from bozzetto.plugin.gesture import Ink, Tap
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.plugin.guard.guarded_modeler import GuardedModeler
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.view_advice import ViewAdvice
 from bozzetto.testing.deep_equal import same
 from bozzetto.testing.headless_shell import Shell
-from bozzetto.testing.subject import Broken, Subject, ensure, odd_cameras
+from bozzetto.testing.subject import Broken, Subject, ensure, odd_cameras, plain_drawings
+from bozzetto.testing.synthetic_pen import Pen
 from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import pan, zoom
 
@@ -161,20 +163,45 @@ def check_follow(subject: Subject) -> None:
                 continue
             except PluginFault as problem:
                 raise Broken(f"follow: {problem}") from problem
-            sources = guarded.sources(state)
-            ensure(bool(sources), "a state that follows names its sources")
             digest = state_digest(state)
-            turned = guarded.with_sources(state, tuple(f"new_{each}" for each in sources))
-            back = guarded.with_sources(turned, sources)
-            ensure(same(back, state), "with_sources there and back gives another state")
-            for quality in ("preview", "final"):
-                given = Job(quality=quality, sources=dict.fromkeys(sources, shapes))
-                made = [_shapes_made(guarded, state, given) for _ in range(2)]
-                ensure(same(*made), "a follower has other shapes the second time")
-                exchanged = replace(given, sources=dict.fromkeys(guarded.sources(turned), shapes))
-                made[1] = _shapes_made(guarded, turned, exchanged)
-                ensure(same(*made), "the ids of sources change the shape")
+            for each in (state, *_drawn_on(guarded, state, shapes)):
+                _check_followed(guarded, each, shapes)
             ensure(state_digest(state) == digest, "to be solved changed the state")
+
+
+def _check_followed(guarded: GuardedModeler, state: Any, shapes: Shapes) -> None:
+    """Check that a state is solved twice the same, and whatever the ids of its sources are."""
+    sources = guarded.sources(state)
+    ensure(bool(sources), "a state that follows names its sources")
+    turned = guarded.with_sources(state, tuple(f"new_{each}" for each in sources))
+    back = guarded.with_sources(turned, sources)
+    ensure(same(back, state), "with_sources there and back gives another state")
+    for quality in ("preview", "final"):
+        given = Job(quality=quality, sources=dict.fromkeys(sources, shapes))
+        made = [_shapes_made(guarded, state, given) for _ in range(2)]
+        ensure(same(*made), "a follower has other shapes the second time")
+        exchanged = replace(given, sources=dict.fromkeys(guarded.sources(turned), shapes))
+        made[1] = _shapes_made(guarded, turned, exchanged)
+        ensure(same(*made), "the ids of sources change the shape")
+
+
+def _drawn_on(guarded: GuardedModeler, state: Any, shapes: Shapes) -> Iterator[Any]:
+    """Yield the state with the first plain drawing that one of its tools takes.
+
+    Where a model is made of sources and ink, this is the first one with a shape.
+    """
+    context = Context(sources=dict.fromkeys(guarded.sources(state), shapes))
+    for tool in guarded.tools():
+        if tool.gesture != "ink":
+            continue
+        for strokes in plain_drawings(Pen()):
+            try:
+                made = guarded.apply(tool, state, Ink(strokes, committed=True), context)
+            except (UserError, Unfinished):
+                continue
+            if guarded.sources(made):  # a tool may choose others, and there are none here
+                yield made
+            return
 
 
 def _shapes_made(guarded: GuardedModeler, state: object, job: Job) -> Shapes | str:

@@ -133,9 +133,9 @@ class Shell:
         """Tap the sheet at canvas pixels, by default with the first tool for taps."""
         return self.do(Tap(x, y, self.camera), tool=self.tool(tool, "tap"))
 
-    def drag(self, handle: str, path: Stroke) -> Model:
-        """Take a handle along a path."""
-        return self.do(Drag(handle, path), tool=self.tool(None, "drag"))
+    def drag(self, handle: str, path: Stroke, *, tool: str | None = None) -> Model:
+        """Take a handle along a path, by default with the first tool for drags."""
+        return self.do(Drag(handle, path), tool=self.tool(tool, "drag"))
 
     def do(self, gesture: Gesture, *, tool: Tool[Any]) -> Model:
         """Apply any gesture with a tool: preview, then apply, as the program does."""
@@ -162,6 +162,12 @@ class Shell:
         model = made(modeler_id, [self.model], Job())
         self._model_id = model.id
         return self._keep("use", model)
+
+    def choose(self, model_id: str) -> Model:
+        """Go on with another model of the document, such as one that the last one follows."""
+        model = resolved(self.document)[model_id]
+        self._model_id = model_id
+        return model
 
     def place(self, picture: Picture) -> Model:
         """Give the model a picture to work on, as if it had been dropped on the sheet."""

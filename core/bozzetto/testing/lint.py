@@ -175,7 +175,11 @@ def _check_modeler(package: str, modeler_id: str, begins: Callable[[str], None])
     try:
         tools = registry.guarded(modeler_id).tools()
     except (UserError, PluginFault) as problem:
-        return [Finding(True, modeler_id, _with_place(problem, folder))]
+        plugin = next(known for known in registry.plugins() if known.id == info.plugin)
+        told = _with_place(problem, folder)
+        if plugin.fault:
+            told = _placed(plugin.fault, plugin.details, folder)
+        return [Finding(True, modeler_id, told)]
     looked_at = info.icon.relative_to(folder).as_posix()
     icons = {tool.icon for tool in tools if tool.icon} - {looked_at}
     findings = _check_icons(folder, icons)
@@ -212,6 +216,11 @@ def _with_place(problem: BaseException, folder: Path) -> str:
     fault = problem if isinstance(problem, PluginFault) else problem.__cause__
     if not isinstance(fault, PluginFault):
         return str(problem)
-    frames = re.findall(r'File "([^"]+)", line (\d+)', fault.details)
+    return _placed(str(fault), fault.details, folder)
+
+
+def _placed(told: str, traceback: str, folder: Path) -> str:
+    """Return a sentence with the last line of the plugin in a traceback, if there is one."""
+    frames = re.findall(r'File "([^"]+)", line (\d+)', traceback)
     own = [(path, line) for path, line in frames if Path(path).is_relative_to(folder)]
-    return f"{fault} ({own[-1][0]}, line {own[-1][1]})" if own else str(fault)
+    return f"{told} ({own[-1][0]}, line {own[-1][1]})" if own else told

@@ -156,7 +156,10 @@ def _first_parameters(kind: type) -> Iterator[str]:
     if not (issubclass(kind, Modeler) and isinstance(state_type, type)):
         return
     types = (state_type, *getattr(kind, "part_types", ()))
-    known = {field.name for one in types for field in parameter_fields(one)}
+    try:
+        known = {field.name for one in types for field in parameter_fields(one)}
+    except Exception:  # no dataclass, or annotations that fail: told as what loading refuses
+        return
     first = kind.first_parameters
     if len(first) > MOST_FIRST:
         yield f"'first_parameters' has {len(first)} names; {MOST_FIRST} at most"

@@ -73,19 +73,22 @@ def plain_sketch(shell: Shell, pen: Pen) -> None:
     """Draw a circle with the first tool for ink, else open the first sample, else tap thrice.
 
     Where a circle is refused and there is no sample, a line is drawn, and then a line with an arc
-    beside it: an edge, a bar, an axis and its profile. A modeler that takes neither ink nor taps
-    and has no sample stays empty.
+    beside it: an edge, a bar, an axis and its profile. If all of them are refused in the front
+    view, they are drawn in the view that the modeler calls better. A modeler that takes neither
+    ink nor taps and has no sample stays empty.
     """
     info = shell.registry.info(shell.model.modeler)
     takes_ink = any(tool.gesture == "ink" for tool in shell.tools())
     if takes_ink:
         refused: UserError | None = None
-        for strokes in _plain_drawings(pen)[: 1 if info.samples else None]:
-            try:
-                shell.draw(*strokes)
-                return
-            except UserError as error:
-                refused = refused or error
+        for seen in (pen,) if info.samples else _views(shell, pen):
+            shell.camera = seen.camera
+            for strokes in plain_drawings(seen)[: 1 if info.samples else None]:
+                try:
+                    shell.draw(*strokes)
+                    return
+                except UserError as error:
+                    refused = refused or error
         if refused is not None and not info.samples:
             raise refused
     if info.samples:
@@ -99,7 +102,16 @@ def plain_sketch(shell: Shell, pen: Pen) -> None:
             shell.tap(float(touch.x[0]), float(touch.y[0]))
 
 
-def _plain_drawings(pen: Pen) -> tuple[tuple[Stroke, ...], ...]:
+def _views(shell: Shell, pen: Pen) -> Iterator[Pen]:
+    """Yield the pen, and then one that draws in the view which the modeler calls better."""
+    yield pen
+    advice = shell.advice(pen.camera)
+    if advice is not None and advice.better is not None:
+        yield pen.but(camera=advice.better.with_viewport(*pen.camera.viewport))
+
+
+def plain_drawings(pen: Pen) -> tuple[tuple[Stroke, ...], ...]:
+    """Return a circle, a line, and a line with an arc beside it."""
     line = pen.along([(600.0, 250.0), (600.0, 650.0)])
     arc = pen.along([(620.0, 260.0), (720.0, 350.0), (740.0, 450.0), (640.0, 640.0)])
     return (pen.circle(),), (line,), (line, arc)

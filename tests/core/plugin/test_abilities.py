@@ -19,10 +19,12 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Layer, Points, Scene
 from bozzetto.testing import Pen, Shell
 from bozzetto.testing.abilities import ABILITIES
+from bozzetto.testing.checks import CHECKS
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
-from tests import adviser, plugin_package
+from tests import adviser, linked_boxes, plugin_package
 from tests.adviser import MODELER
+from tests.core.plugin.conftest import GOOD_MANIFEST
 
 LINE = Pen().along([(300, 300), (500, 400)])
 TURNED = Placement((1.0, 0, 0, 0, 0, -1.0, 0, 1.0, 0), 2.0, (5.0, -3.0, 1.0))
@@ -108,6 +110,24 @@ def test_a_command_that_writes_changes_nothing_and_knows_its_file(
     with pytest.raises(UserError, match="writes no file"):
         commands.content(model, commands.find(MODELER, "flip"), shell.context(), "a")
     assert [path.name for path in tmp_path.iterdir() if path.suffix == ".md"] == []
+
+
+def test_an_ending_that_only_a_command_writes_names_the_command(
+    shell, marks, monkeypatch, tmp_path, capsys
+):
+    from bozzetto.cli.main import main
+
+    monkeypatch.setattr(marks, "commands", listed(marks))
+    monkeypatch.setattr("bozzetto.cli.export.workbench", lambda: shell.workbench)
+    shell.draw(LINE)
+    drawn = str(shell.save())
+    target = tmp_path / "marks.txt"
+    assert main(["export", drawn, "-o", str(target)]) != 0
+    assert "add --command list" in capsys.readouterr().err
+    assert main(["export", drawn, "-o", str(target), "--command", "list"]) == 0
+    assert target.read_text() == "marks: 1"
+    assert main(["export", drawn, "-o", str(tmp_path / "marks.zzz")]) != 0
+    assert "Use one of" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("content", [None, "text", b"", adviser.MarksState()])
@@ -367,3 +387,88 @@ def test_facts_are_only_lent(shell):
     drawing = Drawing(Strokes([LINE]), Camera(), facts=facts, steps=(DrawStep("mark", (0,)),))
     shell.workbench.sources.from_drawing(MODELER, drawing, {})
     assert facts == {"box": 3.0}
+
+
+# -- following ---------------------------------------------------------------------------------
+
+FOLLOWER = """
+from dataclasses import dataclass, replace
+
+from bozzetto.geometry import Curve, Shapes
+from bozzetto.ink import Strokes
+from bozzetto.plugin import Modeler, Tool, hookimpl
+from bozzetto.scene import Scene
+
+asked = []
+
+@dataclass(frozen=True)
+class State:
+    sources: tuple[str, ...] = ()
+    strokes: Strokes = Strokes()
+
+class Draw(Tool):
+    id, title, hint = "draw", "Draw", "Draw a path."
+    def draw(self, state, ink, context):
+        return replace(state, strokes=state.strokes.extended(ink.strokes))
+
+class Row(Modeler):
+    id, state_type = __name__ + ".modeler", State
+    def tools(self):
+        return (Draw(),)
+    def follow(self, sources):
+        return State(tuple(sources))
+    def sources(self, state):
+        return state.sources
+    def with_sources(self, state, sources):
+        return replace(state, sources=tuple(sources))
+    def solve(self, state, job):
+        if not len(state.strokes):
+            return ()
+        asked.append(state.sources)
+        return (Curve(1, [0, 0, 1, 1], [[0, 0, 0], [LENGTH, 0, 0]]),)
+    def scene(self, state, result):
+        return Scene()
+    def shapes(self, state, result):
+        return Shapes(curves=result)
+
+@hookimpl
+def bozzetto_modelers():
+    return [Row()]
+"""
+
+
+@pytest.mark.parametrize(
+    ("length", "fault"),
+    [
+        ("1", ""),
+        ("len(asked)", "other shapes the second time"),
+        ("len(state.sources[0])", "ids of sources change"),
+    ],
+)
+def test_a_follower_that_needs_ink_is_followed_with_ink(make_package, length, fault):
+    manifest = GOOD_MANIFEST + 'abilities = ["follow"]\n'
+    package = make_package(FOLLOWER.replace("LENGTH", length), manifest)
+    subject = Subject(f"{package}.modeler", (package,))
+    (check,) = (check.run for check in CHECKS if check.name == "follow")
+    if fault:
+        with pytest.raises(Broken, match=fault):
+            check(subject)
+    else:
+        check(subject)
+    assert importlib.import_module(package).asked
+
+
+def test_a_source_is_changed_and_its_follower_chosen_again(tmp_path, monkeypatch):
+    linked_boxes.write_package(tmp_path / "packages", "boxes_in_a_row")
+    monkeypatch.syspath_prepend(tmp_path / "packages")
+    shell = Shell(Registry(extra=["boxes_in_a_row"]), tmp_path)
+    shell.open(linked_boxes.MODELER)
+    source = shell.set(edge=10.0)
+    follower = shell.use(linked_boxes.MODELER)
+    before = shell.shapes().solids[0].mesh.bounds
+    shell.choose(source.id)
+    shell.set(edge=20.0)
+    assert shell.choose(follower.id).state == follower.state
+    assert shell.shapes().solids[0].mesh.bounds == pytest.approx(2.0 * before)
+    with pytest.raises(KeyError, match="nobody"):
+        shell.choose("nobody")

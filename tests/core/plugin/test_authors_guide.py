@@ -33,7 +33,7 @@ def test_code_imports_from_doors_alone():
     toolkit = (ROOT / "docs" / "toolkit.md").read_text("utf-8")
     doors = set(re.findall(r"^\| `([\w.]+)` \| ", toolkit.partition("## All names")[0], re.M))
     assert "bozzetto.geometry.patches" in doors
-    doors |= {"bozzetto.plugin", "bozzetto.testing"}
+    doors |= {"bozzetto.plugin", "bozzetto.testing", "bozzetto_app.testing"}
     sources = [path.read_text("utf-8") for path in EXAMPLE.parent.rglob("*.py")]
     for code in (*PIECES, *sources):
         for name in re.findall(r"^\s*from (bozzetto(?:_app)?(?:\.\w+)*) import", code, re.M):

@@ -77,7 +77,7 @@ def test_keys_may_end_in_a_unit(unit):
         ([], "a mapping"),
         ({1: Figure("A", "B")}, "the key 1"),
         ({"a": "Gap"}, "a: str where a Figure"),
-        ({"a": Figure("Gap")}, "Figure.help"),
+        ({"a": Figure("Gap")}, "Figure.help is empty: say"),
         ({"a": Figure("Gap", "How wide.", unit=3)}, "Figure.unit"),
         ({"a": Figure("Gap", "How wide.", digits=1000)}, "Figure.digits"),
         ({"a": Figure("Gap", "How wide.", factor=math.inf)}, "Figure.factor"),

@@ -126,6 +126,65 @@ def test_one_fault_is_told_once_and_with_its_line(make_package):
     assert told.count("solve failed") == 2, "here, and in another process"
 
 
+@pytest.mark.parametrize(
+    ("wrong", "line", "told"),
+    [
+        ("from bozzetto.geometry import Shapez", None, "cannot import name 'Shapez'"),
+        ("class Failing(Modeler)", "clas Failing(Modeler)", "SyntaxError"),
+        ("@dataclass(frozen=True)", "1 / 0", "ZeroDivisionError"),
+    ],
+)
+def test_what_cannot_be_imported_is_told_with_its_line(make_package, wrong, line, told):
+    code = f"{wrong}\n{FAILING}" if line is None else FAILING.replace(wrong, line)
+    number = code.splitlines().index(line or wrong) + 1 if line != "clas Failing(Modeler)" else 10
+    (finding,) = check_package(make_package(code))
+    assert told in finding.message
+    assert finding.message.endswith(f"__init__.py, line {number})")
+    assert "tell its author" not in finding.message, "its author reads it"
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "told"),
+    [
+        ("@dataclass(frozen=True)\n", "", "state_type must be a frozen dataclass"),
+        ("    pass", "    size: Annotated[int, Parameter(least=1)] = 3", "argument 'least'"),
+    ],
+)
+def test_a_state_that_cannot_be_read_is_told_and_ends_nothing(make_package, right, wrong, told):
+    code = "from typing import Annotated\nfrom bozzetto.plugin import Parameter\n"
+    assert told in messages(make_package(code + FAILING.replace(right, wrong)))
+
+
+def test_a_drawing_that_the_front_view_refuses_is_tried_from_the_better_one(faulty):
+    from bozzetto.errors import UserError
+    from bozzetto.plugin import ViewAdvice
+    from bozzetto.testing.subject import Subject
+    from bozzetto.view import look_along
+
+    def advise(state, camera, job):
+        if camera.axes[2][2] < -0.5:
+            return ViewAdvice("good", "")
+        return ViewAdvice("refuse", "Too flat", better=look_along(camera, (0.0, 0.0, -1.0)))
+
+    def draw(state, ink, context):
+        if ink.camera.axes[2][2] > -0.5:
+            raise UserError("Look from above.")
+        return type(state)(state.strokes.extended(ink.strokes))
+
+    faulty.misdeeds["apply"] = draw
+    with (
+        pytest.raises(UserError, match="above"),
+        Subject("faulty.modeler", (faulty.package,)).drawn(),
+    ):
+        pass
+    type(faulty).view_advice = staticmethod(advise)
+    try:
+        with Subject("faulty.modeler", (faulty.package,)).drawn() as shell:
+            assert shell.state.strokes[0].camera.axes[2][2] < -0.5
+    finally:
+        del type(faulty).view_advice
+
+
 def test_the_id_of_an_installed_plugin_does_as_well(monkeypatch):
     from bozzetto.testing import checks
 

@@ -280,7 +280,8 @@ def sound_figures(figures: Any) -> dict[str, Figure]:
             raise Unsound(f"{key}: {type(figure).__name__} where a Figure belongs")
         for name in ("label", "help", "unit", "beyond"):
             check_text(getattr(figure, name), f"{key}: Figure.{name}")
-        expect(bool(figure.help) or not figure.label, f"{key}: Figure.help")
+        if figure.label and not figure.help:
+            raise Unsound(f"{key}: Figure.help is empty: say in one sentence what it measures")
         check_number(figure.factor, f"{key}: Figure.factor", -math.inf, math.inf)
         expect(
             isinstance(figure.digits, int) and figure.digits <= MOST_DIGITS, f"{key}: Figure.digits"
