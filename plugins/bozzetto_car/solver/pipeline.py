@@ -184,7 +184,9 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
         before = None
     last = {} if before is None else before.placed
     placed = {
-        s.id: _placed(template, s) if s.id not in last else place_sketch(template, s, last[s.id])
+        s.id: place_sketch(template, s, last[s.id])
+        if s.id in last
+        else replace(_placed(template, s), sketch=s)  # what is remembered may have another name
         for s in _taking_part(state)
     }
     solid = tuple(key for key, one in placed.items() if one.is_known)
