@@ -28,6 +28,7 @@ from bozzetto_car.solver.initial_cameras import counted_marks
 from bozzetto_car.solver.nodes_on_mesh import FEWEST
 from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.state import BentEdge, BodyEdit, CarState, MovedNode, TracedEdges, Treatment
+from bozzetto_car.template.blend import can_blend
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called, node_called, with_positions
 
@@ -226,7 +227,8 @@ def _first_seen(state: CarState) -> CarState:
 def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body:
     """Return the body of a car as it is drawn, before it is stretched to its dimensions.
 
-    While a mark is dragged, edits are not repeated: their effect on `before` is carried over.
+    While a mark is dragged, or the share of two templates, edits are not repeated: their effect on
+    `before` is carried over.
     """
     try:
         base = solve_car(state, before)
@@ -237,7 +239,7 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
         return replace(loose, dimensions_problem=problem.message)
     if before is not None and state.edits and state.edits is before.edits:
         old = unstretched_body_of(before)
-        if old.template is base.template and old.solved is not base:
+        if old.solved is not base and can_blend(old.template, base.template):
             return _carried(old, _right_after(old.solved, before), _deformed(base, state))
     body = _right_after(base, state)
     for number, edit in enumerate(state.edits):

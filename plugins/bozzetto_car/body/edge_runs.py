@@ -15,7 +15,6 @@ from bozzetto.errors import UserError
 from bozzetto.ink import (
     FARTHEST,
     arc_length,
-    distances_to_polyline,
     distinct,
     ordered_feet,
     places_on_sheet,
@@ -122,7 +121,7 @@ def find_run(network: Network, stroke: ArrayLike, camera: Camera, edges: Sequenc
         row = _directed(paths, rows[0], places)
     else:
         row = _nearest_row(network, camera, paths, rows, places)
-    distance = float(distances_to_polyline(places, _laid_out(paths, row)).mean())
+    distance = float(_distances(places, paths[[max(e, ~e) for e in row]]).min(axis=1).mean())
     if distance > REACH * float(np.linalg.norm(np.ptp(paths[visible], axis=(0, 1)))):
         raise UserError("The stroke is far from every edge of the car. Draw along one of them.")
     ends = [network.template.edges[max(e, ~e)][:: 1 if e >= 0 else -1].tolist() for e in row]

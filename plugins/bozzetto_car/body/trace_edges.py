@@ -23,10 +23,9 @@ from bozzetto_car.body.edge_fit import (
     fit_edge,
     paper_cubic,
     project_points,
-    projection_slopes,
 )
 from bozzetto_car.body.edge_runs import Run, find_run
-from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
+from bozzetto_car.camera.rational_projection import Pictured, camera_matrix, slopes_at
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import (
     Network,
@@ -44,6 +43,8 @@ stroke is taken to end in the node."""
 
 PIECES: Final = 20
 """Pieces of an edge for the decision whether it is seen."""
+
+IN_PIECES: Final = bernstein(np.linspace(0.0, 1.0, PIECES + 1))
 
 PLACES: Final = 100
 """Pieces of an edge where lengths and distances on the sheet are measured."""
@@ -139,9 +140,10 @@ def _own(network: Network, signed: int) -> int:
 
 def _is_seen(network: Network, edge: int, camera: Camera) -> bool:
     """Whether an edge is long enough in the view for its picture to tell its shape."""
-    curve = bernstein(np.linspace(0.0, 1.0, PIECES + 1)) @ network.control_points[edge]
-    scale = float(np.linalg.norm(projection_slopes(camera, curve[[PIECES // 2]])[0], ord=2))
-    length = float(arc_length(project_points(camera, curve))[-1])
+    matrix, points = camera_matrix(camera), network.control_points[edge]
+    curve = IN_PIECES @ points
+    scale = float(np.linalg.svd(slopes_at(matrix, curve[PIECES // 2]), compute_uv=False)[0])
+    length = float(arc_length(Pictured.of(matrix, points).laid_out(PIECES))[-1])
     return length >= UNSEEN * scale * float(arc_length(curve)[-1])
 
 

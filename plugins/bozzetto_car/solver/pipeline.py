@@ -23,7 +23,7 @@ from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.dimensions import Overlap
 from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
-from bozzetto_car.solver.hyperparameters import judge_marks
+from bozzetto_car.solver.hyperparameters import Weighed, judge_marks
 from bozzetto_car.solver.initial_cameras import (
     Placed,
     counted_marks,
@@ -183,7 +183,12 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
     if before is not None and before.template is not template:
         before = None
     last = {} if before is None else before.placed
-    placed = {s.id: place_sketch(template, s, last.get(s.id)) for s in _taking_part(state)}
+    placed = {
+        s.id: place_sketch(template, s, last[s.id])
+        if s.id in last
+        else replace(_placed(template, s), sketch=s)  # what is remembered may have another name
+        for s in _taking_part(state)
+    }
     solid = tuple(key for key, one in placed.items() if one.is_known)
     if len(solid) > MOST_VIEWS:
         raise UserError(
@@ -218,7 +223,7 @@ def _put_in_perspective(
     for key, one in list(placed.items()):
         if not one.is_known or one.sketch.kind != "auto" or not _is_flat(one):
             continue
-        other = place_sketch(template, replace(one.sketch, kind="perspective"))
+        other = _placed(template, replace(one.sketch, kind="perspective"))
         if not other.is_known or other.disagreeing or _is_flat(other):
             continue
         changed = placed | {key: replace(other, sketch=one.sketch)}
@@ -256,11 +261,8 @@ def _solved_as_placed(
         start = before.joint.variables
     locked = state.dimensions if state.lock and state.dimensions.given() else None
     views = [view_of(placed[key], template) for key in solid]
-    were_aside = [
-        _among(view, template, last[key].disagreeing if key in last else ())
-        for key, view in zip(solid, views, strict=True)
-    ]
-    judged = judge_marks(template, views, were_aside)
+    were_aside = tuple(last[key].disagreeing if key in last else () for key in solid)
+    judged = _judged(template, tuple(placed[key] for key in solid), were_aside)
     views = [view.only(flags) for view, flags in zip(views, judged.counted, strict=True)]
     if state.cost != "paper":
         pairs = zip(solid, views, strict=True)
@@ -279,6 +281,32 @@ def _solved_as_placed(
         aside = (*placed[key].disagreeing, *(template.names[node] for node in nodes))
         placed[key] = _with_residuals(placed[key], joint, number, template, positions, aside)
     return Solved(template, cost, soundness, positions, joint, placed, solid)
+
+
+@remembered(
+    limit=REMEMBERED,
+    key=lambda template, sketch: (template, sketch.id, *marks_of(sketch), sketch.skipped),
+)
+def _placed(template: Template, sketch: Sketch) -> Placed:
+    """Return a sketch with the camera that the template gives it; dimensions have no say in it."""
+    return place_sketch(template, sketch)
+
+
+@remembered(
+    limit=REMEMBERED,
+    key=lambda template, sketches, aside: (template, *(one.resection for one in sketches), aside),
+)
+def _judged(
+    template: Template, sketches: tuple[Placed, ...], aside: tuple[tuple[str, ...], ...]
+) -> Weighed:
+    """Weigh the marks of sketches, of which some were aside before one of them was dragged.
+
+    Neither the balance of marks and template nor dimensions have a say in it.
+    """
+    views = [view_of(placed, template) for placed in sketches]
+    return judge_marks(template, views, [
+        _among(view, template, names) for view, names in zip(views, aside, strict=True)
+    ])  # fmt: skip
 
 
 def _resumed(placed: Placed, view: MarkedView, before: Solved | None) -> MarkedView:

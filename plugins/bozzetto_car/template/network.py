@@ -112,20 +112,13 @@ class Network:
         """The edges as cubic Bézier curves, (m, 4, 3) mm."""
         return as_bezier(self.ends, self.tangents)
 
-    @cached_property
+    @property
     def free_axes(self) -> Flags:
         """Which coordinates the tangents of a symmetric car may have, (m, 2, 3).
 
         An edge in the middle has no y; an edge that crosses the middle smoothly has only y there.
         """
-        template = self.template
-        free = np.ones(template.tangents.shape, bool)
-        free[np.isin(template.edges, template.centre).all(axis=1), :, 1] = False
-        for joint in junctions(template):
-            if joint.crosses:
-                for edge, end in (joint.before, joint.after):
-                    free[edge, end] = (False, True, False)
-        return free
+        return _free_axes(self.template)
 
 
 @dataclass(frozen=True)
@@ -151,6 +144,18 @@ class EdgeJunction:
     senses: tuple[int, int]
     crosses: bool
     neighbours: tuple[int, int]
+
+
+@lru_cache(maxsize=KNOWN)
+def _free_axes(template: Template) -> Flags:
+    free = np.ones(template.tangents.shape, bool)
+    free[np.isin(template.edges, template.centre).all(axis=1), :, 1] = False
+    for joint in junctions(template):
+        if joint.crosses:
+            for edge, end in (joint.before, joint.after):
+                free[edge, end] = (False, True, False)
+    free.flags.writeable = False
+    return free
 
 
 @lru_cache(maxsize=KNOWN)

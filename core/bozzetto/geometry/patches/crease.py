@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -27,6 +28,9 @@ SMOOTH: Final = 0.1
 
 CREASE_SAMPLES: Final = 33
 """Places along an edge in which its crease is measured."""
+
+KNOWN: Final = 16
+"""Number of networks whose rows of joints are remembered."""
 
 Joint = tuple[int, int]
 """Two edges that leave a node, each as ``e`` from its start or ``~e`` from its end, and make one
@@ -109,7 +113,8 @@ def locked(
     made = np.array(edges, float)
     lengths = np.linalg.norm(made[:, [1, 2]] - made[:, [0, 3]], axis=2)
     firm = np.ones(len(made)) if firmness is None else np.asarray(firmness, float)
-    for row in _rows(np.asarray(sides, np.intp), joints):
+    signed = np.asarray(sides, np.intp)
+    for row in _rows(signed.tobytes(), len(signed), joints):
         pairs = {number: _firmness(firm, joints[number]) for number in row}
         # A joint whose two lengths give way best to a change of their ratio resists it so much.
         weights = {number: 2.0 * a * b / (a + b) for number, (a, b) in pairs.items()}
@@ -144,8 +149,16 @@ def _stretch(edges: Array, end: int, share: float) -> None:
     edges[edge, inner] = edges[edge, node] + share * (edges[edge, inner] - edges[edge, node])
 
 
-def _rows(sides: Index, joints: tuple[Joint, ...]) -> Iterator[dict[int, float]]:
-    """Yield joints that need one ratio, each with the sense in which it counts."""
+@lru_cache(KNOWN)
+def _rows(sides: bytes, count: int, joints: tuple[Joint, ...]) -> tuple[dict[int, float], ...]:
+    """Return joints that need one ratio, each with the sense in which it counts.
+
+    A body is locked after each of its edits, and rows follow from the network alone.
+    """
+    return tuple(_found_rows(np.frombuffer(sides, np.intp).reshape(count, 4), joints))
+
+
+def _found_rows(sides: Index, joints: tuple[Joint, ...]) -> Iterator[dict[int, float]]:
     links = _links(sides, joints)
     seen: set[int] = set()
     for first in range(len(joints)):

@@ -51,40 +51,43 @@ def ordered_feet(
         squares, lengths = np.tile(squares, (1, FEET_LAPS)), np.tile(lengths, FEET_LAPS)
     passed = np.cumsum(squares * lengths, axis=1)
     squares *= step
-    along, forward = _cheapest(squares, passed)
-    against, backward = _cheapest(squares[::-1], passed[::-1])
-    return along if forward <= backward else against[::-1]
+    both = np.stack((squares, squares[::-1])), np.stack((passed, passed[::-1]))
+    (along, against), (forward, backward) = _cheapest(*both)
+    return np.asarray(along if forward <= backward else against[::-1])
 
 
-def _cheapest(cost: Array, passed: Array) -> tuple[Index, float]:
+def _cheapest(cost: Array, passed: Array) -> tuple[Index, Array]:
     """Return the best column for each row, not decreasing, and the total cost.
 
     Parameters
     ----------
-    cost : (m, n) float
-        Cost of a row at a column.
-    passed : (m, n) float
+    cost : (k, m, n) float
+        Cost of a row at a column, of k assignments that are found together.
+    passed : (k, m, n) float
         Cost of passing all columns up to this one, in this row.
+
+    Returns
+    -------
+    chosen : (k, m) int
+    price : (k,) float
     """
-    rows, columns = cost.shape
+    count, rows, columns = cost.shape
     numbers = np.arange(columns)
-    came_from = np.empty((rows, columns), np.intp)
-    total = cost[0].copy()
+    came_from = np.zeros((rows, count, columns), np.intp)
+    beyond = cost[..., 1:] + passed[..., :-1]
+    total = cost[:, 0].copy()
     for row in range(1, rows):
-        lead = total - passed[row]
-        least = np.minimum.accumulate(lead)
-        source = np.maximum.accumulate(np.where(lead == least, numbers, 0))
-        moved = cost[row, 1:] + passed[row, :-1] + least[:-1]
-        total += cost[row]
-        nearer = moved < total[1:]
-        came_from[row, 0] = 0
-        came_from[row, 1:] = np.where(nearer, source[:-1], numbers[1:])
-        np.copyto(total[1:], moved, where=nearer)
-    chosen = np.empty(rows, np.intp)
-    column = int(np.argmin(total))
-    price = float(total[column])
+        lead = total - passed[:, row]
+        least = np.minimum.accumulate(lead, axis=1)
+        source = np.maximum.accumulate(np.where(lead == least, numbers, 0), axis=1)
+        moved = beyond[:, row] + least[:, :-1]
+        total += cost[:, row]
+        nearer = moved < total[:, 1:]
+        came_from[row, :, 1:] = np.where(nearer, source[:, :-1], numbers[1:])
+        np.copyto(total[:, 1:], moved, where=nearer)
+    chosen = np.empty((count, rows), np.intp)
+    every = np.arange(count)
+    chosen[:, -1] = total.argmin(axis=1)
     for row in range(rows - 1, 0, -1):
-        chosen[row] = column
-        column = int(came_from[row, column])
-    chosen[0] = column
-    return chosen, price
+        chosen[:, row - 1] = came_from[row, every, chosen[:, row]]
+    return chosen, total.min(axis=1)

@@ -11,7 +11,7 @@ import pytest
 from bozzetto.geometry.patches.patch import grid
 from bozzetto.plugin import Context, Ink
 from bozzetto_car.body import build as body_module
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.build import Body, body_of, preview_of
 from bozzetto_car.state import BentEdge, CarState, MovedNode, Treatment
 from bozzetto_car.template.network import edge_called, junctions
 from bozzetto_car.tools.trace_edges import TraceEdges
@@ -314,3 +314,23 @@ def test_while_a_mark_is_dragged_edits_are_carried_along() -> None:
     change = exact.network.control_points - plain.network.control_points
     assert symmetric(carried.network)
     assert 0.0 < np.sqrt((gap**2).mean()) < 0.5 * np.sqrt((change**2).mean())
+
+
+@pytest.mark.parametrize(("share", "left"), [(0.25, 0.5), (0.6, 1.0)])
+def test_while_a_share_of_templates_is_dragged_edits_are_carried_along(
+    share: float, left: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state = replace(traced(marked(13), "C1-C2"), blend="limousine", share=0.2)
+    preview_of(state)
+    later = replace(state, share=share)
+    plain = body_of(replace(later, edits=()))
+    with monkeypatch.context() as context:
+        context.setattr(body_module, "trace", None)
+        carried = preview_of(later)
+    exact = body_of(later)
+    assert carried.template is exact.template
+    assert symmetric(carried.network)
+    gap, change = (
+        exact.network.control_points - one.network.control_points for one in (carried, plain)
+    )
+    assert 0.0 < np.sqrt((gap**2).mean()) < left * np.sqrt((change**2).mean())

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from bozzetto_car.camera.rational_projection import Pictured, camera_matrix
+from bozzetto_car.camera.rational_projection import Pictured, camera_matrix, slopes_at
 from tests.plugins.car.traced_car import curve, view
 
 KINDS: tuple[Literal["perspective", "orthographic"], ...] = ("perspective", "orthographic")
@@ -21,18 +21,43 @@ def test_places_are_those_that_the_camera_projects(kind: Literal["perspective"])
         pictured = Pictured.of(camera_matrix(camera), EDGE)
         wanted = camera.project(curve(EDGE, 31))[0]
         assert np.abs(pictured.laid_out(30) - wanted).max() < 1e-8
-        assert np.abs(pictured.places(np.linspace(0, 1, 31)) - wanted).max() < 1e-8
+        at = pictured.passed(np.linspace(0, 1, 31))
+        assert np.abs(np.stack((at.x, at.y), axis=1) - wanted).max() < 1e-8
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_rates_are_derivatives(kind: Literal["perspective"]) -> None:
+def test_speeds_are_derivatives(kind: Literal["perspective"]) -> None:
     pictured = Pictured.of(camera_matrix(view(40.0, 17.0, kind)), EDGE)
     t = np.linspace(0.05, 0.95, 19)
-    places, speed, w = pictured.rates(t)
-    change = pictured.places(t + 1e-6) - pictured.places(t - 1e-6)
-    assert np.abs(speed - change / 2e-6).max() < 1e-3
-    assert np.array_equal(places, pictured.places(t))
-    assert (w > 0.0).all()
+    at, before, after = (pictured.passed(t + step) for step in (0.0, -1e-6, 1e-6))
+    assert np.abs(at.speed_x - (after.x - before.x) / 2e-6).max() < 1e-3
+    assert np.abs(at.speed_y - (after.y - before.y) / 2e-6).max() < 1e-3
+    assert np.abs(at.normal_x * at.speed_x + at.normal_y * at.speed_y).max() < 1e-9
+    assert np.abs(np.hypot(at.normal_x, at.normal_y) - 1.0).max() < 1e-12
+    assert (at.w > 0.0).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_how_fast_a_place_goes_across_the_picture(kind: Literal["perspective"]) -> None:
+    camera = view(40.0, 17.0, kind)
+    matrix, t = camera_matrix(camera), np.linspace(0.1, 0.9, 9)
+    at = Pictured.of(matrix, EDGE).passed(t)
+    places, normals = curve(EDGE, 81)[8:73:8], np.stack((at.normal_x, at.normal_y), axis=1)
+    for axis, way in enumerate(np.eye(3) * 1e-3):
+        change = (camera.project(places + way)[0] - camera.project(places - way)[0]) / 2e-3
+        rates = (at.across.T @ matrix[:, :3])[:, axis]
+        assert np.abs((normals * change).sum(axis=1) - rates).max() < 1e-6
+        for place, wanted in zip(places, change, strict=True):
+            assert np.abs(slopes_at(matrix, place)[:, axis] - wanted).max() < 1e-6
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_handle_leads_places_as_cubics_say(kind: Literal["perspective"]) -> None:
+    t, number = np.linspace(0.0, 1.0, 7), 2
+    at = Pictured.of(camera_matrix(view(40.0, 17.0, kind)), EDGE).passed(t)
+    moved = EDGE.copy()
+    moved[number] += (0.0, 1.0, 0.0)
+    assert np.abs((curve(moved, 7) - curve(EDGE, 7))[:, 1] - at.handles[number - 1]).max() < 1e-9
 
 
 def test_what_is_behind_the_eye_is_infinite() -> None:

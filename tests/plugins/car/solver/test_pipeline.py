@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
+from bozzetto.plugin.cache import forget_all
+from bozzetto_car.solver import pipeline
 from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
+from tests.plugins.car.marked_car import marked as marked_car
 from tests.plugins.car.marked_points import Marked, aside, marked, with_marks
 from tests.plugins.car.sketched import (
     FRONT,
@@ -158,3 +161,28 @@ def test_too_many_sketches_are_refused() -> None:
     state = marked(template, template.positions, (FRONT_QUARTER,) * 9, 0, count=8).state
     with pytest.raises(UserError, match="8 sketches"):
         solve_car(state)
+
+
+def test_marks_are_weighed_once_whatever_the_balance_and_the_dimensions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    first = marked_car(21)
+    changes: tuple[dict[str, object], ...] = (
+        {"trace": 0.2},
+        {"trace": 0.9},
+        {"wheelbase": 2790.0, "lock": True},
+        {"wheelbase": 2850.0, "lock": True},
+    )
+    alone = []
+    for change in changes:
+        forget_all()
+        alone.append(solve_car(replace(first, **change)))  # type: ignore[arg-type]
+    forget_all()
+    solve_car(first)
+    for name in ("judge_marks", "place_sketch"):
+        monkeypatch.setattr(pipeline, name, None)
+    sketch = replace(first.sketches[0], name="Another name")
+    for change, wanted in zip(changes, alone, strict=True):
+        found = solve_car(replace(first.with_node(sketch), **change))  # type: ignore[arg-type]
+        assert np.array_equal(found.positions, wanted.positions)
+        assert found.placed["1"].sketch.name == "Another name"
