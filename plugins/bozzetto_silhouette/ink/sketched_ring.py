@@ -37,6 +37,9 @@ THIN = 0.1
 MOST_SAMPLES = 5_000
 """Ink of more is a scribble."""
 
+MOST_TIMES = 6.0
+"""Ink of so many times the outline's length was rubbed, not drawn."""
+
 
 def sketched_ring(lines: Sequence[Array]) -> Array | None:
     """Return the ring that sketching lines mean; None where they do not go once around.
@@ -68,8 +71,9 @@ def sketched_ring(lines: Sequence[Array]) -> Array | None:
     for apart in APART:
         ring = _middle(ink, apart)
         if ring is not None:
-            off = shapely.distance(samples, shapely.linearrings(ring))
-            return ring if (off < OVERSHOOT).all() else None
+            around = shapely.linearrings(ring)
+            near = (shapely.distance(samples, around) < OVERSHOOT).all()
+            return ring if near and ink.length < MOST_TIMES * around.length else None
     return None
 
 
