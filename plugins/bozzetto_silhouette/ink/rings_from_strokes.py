@@ -17,6 +17,7 @@ from bozzetto.ink import arc_length
 from bozzetto_silhouette.ink.jitter_filter import filtered
 from bozzetto_silhouette.ink.joints import joint, self_joint
 from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
+from bozzetto_silhouette.ink.sketched_ring import sketched_ring
 
 MOST_STROKES = 1_000
 """Strokes of one part; the nesting of their outlines is looked for pair by pair."""
@@ -107,29 +108,47 @@ def rings_from_strokes(
 
     lines = [thinned((s - middle) / size) for s in given]
     lines = [s for s in lines if len(s) >= 2 and np.ptp(s, axis=0).max() > SMALLEST]
-    lines = [without_hooks(s) for s in without_folds(without_touch_ups(lines))]
-    rings = [_closed(chain) for chain in _chains(lines)]
-    rings = [r if len(r) <= MOST_SAMPLES else thinned(r) for r in rings if len(r) >= 3]
     noise = None if tolerance is None else tolerance / size
-    clean: list[Array] = []
-    for ring in rings:
-        simple, crossings = untangled(filtered(ring, noise, grain / size))
-        if len(crossings):
-            raise UserError(_REDRAW, places=_places(crossings, size, middle))
-        if simple is not None:
-            clean.append(simple)
+    chains = _chains([without_hooks(s) for s in without_folds(without_touch_ups(lines))])
+    try:
+        clean = _simple([_closed(chain) for chain in chains], noise, grain / size)
+    except UserError as problem:
+        sketched = sketched_ring(lines)
+        if sketched is None:
+            places = [(float(x), float(y)) for x, y in np.array(problem.places) * size + middle]
+            raise UserError(problem.message, places=places) from None
+        clean = _simple([sketched], noise, grain / size)
     if not clean:
         raise UserError(
             "This line encloses nothing. Draw around the shape and come back to the start.",
             places=[(place[0], place[1])],
         )
+    return [r * size + middle for r in clean]
+
+
+def _simple(rings: list[Array], noise: float | None, grain: float) -> list[Array]:
+    """Filter rings; return those that enclose something, without small loops.
+
+    Raises
+    ------
+    UserError
+        If a ring crosses itself or another; with the places.
+    """
+    rings = [r if len(r) <= MOST_SAMPLES else thinned(r) for r in rings if len(r) >= 3]
+    clean: list[Array] = []
+    for ring in rings:
+        simple, crossings = untangled(filtered(ring, noise, grain))
+        if len(crossings):
+            raise UserError(_REDRAW, places=[(float(x), float(y)) for x, y in crossings])
+        if simple is not None:
+            clean.append(simple)
     meetings = rings_that_cross(clean)
     if len(meetings):
         raise UserError(
             "Two outlines cross at the marked place. Draw one inside the other, or apart.",
-            places=_places(meetings, size, middle),
+            places=[(float(x), float(y)) for x, y in meetings],
         )
-    return [r * size + middle for r in clean]
+    return clean
 
 
 def specks(strokes: Sequence[ArrayLike]) -> int:
@@ -138,10 +157,6 @@ def specks(strokes: Sequence[ArrayLike]) -> int:
     everything = np.concatenate(given)
     size = float(np.ptp(everything, axis=0).max())
     return sum(float(np.ptp(s, axis=0).max()) <= SMALLEST * size for s in given)
-
-
-def _places(points: Array, size: float, middle: Array) -> list[tuple[float, float]]:
-    return [(float(x), float(y)) for x, y in points * size + middle]
 
 
 def thinned(line: Array) -> Array:
