@@ -28,7 +28,7 @@ from bozzetto_product.fill.patch_space import (
 )
 from bozzetto_product.fill.quadric import Quadric, quadric_through
 from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein, refinement
-from bozzetto_product.fill.sweep import Sweep, sweep_of
+from bozzetto_product.fill.sweep import sweep_of
 
 TANGENCY: Final = 1e5
 """Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""
@@ -326,6 +326,7 @@ def _fitted(
     Parameters
     ----------
     asked : _Conditions
+        What the sides ask.
     start : _Candidate
         Whose energy it is.
     places : (49 n, 3) float
@@ -357,11 +358,12 @@ def _fitted(
 def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     """Return the best of two energies, evened or not, by a score that needs no true surface.
 
-    Where all sides lie on one quadric, and are smooth to it, the surface is that quadric. Where two sides are swept into one another, that sweep takes their place, unless the tangent
-    planes along all sides tell a surface of even curvature, such as a sphere, or the sides are no
-    nearer to the sweep than it is to the surface of least energy. An evened surface that gains less
-    is believed if those of both energies gain and are the same; where they are not, one more step
-    is taken. What folds is taken only if all do.
+    Where all sides lie on one quadric, and are smooth to it, the surface is that quadric. Where two
+    sides are swept into one another, that sweep takes their place, unless the tangent planes along
+    all sides tell a surface of even curvature, such as a sphere, or the sides are no nearer to the
+    sweep than it is to the surface of least energy. An evened surface that gains less is believed
+    if those of both energies gain and are the same; where they are not, one more step is taken.
+    What folds is taken only if all do.
     """
     asked = _Conditions.of(space, loop)
     start = _Candidate(_started(asked, BENDING_RATE))

@@ -104,6 +104,7 @@ def quadric_through(places: Array, weights: Array) -> Quadric | None:
     Parameters
     ----------
     places : (n, 3) float
+        On the curves.
     weights : (n,) float
         Length that each stands for.
     """

@@ -163,8 +163,9 @@ def _open_senses(
 ) -> list[tuple[list[EdgeEnd], list[float]]]:
     """Return ends that corners link, and the change of their torsions that no corner feels.
 
-    There is none where the field of an edge is fixed. Along a row of corners the signs take turns. Round a node with an odd number of corners there is
-    no such change: three curvatures tell the torsion.
+    There is none where the field of an edge is fixed. Along a row of corners the signs take turns.
+    Round a node with an odd number of corners there is no such change: three curvatures tell the
+    torsion.
     """
     links: dict[EdgeEnd, list[EdgeEnd]] = {end: [] for end in ends}
     for corner in fan:
