@@ -148,13 +148,16 @@ class LoopSides:
         if not np.isfinite(self.normals).all():
             return None
         at, share = side_nodes()
-        places = np.array([[half.value(at) for half in side.halves] for side in self.sides])
-        places = (places.reshape(-1, 3) - self.origin) / self.size
-        lengths = np.linalg.norm(self.slopes, axis=-1) * share
+        ring = np.concatenate((self.controls, self.controls[:1]))
+        halves = ring[np.arange(0, len(ring) - 1, DEGREE)[:, None] + np.arange(DEGREE + 1)]
+        places = (bernstein(at) @ halves).reshape(-1, 3)
+        lengths = np.linalg.norm(bernstein(at, 1) @ halves, axis=-1) * share
         found = quadric_through(places, lengths.ravel())
         if found is None:
             return None
-        sine = np.linalg.norm(np.cross(found.normals(places), self.normals.reshape(-1, 3)), axis=1)
+        held = self.normals.copy()
+        held[:, 1] = held[:, 1, ::-1]
+        sine = np.linalg.norm(np.cross(found.normals(places), held.reshape(-1, 3)), axis=1)
         return found if float(np.sqrt((sine**2).mean())) <= LEANING else None
 
 

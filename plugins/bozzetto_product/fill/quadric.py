@@ -149,13 +149,17 @@ def quadric_through(places: Array, weights: Array) -> Quadric | None:
 @remembered(limit=1000, key=lambda splines: tuple(splines))
 def quadric_of_curves(splines: Sequence[Spline]) -> Quadric | None:
     """Return the quadric that curves lie on, if it is the only one."""
-    places, weights = [], []
-    for spline in splines:
-        begin, end = spline.range
-        spans = np.unique(np.clip(spline.knots, begin, end))
-        steps = np.diff(spans)
-        at = (spans[:-1, None] + steps[:, None] * (np.arange(PLACES) + 0.5) / PLACES).ravel()
-        places.append(spline.value(at))
-        speed = np.linalg.norm(spline.derivative(at), axis=1)
-        weights.append(speed * np.repeat(steps / PLACES, PLACES))
-    return quadric_through(np.concatenate(places), np.concatenate(weights))
+    rows = [_places_on(spline) for spline in splines]
+    places, weights = (np.concatenate(part) for part in zip(*rows, strict=True))
+    return quadric_through(places, weights)
+
+
+@remembered(limit=4000)
+def _places_on(spline: Spline) -> tuple[Array, Array]:
+    """Return places on a curve, (n, 3), and the length that each stands for, (n,)."""
+    begin, end = spline.range
+    spans = np.unique(np.clip(spline.knots, begin, end))
+    at = np.interp(np.arange(PLACES * (len(spans) - 1) + 1) / PLACES, np.arange(len(spans)), spans)
+    places = spline.value(at)
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    return places, 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
