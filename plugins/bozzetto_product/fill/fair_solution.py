@@ -409,10 +409,10 @@ def _on_quadric(asked: _Conditions, start: _Candidate) -> _Candidate | None:
         return None
     values = bernstein(NODES)
     places = np.einsum("ai,kijd,bj->kabd", values, start.solution.nets, values, optimize=True)
-    places = quadric.nearest(places.reshape(-1, 3))
-    if places is None:
+    nearest = quadric.nearest(places.reshape(-1, 3))
+    if nearest is None:
         return None
-    made = _Candidate(_fitted(asked, start, places, QUADRIC_STIFFENING))
+    made = _Candidate(_fitted(asked, start, nearest, QUADRIC_STIFFENING))
     return None if made.folds else made
 
 
