@@ -159,7 +159,7 @@ def _has_light_lines(gray: NDArray[np.float32]) -> bool:
     coarse, across = _cells(gray)
     apart = coarse - ndimage.gaussian_filter(coarse, 0.5 * across, mode="nearest")
     spread = float((apart**2).mean())
-    return float((apart**3).mean()) > LIGHT_LINES * spread**1.5
+    return bool(float((apart**3).mean()) > LIGHT_LINES * spread**1.5)
 
 
 def ink_mask(darkness: NDArray[np.float32], sensitivity: float = 0.5, rim: float = 0.0) -> InkMask:
