@@ -41,8 +41,13 @@ STRONG: Final = 0.40
 WEAK: Final = 0.22
 """Darkness down to which it is followed, as a share of that."""
 
-DARK_PAPER: Final = 0.4
-"""Median brightness below which the lines are lighter than their ground."""
+DARK_PAPER: Final = 0.7
+"""Median brightness below which lines may be lighter than their ground: kraft paper, a blackboard.
+Whether they are is seen in the lines, for white paper in bad light is as dark."""
+
+LIGHT_LINES: Final = 0.5
+"""Least skewness of the brightness about its mean nearby where lines are lighter than the ground:
+it is above 1 for light lines, below -1 for dark ones, and about 0 without lines."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,22 +121,45 @@ def darkness_of(gray: NDArray[np.float32]) -> NDArray[np.float32]:
     from PIL import Image
     from scipy import ndimage
 
-    gray = 1.0 - gray if float(np.median(gray[::4, ::4])) < DARK_PAPER else gray
-    longest = max(gray.shape)
-    cell = max(1, round(PAPER_CELL * longest))
-    size = (max(1, gray.shape[1] // cell), max(1, gray.shape[0] // cell))
-    image = Image.fromarray(gray)
-    coarse = np.asarray(image.resize(size, Image.Resampling.BOX))
-    across = 2 * round(0.5 * WIDEST_LINE * longest / cell) + 1
+    gray = 1.0 - gray if _has_light_lines(gray) else gray
+    coarse, across = _cells(gray)
     paper = ndimage.grey_closing(coarse, size=(across, across), mode="nearest")
     paper = ndimage.uniform_filter(paper, 3, mode="nearest")
     full = np.asarray(
         Image.fromarray(paper).resize((gray.shape[1], gray.shape[0]), Image.Resampling.BICUBIC)
     )
     darkness = 1.0 - gray / np.maximum(full, 1e-3)
-    blurred = ndimage.gaussian_filter(darkness, max(0.6, BLUR * longest), mode="nearest")
+    blur = max(0.6, BLUR * max(gray.shape))
+    blurred = ndimage.gaussian_filter(darkness, blur, mode="nearest")
     # A closing lies above the mean of grainy paper.
     return np.asarray(blurred - np.median(blurred[::4, ::4]), np.float32)
+
+
+def _cells(gray: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
+    """Return the mean brightness in coarse cells, and how many are wider than any line."""
+    from PIL import Image
+
+    longest = max(gray.shape)
+    cell = max(1, round(PAPER_CELL * longest))
+    size = (max(1, gray.shape[1] // cell), max(1, gray.shape[0] // cell))
+    coarse = np.asarray(Image.fromarray(gray).resize(size, Image.Resampling.BOX))
+    return coarse, 2 * round(0.5 * WIDEST_LINE * longest / cell) + 1
+
+
+def _has_light_lines(gray: NDArray[np.float32]) -> bool:
+    """Whether the lines on a dark ground are lighter than it.
+
+    Lines cover less than the ground between them, so the skewness of the brightness about its mean
+    nearby has their sign. Grain and the borders of shadows are as often light as dark.
+    """
+    from scipy import ndimage
+
+    if float(np.median(gray[::4, ::4])) >= DARK_PAPER:
+        return False
+    coarse, across = _cells(gray)
+    apart = coarse - ndimage.gaussian_filter(coarse, 0.5 * across, mode="nearest")
+    spread = float((apart**2).mean())
+    return bool(float((apart**3).mean()) > LIGHT_LINES * spread**1.5)
 
 
 def ink_mask(darkness: NDArray[np.float32], sensitivity: float = 0.5, rim: float = 0.0) -> InkMask:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.ink.trace.gaps import bridged
+from bozzetto.ink.trace.gaps import bridged, is_closed
 from bozzetto.ink.trace.page import aspect_ratio, find_page, homography
 from bozzetto.ink.trace.placed_ink import (
     is_seen_square,
@@ -107,6 +107,55 @@ def test_gaps_are_bridged_and_dashes_stay():
     assert len(lines) == 9
 
 
+def square_with_gaps(gap: float) -> list[np.ndarray]:
+    """Four sides of a square, each from beside one corner to beside the next."""
+    corners = np.array([(100, 100), (300, 100), (300, 300), (100, 300), (100, 100)], float)
+    along = np.diff(corners, axis=0) / 200.0
+    return [
+        np.linspace(start + gap * way, end - gap * way, 90)
+        for start, end, way in zip(corners[:-1], corners[1:], along, strict=True)
+    ]
+
+
+def closed_of(lines) -> list[bool]:
+    return [is_closed(each) for each in bridged(lines, 10.0, 3.0)]
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4])
+def test_an_outline_with_gaps_at_its_corners_is_closed(turn: float) -> None:
+    cosine, sine = np.cos(turn), np.sin(turn)
+    sides = [side @ [[cosine, sine], [-sine, cosine]] for side in square_with_gaps(5.0)]
+    sides[1] = sides[1][::-1]
+    (outline,) = bridged(sides, 10.0, 3.0)
+    assert is_closed(outline)
+    assert set(map(tuple, np.vstack(sides))) == set(map(tuple, outline))
+
+
+def test_a_short_piece_between_two_gaps_of_an_outline_is_no_dash() -> None:
+    ring = circle(200, 200, 100)
+    pieces = [ring[:56], ring[58:63], ring[65:]]
+    assert closed_of(pieces) == [True]
+
+
+def test_what_is_no_ring_is_not_closed_over_gaps_at_corners() -> None:
+    sides = square_with_gaps(5.0)
+    assert closed_of(sides[:3]) == [False] * 3
+    third = line((300, 90), (300, 20))
+    assert closed_of([*sides, third]) == [False] * 5
+    passing = line((305, 20), (305, 380))
+    assert closed_of([*square_with_gaps(8.0)[:1], passing]) == [False] * 2
+    dashes = [circle(200, 200, 100)[k : k + 7] for k in range(0, 120, 10)]
+    assert not any(closed_of(dashes))
+
+
+def test_an_outline_in_pencil_that_skips_is_closed() -> None:
+    ring = circle(400, 300, 180)
+    pieces = [ring[:41], ring[42:45], ring[46:90], ring[91:]]
+    (one,) = found(pieces)
+    assert one.is_closed
+    assert hausdorff(ring, one.points) < 0.01 * 360
+
+
 def test_a_lighter_line_has_less_pressure():
     lines = [line((100, 200), (700, 200)), line((100, 400), (700, 400))]
     pressures = [np.full(60, 0.9), np.full(60, 0.3)]
@@ -122,6 +171,24 @@ def test_light_lines_on_a_dark_ground_are_found():
     pixels[..., :3] = 255 - pixels[..., :3]
     (one,) = trace(sheet_of(pixels))
     assert one.is_closed
+
+
+@pytest.mark.parametrize("ground", [0.3, 0.55])
+@pytest.mark.parametrize("lines_are", ["lighter", "darker"])
+def test_dark_paper_has_dark_or_light_lines(ground: float, lines_are: str) -> None:
+    drawn = [circle(400, 300, 150 - 16 * k) for k in range(4)]
+    pixels, _ = paper_picture(drawn, SIZE, PHONE, 1)
+    level = pixels[..., :3].astype(float) / 255.0
+    if lines_are == "darker":
+        level = ground * level
+    else:
+        level = ground + (0.95 - ground) * (1.0 - level)
+    pixels = pixels.copy()
+    pixels[..., :3] = np.round(255.0 * level)
+    lines = trace(sheet_of(pixels))
+    assert len(lines) == 4
+    for ring in drawn:
+        assert min(hausdorff(ring, each.points) for each in lines if each.is_closed) < 5.0
 
 
 def test_a_page_on_a_table_is_found_and_straightened():
