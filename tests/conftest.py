@@ -6,14 +6,14 @@ import gc
 import os
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from bozzetto_app.__main__ import ONE_THREAD
-from tests.long_cases import long_ones
+from tests.long_cases import long_ones, taken
 
 # As the program itself has it, and before numpy is imported: on a busy machine the threads of
 # the linear algebra wait for each other by spinning, and a second becomes half a minute.
@@ -57,12 +57,30 @@ settings.register_profile("bozzetto", deadline=None, print_blob=True)
 settings.load_profile("bozzetto")
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what the default run leaves out, before pytest chooses by marks."""
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Take the option for a part of the cases."""
+    parser.addoption(
+        "--share",
+        default="1",
+        metavar="PARTS[:NUMBER]",
+        help="run one of so many cases of each test; with another number another one",
+    )
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_collection_modifyitems(
+    config: pytest.Config, items: list[pytest.Item]
+) -> Generator[None]:
+    """Mark what the default run leaves out; take a share of what pytest then chooses by marks."""
     for item, is_long in zip(items, long_ones(item.nodeid for item in items), strict=True):
         if is_long:
             item.add_marker("long")
+    yield
+    answers = taken([item.nodeid for item in items], config.getoption("share"))
+    left = [item for item, is_taken in zip(items, answers, strict=True) if not is_taken]
+    if left:
+        items[:] = [item for item, is_taken in zip(items, answers, strict=True) if is_taken]
+        config.hook.pytest_deselected(items=left)
 
 
 @pytest.fixture(autouse=True)

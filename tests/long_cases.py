@@ -7,13 +7,16 @@ default run until it is measured.
 
 Of a test with many cases the first stays in the default run. All others have the mark ``long`` and
 are run by ``python3 bootstrap.py test -m long``.
+
+Where not even that has the time, as in `.ci/run`, ``--share 3:7`` takes a third of the cases of
+each test, at least one, and with another number than 7 another third.
 """
 
 from __future__ import annotations
 
 import re
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -66,6 +69,33 @@ def long_ones(names: Iterable[str]) -> list[bool]:
         cases = known.get(name)
         answers.append(cases == "all" or (cases == "more" and name in met))
         met.add(name)
+    return answers
+
+
+def taken(names: Iterable[str], share: str) -> list[bool]:
+    """Tell for each selected test, in their order, whether a share takes it.
+
+    Parameters
+    ----------
+    names : iterable of str
+    share : str
+        ``"3"`` or ``"3:7"``: one of three cases of each test; which one, by the number.
+
+    Raises
+    ------
+    ValueError
+        If it is no such share.
+    """
+    parts, number = (int(each) for each in (*share.split(":"), "0")[:2])
+    if parts < 1:
+        raise ValueError(f"a share is one of 1 or more, not of {parts}")
+    tests = [name.split("[")[0] for name in names]
+    counts = Counter(tests)
+    met: Counter[str] = Counter()
+    answers = []
+    for name in tests:
+        answers.append((met[name] + number) % min(parts, counts[name]) == 0)
+        met[name] += 1
     return answers
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests import long_cases
 from tests.setup.test_bootstrap import ROOT
 
@@ -49,3 +51,22 @@ def test_the_list_names_tests_that_there_are():
         if not known and function not in inherited:
             gone.append(name)
     assert not gone
+
+
+@pytest.mark.parametrize("parts", [1, 2, 3, 7])
+def test_shares_take_every_case_once_and_some_of_each_test(parts):
+    tests = {"a.py::one": 5, "a.py::two": 1, "b.py::one": 2}
+    names = [f"{test}[{k}]" for test, count in tests.items() for k in range(count)]
+    shares = [long_cases.taken(names, f"{parts}:{number}") for number in range(12, 12 + parts)]
+    for share in shares:
+        rows = zip(names, share, strict=True)
+        assert {name.split("[")[0] for name, is_taken in rows if is_taken} == tests.keys()
+    times = [sum(answers) for answers in zip(*shares, strict=True)]
+    assert min(times) >= 1
+    assert parts > 5 or times[:5] == [1] * 5
+
+
+def test_what_is_no_share_is_refused():
+    for share in ("0", "-2", "half"):
+        with pytest.raises(ValueError, match=r"share|invalid"):
+            long_cases.taken(["a"], share)

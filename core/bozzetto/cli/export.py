@@ -29,9 +29,8 @@ def export(options: argparse.Namespace) -> int:
     for output in () if options.command_id else outputs:
         try:
             check_ending(output)
-        except UserError:
-            _name_command(options, output)
-            raise
+        except UserError as problem:
+            raise _named_command(options, output) or problem from None
     refuse_overwriting([options.document], outputs, options.report)
     handover = handover_of(options)
     bench = workbench()
@@ -75,27 +74,25 @@ def export(options: argparse.Namespace) -> int:
     return 0
 
 
-def _name_command(options: argparse.Namespace, output: Path) -> None:
-    """Refuse an ending that only a command of an object writes, with the command's name.
-
-    Raises
-    ------
-    UserError
-        If there is such a command.
-    """
+def _named_command(options: argparse.Namespace, output: Path) -> UserError | None:
+    """Return what names the command of an object that alone writes an ending, if there is one."""
     from bozzetto.workbench.export_document import chosen_models, unusable
 
     bench = workbench()
-    models, _ = chosen_models(open_document(bench, options.document), options.object)
+    try:
+        models, _ = chosen_models(open_document(bench, options.document), options.object)
+    except UserError:
+        return None
     for model in models:
         if unusable(bench, model) is not None:
             continue
         for command in bench.commands.of(model.modeler):
             if command.writes and command.writes == output.suffix.lower():
-                raise UserError(
+                return UserError(
                     f"“{command.writes}” is written by a command of “{model.name}”: add "
                     f"--command {command.id}."
                 )
+    return None
 
 
 def _has_command(bench: Any, model: Any, command_id: str) -> bool:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from bozzetto.scene.palette import DARK as DARK
     from bozzetto.scene.palette import LIGHT as LIGHT
     from bozzetto.scene.palette import Palette as Palette
+    from bozzetto.scene.part_display import shaded_part as shaded_part
     from bozzetto.scene.picking import Hits as Hits
     from bozzetto.scene.picking import SceneSurface as SceneSurface
     from bozzetto.scene.picking import cast_rays as cast_rays
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from bozzetto.scene.renderer.zbuffer import DepthBuffer as DepthBuffer
     from bozzetto.scene.renderer.zbuffer import blank_buffer as blank_buffer
     from bozzetto.scene.renderer.zbuffer import rasterize as rasterize
-    from bozzetto.scene.shaded_parts import shaded_part as shaded_part
     from bozzetto.scene.surface_places import FollowedPlaces as FollowedPlaces
     from bozzetto.scene.surface_places import SurfacePlaces as SurfacePlaces
     from bozzetto.scene.surface_places import follow as follow
@@ -55,7 +55,7 @@ else:
             "bozzetto.scene.picking": "Hits SceneSurface cast_rays",
             "bozzetto.scene.renderer.renderer": "render",
             "bozzetto.scene.renderer.zbuffer": "DepthBuffer blank_buffer rasterize",
-            "bozzetto.scene.shaded_parts": "shaded_part",
+            "bozzetto.scene.part_display": "shaded_part",
             "bozzetto.scene.surface_places": "FollowedPlaces SurfacePlaces follow located "
             "surface_mesh",
             "bozzetto.scene.surface_runs": "depth_breaks unbroken_runs",

@@ -17,7 +17,7 @@ from bozzetto.ink import arc_length
 from bozzetto_silhouette.ink.jitter_filter import filtered
 from bozzetto_silhouette.ink.joints import joint, self_joint
 from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
-from bozzetto_silhouette.ink.sketched_ring import sketched_ring
+from bozzetto_silhouette.ink.sketch_ring import sketched_ring
 
 MOST_STROKES = 1_000
 """Strokes of one part; the nesting of their outlines is looked for pair by pair."""
