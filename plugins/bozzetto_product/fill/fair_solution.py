@@ -26,9 +26,8 @@ from bozzetto_product.fill.patch_space import (
     PatchSpace,
     side_nodes,
 )
-from bozzetto_product.fill.quadric import Quadric, quadric_through
 from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein, refinement
-from bozzetto_product.fill.sweep import sweep_of
+from bozzetto_product.fill.sweep import Sweep, sweep_of
 
 TANGENCY: Final = 1e5
 """Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""
@@ -68,16 +67,7 @@ ROUGH: Final = 0.01
 evened: the polynomials' own says little there."""
 
 STIFFENING: Final = 1e-4
-"""Weight of the energy where a surface is fitted to a sweep, in mean diagonals: it decides what is
-free."""
-
-QUADRIC_STIFFENING: Final = 1.0
-"""The same where it is fitted to a quadric, which the tangent planes along all sides agree with:
-with less, places beside concave corners keep them by several degrees only."""
-
-LEANING: Final = 0.02
-"""Sine between the normals along the sides and those of a quadric, root mean square, up to which
-they are its own."""
+"""Weight of the energy where a surface is fitted, in mean diagonals: it decides what is free."""
 
 RIDGE: Final = 1e-11
 """Share of the mean diagonal that is added to it, so that a matrix can be factored."""
@@ -141,24 +131,6 @@ class LoopSides:
                     off = half.points - refinement(half.knots) @ polynomial
                     far = max(far, float(np.linalg.norm(off, axis=1).max()))
         return far / self.size
-
-    @cached_property
-    def quadric(self) -> Quadric | None:
-        """The quadric on which all sides lie, if normals along all of them are its own."""
-        if not np.isfinite(self.normals).all():
-            return None
-        at, share = side_nodes()
-        ring = np.concatenate((self.controls, self.controls[:1]))
-        halves = ring[np.arange(0, len(ring) - 1, DEGREE)[:, None] + np.arange(DEGREE + 1)]
-        places = (bernstein(at) @ halves).reshape(-1, 3)
-        lengths = np.linalg.norm(bernstein(at, 1) @ halves, axis=-1) * share
-        found = quadric_through(places, lengths.ravel())
-        if found is None:
-            return None
-        held = self.normals.copy()
-        held[:, 1] = held[:, 1, ::-1]
-        sine = np.linalg.norm(np.cross(found.normals(places), held.reshape(-1, 3)), axis=1)
-        return found if float(np.sqrt((sine**2).mean())) <= LEANING else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,22 +293,8 @@ def _evened(asked: _Conditions, start: _Candidate) -> FairSolution:
     return replace(made, evened=True)
 
 
-def _fitted(
-    asked: _Conditions, start: _Candidate, places: Array, stiffening: float
-) -> FairSolution:
-    """Return the surface nearest to places of its Gauss points, with a little of a start's energy.
-
-    Parameters
-    ----------
-    asked : _Conditions
-        What the sides ask.
-    start : _Candidate
-        Whose energy it is.
-    places : (49 n, 3) float
-        In the frame of the loop.
-    stiffening : float
-        Weight of the energy, in mean diagonals.
-    """
+def _fitted(asked: _Conditions, start: _Candidate, sweep: Sweep) -> FairSolution:
+    """Return the surface nearest to a sweep, with a little of the energy of a start."""
     space, loop, order = asked.space, asked.loop, start.solution.order
     stiffness, load = space.stiffness(order)
     size = len(stiffness)
@@ -345,9 +303,9 @@ def _fitted(
     values = np.einsum("ai,bj->abij", values, values).reshape(len(NODES) ** 2, -1)
     basis = root * (values @ space.own_basis).reshape(len(root), size)
     sides = (values @ (space.own_sides @ loop.controls)).reshape(-1, 3)
-    wanted = root * (places - sides)
+    wanted = root * (sweep.places(space, loop.controls) - sides)
     square = basis.T @ basis
-    share = stiffening * float(np.trace(square) / np.trace(stiffness))
+    share = STIFFENING * float(np.trace(square) / np.trace(stiffness))
     matrix = np.zeros((3 * size, 3 * size))
     for axis in range(3):
         part = slice(axis * size, (axis + 1) * size)
@@ -361,26 +319,21 @@ def _fitted(
 def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     """Return the best of two energies, evened or not, by a score that needs no true surface.
 
-    Where all sides lie on one quadric, and are smooth to it, the surface is that quadric. Where two
-    sides are swept into one another, that sweep takes their place, unless the tangent planes along
-    all sides tell a surface of even curvature, such as a sphere, or the sides are no nearer to the
-    sweep than it is to the surface of least energy. An evened surface that gains less is believed
-    if those of both energies gain and are the same; where they are not, one more step is taken.
-    What folds is taken only if all do.
+    Where two sides are swept into one another, that sweep takes their place, unless the tangent
+    planes along all sides tell a surface of even curvature, such as a sphere, or the sides are no
+    nearer to the sweep than it is to the surface of least energy. An evened surface that gains less
+    is believed if those of both energies gain and are the same; where they are not, one more step
+    is taken. What folds is taken only if all do.
     """
     asked = _Conditions.of(space, loop)
     start = _Candidate(_started(asked, BENDING_RATE))
-    on_quadric = _on_quadric(asked, start)
-    if on_quadric is not None:
-        return on_quadric.solution
     even = _evened_or(asked, start)
     best = even if even.score < GAIN * start.score else start
     is_even = best.solution.evened
     if not (is_even and best.score < EVEN and np.isfinite(loop.normals).all()):
         sweep = sweep_of(loop.sides, loop.origin, loop.size)
         if sweep is not None:
-            places = sweep.places(space, loop.controls)
-            swept = _Candidate(_fitted(asked, start, places, STIFFENING))
+            swept = _Candidate(_fitted(asked, start, sweep))
             if not swept.folds and _apart(swept, best) > TOLD * sweep.off:
                 return swept.solution
     if is_even and best.score < EVEN:
@@ -400,20 +353,6 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
         for made, handicap in ((best, 1.0), (plate, PLATE_HANDICAP))
     ]
     return (plate if judged[1] < judged[0] else best).solution
-
-
-def _on_quadric(asked: _Conditions, start: _Candidate) -> _Candidate | None:
-    """Return the surface on the quadric through all sides; None where there is none."""
-    quadric = asked.loop.quadric
-    if quadric is None:
-        return None
-    values = bernstein(NODES)
-    places = np.einsum("ai,kijd,bj->kabd", values, start.solution.nets, values, optimize=True)
-    nearest = quadric.nearest(places.reshape(-1, 3))
-    if nearest is None:
-        return None
-    made = _Candidate(_fitted(asked, start, nearest, QUADRIC_STIFFENING))
-    return None if made.folds else made
 
 
 def _apart(one: _Candidate, other: _Candidate) -> float:
