@@ -59,21 +59,17 @@ class Divided:
     @cached_property
     def largest(self) -> int:
         """Number of the piece of most volume; of an open body of most area."""
-        sizes = [None if part is None else part.mesh for part in map(self.alone, self.names)]
+        taken = [self.taken((k,)) for k in range(len(self.names))]
         closed = is_closed(self.mesh)
         found = [
-            0.0 if mesh is None else _volume(mesh) if closed else float(_areas(mesh).sum())
-            for mesh in sizes
+            0.0 if one is None else _volume(one.mesh) if closed else float(_areas(one.mesh).sum())
+            for one in taken
         ]
         return int(np.argmax(found))
 
     def number_of(self, name: str) -> int | None:
         """Return the number of a piece; None where it is not there."""
         return self.names.index(name) if name in self.names else None
-
-    def alone(self, name: str) -> Taken | None:
-        """Return a single piece."""
-        return self.taken((self.names.index(name),))
 
     def taken(self, numbers: Collection[int]) -> Taken | None:
         """Return some pieces as one; None where nothing is left of it.

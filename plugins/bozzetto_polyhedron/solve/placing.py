@@ -21,12 +21,12 @@ def followed_part(part: Followed, made: Moving, motion: Motion) -> Solid | Surfa
     """Return a body of another object where its motion has taken it, in its colours."""
     number = made.numbers[part.id]
     groups = made.groups[part.id]
+    colors = {group.color for group in groups}
     kind = Solid if made.machine.shapes[number].solid else Surface
-    return kind(
-        made.meshes[part.id].placed(taken_by(made, number, motion)),
-        part.name,
-        groups=groups if any(group.color for group in groups) else (),
-    )
+    mesh = made.meshes[part.id].placed(taken_by(made, number, motion))
+    if len(colors) == 1:  # what is painted shows it where the paint does not cover
+        return kind(mesh, part.name, colors.pop())
+    return kind(mesh, part.name, groups=groups)
 
 
 def placement_of(made: Moving, piece: int, motion: Motion) -> Placement:

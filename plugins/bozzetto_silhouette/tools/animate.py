@@ -17,13 +17,15 @@ from bozzetto_silhouette.rigging.key_poses import (
     with_moved_key,
     without_key,
 )
-from bozzetto_silhouette.tools.erasing_tool import ANIMATE, PLAY, ErasingTool
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
+
+PLAY = "Press P to play the motion and to stop it; File › Film of what moves makes a file of it."
 
 
 class Animate(ErasingTool):
     """Plays the motion; joints are dragged as with any tool."""
 
-    id = ANIMATE
+    id = "animate"
     title = "Animate"
     icon = "icons/animate.svg"
     hint = (

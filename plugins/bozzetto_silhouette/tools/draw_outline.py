@@ -15,9 +15,10 @@ from bozzetto_silhouette.model.sketch_plane import FRONT_TOLERANCE, sheet_under
 from bozzetto_silhouette.model.state import Edit, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, rings_of, surrounds
 from bozzetto_silhouette.solids.placements import carried, outlined_parts, stroke_in
+from bozzetto_silhouette.tools.animate import PLAY, Animate
 from bozzetto_silhouette.tools.attachment import floating_part, offer_to_attach
 from bozzetto_silhouette.tools.erase import without
-from bozzetto_silhouette.tools.erasing_tool import ANIMATE, PLAY, ErasingTool
+from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.hole_filling import FILL, part_drawn_around
 from bozzetto_silhouette.tools.landing import landing_scene
 from bozzetto_silhouette.tools.reflection import reflected, reflected_scene, reflection_of
@@ -66,7 +67,7 @@ class DrawOutline(ErasingTool):
             pierced = part_drawn_around(state)
             if pierced is None:
                 if state.keys and not state.posing:
-                    return NextStep(PLAY, tool=ANIMATE, panel=True)
+                    return NextStep(PLAY, tool=Animate.id, panel=True)
                 return super().next_step(state)
             return NextStep(
                 f"“{pierced.name}” has what it was drawn around as its hole. {FILL.title} "

@@ -14,12 +14,6 @@ DRAG_A_JOINT: Final = (
     "Drag a joint and the skin follows; the end of a limb draws the limb along. "
     "Switch Pose off to go on drawing."
 )
-ANIMATE: Final = "animate"
-"""Id of the tool that plays the motion."""
-
-PLAY: Final = (
-    "Press P to play the motion and to stop it; File › Film of what moves makes a file of it."
-)
 NO_JOINTS: Final = (
     "This shape has no joint to drag. Switch Pose off, and draw a longer shape or a limb."
 )
