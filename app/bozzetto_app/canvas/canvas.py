@@ -62,8 +62,11 @@ log = logging.getLogger(__name__)
 CUBE_MARGIN: Final = 16
 """Distance of the view cube from the canvas's corner, pixels."""
 
-HELD: Final = 400
-"""How long another scene waits for the view that goes along with it, ms."""
+HELD: Final = 2000
+"""How long another scene waits for the view that goes along with it, ms.
+
+On a busy machine a view takes most of a second. A picture that jumps is worse than a late one.
+"""
 
 
 def _ignore(answer: object) -> None:
@@ -146,7 +149,7 @@ class Canvas(QWidget):
         self._proximity.left.connect(self.hand.pen_left)
         self.viewports.first_painted.connect(self._watch_proximity)
 
-        self._held = QTimer(self, singleShot=True, interval=HELD)
+        self._held = QTimer(self, singleShot=True)
         self._held.timeout.connect(self._show_held)
         session.scene.changed.connect(self._show_scene)
         session.scene.live_changed.connect(self._show_live)
@@ -283,7 +286,7 @@ class Canvas(QWidget):
         """Show another scene, together with the view where the view goes along with it."""
         if self._session.advice.may_follow:
             if not self._held.isActive():
-                self._held.start()
+                self._held.start(HELD)
             return
         self._show_held()
 

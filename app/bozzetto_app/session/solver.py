@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
@@ -49,6 +49,14 @@ TOGETHER: Final = 0.02
 """How long answers wait for the next one, s: a model and its quick followers are one picture."""
 
 
+class _Answer(NamedTuple):
+    """The scene of a model as it was at a task, and the result that it shows; None for ink."""
+
+    task: Task
+    scene: Scene
+    result: Any = None
+
+
 class _Answers:
     """Scenes that a worker has made and not yet handed over.
 
@@ -58,16 +66,16 @@ class _Answers:
         Gets them in the order in which they were made.
     """
 
-    def __init__(self, hand_on: Callable[[Sequence[tuple[Task, Scene]]], None]) -> None:
+    def __init__(self, hand_on: Callable[[Sequence[_Answer]], None]) -> None:
         self._hand_on = hand_on
-        self._made: list[tuple[Task, Scene]] = []
+        self._made: list[_Answer] = []
         self._since = 0.0
 
-    def add(self, task: Task, scene: Scene) -> None:
+    def add(self, answer: _Answer) -> None:
         """Keep one more, unless the first has waited long enough."""
         if not self._made:
             self._since = time.monotonic()
-        self._made.append((task, scene))
+        self._made.append(answer)
         if time.monotonic() - self._since > TOGETHER:
             self.hand_over()
 
@@ -123,7 +131,7 @@ class Solver(QObject):
         self.figures: Mapping[str, Figure] = {}
         self._workbench, self._notices = workbench, notices
         self._drawing, self._selection = drawing, selection
-        self._shown: dict[str, tuple[Model, Scene]] = {}
+        self._shown: dict[str, _Answer] = {}
         self._revisions = Revisions()
         self._linked = LinkedModels()
         self._last_report: tuple[Model, Report] | None = None
@@ -151,12 +159,19 @@ class Solver(QObject):
         """Return the layers of all visible models, in the order of the document."""
         for model in self._drawing.document:
             if model.visible and model.id in self._shown:
-                yield from self._shown[model.id][1].layers
+                yield from self._shown[model.id].scene.layers
 
     def shown(self, model_id: str) -> Model | None:
         """Return the state of a model that is shown; None if nothing of it is."""
         found = self._shown.get(model_id)
-        return None if found is None else found[0]
+        return None if found is None else found.task.model
+
+    def shown_result(self, model: Model) -> Any | None:
+        """Return the result that is shown of exactly this recipe; None if none is."""
+        found = self._shown.get(model.id)
+        if found is None or not is_same_recipe(found.task.model, model):
+            return None
+        return found.result
 
     def forget(self) -> None:
         """Drop all scenes and all work: another document comes."""
@@ -213,7 +228,7 @@ class Solver(QObject):
         """
         document, dragging = self._drawing.document, self._drawing.is_dragging
         known = {model.id for model in document}
-        self._shown = {key: pair for key, pair in self._shown.items() if key in known}
+        self._shown = {key: answer for key, answer in self._shown.items() if key in known}
         self._ask(dragging=dragging)
         if dragging:
             self._rest.start()
@@ -283,14 +298,15 @@ class Solver(QObject):
             task = task._replace(stage=Stage.FINAL)
         elif not self._revisions.has_picture(task) and bench.best_result(model) is None:
             ink = task._replace(stage=Stage.INK)
-            call_on_main_thread(self, self._take, ink, bench.model_scene(model, None))
+            answer = _Answer(ink, bench.model_scene(model, None))
+            call_on_main_thread(self, self._take_all, (answer,))
         result = bench.solve(
             model, replace(job, quality="final" if task.stage is Stage.FINAL else "preview")
         )
         scene = bench.model_scene(model, result)
         if not job.cancelled():
             self._revisions.made(task)
-            answers.add(task, scene)
+            answers.add(_Answer(task, scene, result))
             is_quick = time.monotonic() - begun < TOGETHER
             (self._quick.add if is_quick else self._quick.discard)(model.id)
             if self._revisions.next_preview not in self._quick:
@@ -316,22 +332,19 @@ class Solver(QObject):
 
     # -- on the window's thread --
 
-    def _take_all(self, answers: Sequence[tuple[Task, Scene]]) -> None:
+    def _take_all(self, answers: Sequence[_Answer]) -> None:
         """Replace the scenes of some models, all before anybody looks: they are one picture."""
-        for task in [task for task, scene in answers if self._replace(task, scene)]:
-            self._tell(task)
+        for answer in [answer for answer in answers if self._replace(answer)]:
+            self._tell(answer.task)
 
-    def _take(self, task: Task, scene: Scene) -> None:
-        """Replace the scene of one model."""
-        self._take_all([(task, scene)])
-
-    def _replace(self, task: Task, scene: Scene) -> bool:
+    def _replace(self, answer: _Answer) -> bool:
         """Replace a scene, unless something newer is shown; return whether it was."""
+        task = answer.task
         if task.stage is Stage.PREVIEW and self._drawing.is_dragging:
             self._paint.start()
         if not self._revisions.show(task):
             return False
-        self._shown[task.model.id] = (task.model, scene)
+        self._shown[task.model.id] = answer
         return True
 
     def _tell(self, task: Task) -> None:

@@ -201,8 +201,15 @@ class ViewAdviser(QObject):
             model = self._solver.shown(model.id) or model
         if model is None:
             return modeler, None, self._view.camera, self._scene.visible
-        result = self._workbench.best_result(model) if self._advises_on_results else None
+        result = self._result_of(model) if self._advises_on_results else None
         return modeler, model, self._view.camera, result
+
+    def _result_of(self, model: Model) -> Any | None:
+        """Return the result that is seen: a view that went along with the next would be ahead."""
+        shown = self._solver.shown_result(model)
+        if shown is not None or self._solver.busy:
+            return shown
+        return self._workbench.best_result(model)
 
     def _ask(self) -> None:
         question = self._question()
@@ -230,7 +237,8 @@ class ViewAdviser(QObject):
 
         def work(job: Job) -> ViewAdvice | None:
             model_now = self._begun(modeler, camera, rests_on) if model is None else model
-            return self._workbench.view_advice(model_now, camera, seen, job)
+            result = None if model is None else rests_on
+            return self._workbench.view_advice(model_now, camera, seen, job, result)
 
         def done(advice: ViewAdvice | None) -> None:
             self._took = perf_counter() - begun

@@ -10,6 +10,7 @@ from bozzetto.errors import Cancelled, UserError
 from bozzetto.plugin.job import Job
 from bozzetto.plugin.overrides import overrides
 from bozzetto.testing.deep_equal import same
+from bozzetto.testing.machine_speed import slowness
 from bozzetto.testing.subject import Subject, ensure
 
 if TYPE_CHECKING:
@@ -19,7 +20,11 @@ LOOKS: Final = (1, 2, 5)
 """Looks at the job after which the work is stopped."""
 
 LONGEST_UNSEEN: Final = 1.0
-"""Processor time that work may take between two looks at its job, s."""
+"""Processor time that work may take between two looks at its job on a usual machine, s."""
+
+TRIES: Final = 3
+"""How often work that took too long between two looks is watched: other programs on the machine
+make it seem longer, never shorter."""
 
 
 class Watch:
@@ -84,23 +89,35 @@ def check_stopping(subject: Subject) -> None:
         for name, ask in _questions(shell):
             if not overrides(modeler, name):
                 continue
-            watch = Watch()
             try:
                 for look in LOOKS:
                     stop_at(look, name, ask)
                 again = ask(Job())
-                with subject.drawn() as fresh:
-                    ask_fresh = dict(_questions(fresh))[name]
-                    whole = ask_fresh(Job(cancelled=watch.look))
+                whole, unseen = _watched(subject, name)
+                for _ in range(TRIES - 1):
+                    if unseen >= LONGEST_UNSEEN:
+                        unseen = min(unseen, _watched(subject, name)[1])
             except UserError:
                 continue  # what may be refused, and how, is for other articles
-            watch.look()
             ensure(
-                watch.longest < LONGEST_UNSEEN,
-                f"{name} works for {watch.longest:.1f} s without a look at its job; call "
+                unseen < LONGEST_UNSEEN,
+                f"{name} works for {unseen:.1f} s without a look at its job; call "
                 "job.checkpoint in its loops",
             )
             ensure(same(again, whole), f"{name} that was cancelled is another one when asked again")
+
+
+def _watched(subject: Subject, name: str) -> tuple[Any, float]:
+    """Return an answer to a question that nobody asked before, and its longest time unseen.
+
+    The time is that of a usual machine, s.
+    """
+    with subject.drawn() as shell:
+        ask = dict(_questions(shell))[name]
+        watch = Watch()
+        whole = ask(Job(cancelled=watch.look))
+        watch.look()
+    return whole, watch.longest / slowness()
 
 
 def _questions(shell: Shell) -> tuple[tuple[str, Callable[[Job], Any]], ...]:

@@ -229,6 +229,7 @@ class Workbench:
         camera: Camera,
         seen: Iterable[Model] = (),
         job: Job | None = None,
+        result: Any | None = None,
     ) -> ViewAdvice | None:
         """Return the modeler's advice on a view of a model; None where it gives none.
 
@@ -245,12 +246,15 @@ class Workbench:
             it has changed, the view may have to go along; see `Modeler.view_after`.
         job : Job, optional
             Says whether anybody still waits for the advice.
+        result : optional
+            What is seen of the model; the best known result without it.
         """
         from bozzetto.plugin.job import Job
 
         modeler = self.guarded(model)
         own = camera.moved(model.placement.inverse())
-        result = self.best_result(model)
+        if result is None:
+            result = self.best_result(model)
         if result is not None and self.advises_on_results(model.modeler):
             earlier = self._results_of(seen, model.placement, result)
             advice = modeler.advice_on_result(model.state, result, own, earlier)

@@ -20,8 +20,8 @@ from bozzetto.exchange.mesh.text_words import word_count
 from bozzetto.exchange.read_files import read_bytes
 from bozzetto.exchange.read_process import parent as reading_process
 from bozzetto.geometry import Shapes
+from bozzetto.testing.machine_speed import slowness
 from tests.hostile_files import FAMILIES
-from tests.machine_speed import slowness
 
 SIZES = (20_000, 40_000, 80_000)
 

@@ -68,10 +68,25 @@ WRONG = {
 @pytest.mark.parametrize("name", WRONG)
 def test_the_suite_finds_what_cannot_be_stopped(subject, faulty, name, monkeypatch):
     monkeypatch.setattr("bozzetto.testing.job_checks.LONGEST_UNSEEN", 0.1)
+    monkeypatch.setattr("bozzetto.testing.job_checks.slowness", lambda: 1.0)
     make, said = WRONG[name]
     faulty.misdeeds["report"] = make()
     with pytest.raises(Broken, match=said):
         check_stopping(subject)
+
+
+def test_only_the_question_itself_is_watched(subject, faulty, monkeypatch):
+    """What is drawn and solved before, and asked to be cancelled, was taken for work unseen."""
+    monkeypatch.setattr("bozzetto.testing.job_checks.LONGEST_UNSEEN", 0.1)
+    monkeypatch.setattr("bozzetto.testing.job_checks.slowness", lambda: 1.0)
+
+    def slow_solve(state, job):
+        busy(state, None, job)
+        return state.size * len(state.strokes)
+
+    faulty.misdeeds["solve"] = slow_solve
+    faulty.misdeeds["report"] = lambda state, result, job: {"size": result}
+    check_stopping(subject)
 
 
 def test_a_plugin_of_version_2_0_works_as_before_and_is_told(subject, faulty, workshop):
