@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QKeySequence
-from PySide6.QtWidgets import QInputDialog
 
 from bozzetto.document import edit
 from bozzetto_app.actions.registry import Action, ActionRegistry
@@ -92,6 +91,8 @@ class ChangingMenus(QObject):
         while (name := tr("View", "View {number}", number=number)) in taken:
             number += 1
         camera = session.view.camera
+        from PySide6.QtWidgets import QInputDialog
+
         dialog = QInputDialog(self._window)
         dialog.setWindowTitle(tr("View", "Keep this view"))
         dialog.setLabelText(tr("View", "Name of the view"))

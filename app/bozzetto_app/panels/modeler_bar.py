@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QAbstractButton, QHBoxLayout, QSizePolicy, QWidget
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.icons import GRID, paint_icon
-from bozzetto_app.style.theme import qcolor, strong_font, text_height, tones
+from bozzetto_app.style.theme import fill, qcolor, strong_font, text_height, tones
 from bozzetto_app.widgets.icon_button import RADIUS, paint_focus
 
 if TYPE_CHECKING:
@@ -136,4 +136,4 @@ class ModelerBar(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.fillRect(self.rect(), qcolor(tones().panel))
+        fill(painter, self.rect(), tones().panel)

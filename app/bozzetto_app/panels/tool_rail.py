@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.tool_groups import ToolGroup, ToolInfo, keys_of
 from bozzetto_app.style.icons import icon_from_file
-from bozzetto_app.style.theme import current_palette, qcolor, small_font, tones
+from bozzetto_app.style.theme import current_palette, fill, qcolor, small_font, tones
 from bozzetto_app.widgets.icon_button import RADIUS, IconButton
 from bozzetto_app.widgets.section import hairline
 
@@ -278,5 +278,5 @@ class ToolRail(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.fillRect(self.rect(), qcolor(tones().panel))
-        painter.fillRect(self.width() - 1, 0, 1, self.height(), qcolor(tones().hairline))
+        fill(painter, self.rect(), tones().panel)
+        fill(painter, QRect(self.width() - 1, 0, 1, self.height()), tones().hairline)

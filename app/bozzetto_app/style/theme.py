@@ -13,8 +13,16 @@ from functools import lru_cache
 from pathlib import Path
 from string import Template
 
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QColor, QFont, QFontInfo, QFontMetrics, QGuiApplication, QPalette
+from PySide6.QtCore import QRect, QRectF, Qt
+from PySide6.QtGui import (
+    QColor,
+    QFont,
+    QFontInfo,
+    QFontMetrics,
+    QGuiApplication,
+    QPainter,
+    QPalette,
+)
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.scene.palette import DARK, LIGHT, Color, Palette
@@ -27,6 +35,7 @@ __all__ = [
     "Theme",
     "apply_theme",
     "current_palette",
+    "fill",
     "palette_for",
     "qcolor",
     "small_font",
@@ -81,6 +90,17 @@ def qcolor(color: Color, opacity: float = 1.0) -> QColor:
     made = QColor(*color)
     made.setAlphaF(opacity)
     return made
+
+
+def fill(painter: QPainter, place: QRect | QRectF, color: Color) -> None:
+    """Fill a rectangle with a colour.
+
+    The painter's own `fillRect` makes PySide import the 170 presets of `QGradient`, 4 ms of every
+    start.
+    """
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(qcolor(color))
+    painter.drawRect(place)
 
 
 def _body_font() -> QFont:

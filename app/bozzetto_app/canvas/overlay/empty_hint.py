@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from PySide6.QtCore import QEasingCurve, QPropertyAnimation, Qt
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import QGraphicsOpacityEffect, QWidget
+from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene.contrast import readable
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto_app.style.theme import qcolor
+
+if TYPE_CHECKING:
+    from PySide6.QtCore import QPropertyAnimation
 
 __all__ = ["SheetHint"]
 
@@ -47,7 +50,7 @@ class SheetHint(QWidget):
         if self._fading is not None:
             self._fading.stop()
             self._fading = None
-        self.setGraphicsEffect(None)  # type: ignore[arg-type]  # Qt documents null
+            self.setGraphicsEffect(None)  # type: ignore[arg-type]  # Qt documents null
         self.text = text
         self.setAccessibleName(text)
         self.setVisible(bool(text))
@@ -62,6 +65,9 @@ class SheetHint(QWidget):
         """Take the line away softly."""
         if not self.isVisible() or self._fading is not None:
             return
+        from PySide6.QtCore import QEasingCurve, QPropertyAnimation
+        from PySide6.QtWidgets import QGraphicsOpacityEffect
+
         effect = QGraphicsOpacityEffect(self)
         self.setGraphicsEffect(effect)
         self._fading = QPropertyAnimation(effect, b"opacity", self)

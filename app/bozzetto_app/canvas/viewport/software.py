@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtGui import QImage, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.errors import Cancelled
@@ -23,6 +23,7 @@ from bozzetto.plugin.job import Job
 from bozzetto.scene.display_list import EMPTY, Scene
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.view.camera import Camera
+from bozzetto_app.style.theme import fill
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
@@ -181,7 +182,7 @@ class SoftwareViewport(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         if self._frame.isNull():
-            painter.fillRect(event.rect(), QColor(*self._palette.paper))
+            fill(painter, event.rect(), self._palette.paper)
         else:
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
             painter.drawImage(QRectF(self.rect()), self._frame)
