@@ -49,6 +49,34 @@ def test_middle_drag_orbits_about_the_surface_under_the_cursor(session, canvas, 
     assert session.strokes == []
 
 
+def dragged(canvas, qtbot, start, end):
+    qtbot.mousePress(canvas, MIDDLE, pos=QPoint(*start))
+    qtbot.mouseMove(canvas, QPoint(*end))
+    qtbot.mouseRelease(canvas, MIDDLE, pos=QPoint(*end))
+
+
+def test_a_turn_beside_all_objects_goes_about_their_middle(session, canvas, qtbot, on_box):
+    """About a place on the sheet far from them, they left the view."""
+    camera, _, _ = on_box
+    middle = session.scene.visible.bounds().mean(axis=0)
+    before, _ = camera.project([middle])
+    beside = (12, canvas.height() - 12)
+    assert not cast_rays(session.scene.visible, camera.rays([beside])).hit[0]
+    dragged(canvas, qtbot, beside, (412, canvas.height() - 32))
+    after, _ = session.view.camera.project([middle])
+    np.testing.assert_allclose(after, before, atol=1e-6)
+    assert not np.allclose(session.view.camera.axes, camera.axes, atol=0.1)
+
+
+def test_a_turn_where_the_objects_are_out_of_sight_goes_about_the_middle_of_the_view(
+    session, canvas, qtbot, on_box
+):
+    session.view.set_camera(pan(session.view.camera, 5000.0, 0.0))
+    target = session.view.camera.target
+    dragged(canvas, qtbot, (12, 12), (212, 32))
+    np.testing.assert_allclose(session.view.camera.target, target, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("keys", "expected"),
     [

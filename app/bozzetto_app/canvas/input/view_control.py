@@ -40,7 +40,7 @@ class Fingers:
     places : sequence of QPointF
         At least one.
     pivot : (3,) float
-        The place in the world under their middle, mm.
+        What one finger turns the view about, and what more than one hold, mm in the world.
     """
 
     def __init__(self, places: Sequence[QPointF], pivot: NDArray[np.float64]) -> None:
@@ -90,13 +90,16 @@ class ViewControl:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._camera = session.view.camera
+        self._grip: NDArray[np.float64] = np.zeros(3)
         self._pivot: NDArray[np.float64] = np.zeros(3)
         self._fingers: Fingers | None = None
 
     def begin(self, x: float, y: float) -> None:
         """Remember the view, and the place under a press, canvas pixels."""
         self._camera = self._session.view.camera
-        self._pivot = self.under(x, y)
+        hit = self._surface_under(x, y)
+        self._grip = self._on_sheet(x, y) if hit is None else hit
+        self._pivot = self._middle() if hit is None else hit
 
     def turn(self, motion: Motion | None, dx: float, dy: float) -> None:
         """Orbit, pan or zoom by the distance from the press, pixels."""
@@ -104,10 +107,10 @@ class ViewControl:
         if motion is Motion.ORBIT:
             camera = orbit(self._camera, dx, dy, self._pivot)
         elif motion is Motion.PAN:
-            camera = pan(self._camera, dx, dy, self._pivot, eye_fixed=held)
+            camera = pan(self._camera, dx, dy, self._grip, eye_fixed=held)
         else:
             factor = math.exp(-ZOOM_PER_PIXEL * dy)
-            camera = zoom(self._camera, factor, at=self._pivot, eye_fixed=held)
+            camera = zoom(self._camera, factor, at=self._grip, eye_fixed=held)
         self._session.view.set_camera(camera)
 
     def wheel(self, x: float, y: float, turned: float) -> None:
@@ -125,7 +128,9 @@ class ViewControl:
         """Follow the fingers; where their number differs, start again from there."""
         if self._fingers is None or self._fingers.count != len(places):
             (x, y), _ = middle_and_spread(places)
-            self._fingers = Fingers(places, self.under(x, y))
+            hit = self._surface_under(x, y)
+            beside = self._middle() if len(places) == 1 else self._on_sheet(x, y)
+            self._fingers = Fingers(places, beside if hit is None else hit)
             return
         camera = self._session.view.camera
         held = self._session.advice.holds_eye(camera)
@@ -133,10 +138,31 @@ class ViewControl:
 
     def under(self, x: float, y: float) -> NDArray[np.float64]:
         """Return the place in the world under a canvas position, mm: on a surface, or the sheet."""
+        hit = self._surface_under(x, y)
+        return self._on_sheet(x, y) if hit is None else hit
+
+    def _surface_under(self, x: float, y: float) -> NDArray[np.float64] | None:
         from bozzetto.scene.picking import cast_rays
 
         camera = self._session.view.camera
         hits = cast_rays(self._session.scene.visible, camera.rays([(x, y)]))
-        if hits.hit[0]:
-            return np.asarray(hits.points[0])
+        return np.asarray(hits.points[0]) if hits.hit[0] else None
+
+    def _on_sheet(self, x: float, y: float) -> NDArray[np.float64]:
+        camera = self._session.view.camera
         return np.asarray(camera.on_plane([(x, y)], camera.target, camera.axes[2])[0])
+
+    def _middle(self) -> NDArray[np.float64]:
+        """Return what a turn beside all objects goes about, (3,) mm: it must not lose them.
+
+        It is the middle of what is there; the middle of the view where that is out of sight.
+        """
+        camera = self._session.view.camera
+        points = self._session.scene.visible.points()
+        if len(points):
+            middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
+            (place,), (depth,) = camera.project([middle])
+            with np.errstate(invalid="ignore"):
+                if depth > 0.0 and (place >= 0.0).all() and (place <= camera.viewport).all():
+                    return np.asarray(middle)
+        return np.array(camera.target, dtype=float)
