@@ -257,6 +257,7 @@ class Window(QMainWindow):
         strip.sample_watched.connect(self.watch)
         strip.recent_chosen.connect(self.open)
         strip.closed.connect(strip.hide)
+        strip.closed.connect(self.canvas.setFocus)  # not the next widget, with a ring around it
         strip.installEventFilter(self)
         self.canvas.installEventFilter(self)
         return strip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractSpinBox, QLineEdit, QWidget
+from PySide6.QtWidgets import QAbstractSpinBox, QLineEdit, QToolButton, QWidget
 
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.testing.stylus import Stylus
@@ -86,3 +86,18 @@ def test_undo_reaches_the_document_from_a_field_whose_number_was_taken(window, s
     settle(session, window.keeper)
     assert session.drawing.document is before
     assert field.value() == first
+
+
+def test_the_sheet_has_the_keys_when_the_welcome_strip_is_closed(make_window, qtbot):
+    """The next widget had them, with a ring around it: the first modeler's button."""
+    window = make_window()
+    window.show()
+    window.activateWindow()
+    qtbot.waitUntil(lambda: window.isActiveWindow())
+    close = next(
+        b for b in window.welcome.findChildren(QToolButton) if b.accessibleName() == "Close"
+    )
+    close.setFocus()
+    QTest.mouseClick(close, Qt.MouseButton.LeftButton)
+    assert not window.welcome.isVisible()
+    assert window.focusWidget() is window.canvas

@@ -142,6 +142,7 @@ class ChangingMenus(QObject):
         if not commanding.commands:
             return
         title = self._window.session.registry.info(commanding.modeler).title
+        menu = (tr("Menu", "&Object"), _plain(title))
         own: dict[str, str] = {}
         for command in commanding.commands:
             key = QKeySequence(command.key).toString(QKeySequence.SequenceFormat.PortableText)
@@ -158,7 +159,7 @@ class ChangingMenus(QObject):
                 _plain(command.title),
                 partial(commanding.run, command.id),
                 keys=(key,) if free else (),
-                menu=(tr("Menu", "&Object"), _plain(title)),
+                menu=(*menu, _plain(command.menu)) if command.menu else menu,
                 enabled=partial(commanding.is_enabled, command.id),
                 why_not=partial(_not_now, command.title, command.help, commanding),
                 tip=tip.strip(),

@@ -39,6 +39,9 @@ class Command:
         Ending of the file that the command writes, such as ".json"; "" where it gives a state.
         With an ending, `run` gives the content of the file, bytes: a person is asked where it
         goes, the command line is told (``--command``), and nothing of the model changes.
+    menu : str
+        Title of the submenu in which it stands with others of its kind, such as "Curve"; "" for
+        the modeler's menu itself.
     """
 
     id: str
@@ -48,3 +51,4 @@ class Command:
     key: str = ""
     enabled: Callable[[Any], bool] = _always
     writes: str = ""
+    menu: str = ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
@@ -34,6 +35,8 @@ from bozzetto_product.view.scene import canvas_layer_name
 
 Edit = Callable[[ProductState, Curve, Context], ProductState]
 
+MENU: Final = "Curve"
+
 
 def curve_commands() -> Sequence[Command]:
     """Return the commands on curves, most used first."""
@@ -45,6 +48,7 @@ def curve_commands() -> Sequence[Command]:
             _trimmed,
             key="J",
             enabled=_has_curves,
+            menu=MENU,
         ),
         Command(
             "join-wider",
@@ -52,6 +56,7 @@ def curve_commands() -> Sequence[Command]:
             "Close the narrowest gap that is too wide to be joined by itself.",
             _joined_wider,
             enabled=_has_curves,
+            menu=MENU,
         ),
         _command("split", "Split the curve", "Cut the chosen curve at its joints.", _split),
         _command(
@@ -122,7 +127,7 @@ def _command(name: str, title: str, help_text: str, edit: Edit, key: str = "") -
             raise UserError("No curve is chosen. Choose one in the list, or touch it.")
         return with_patches_found(edit(state, curve, context))
 
-    return Command(name, title, help_text, run, key, _has_curve)
+    return Command(name, title, help_text, run, key, _has_curve, menu=MENU)
 
 
 def _has_curves(state: ProductState) -> bool:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import get_args
+from typing import Final, get_args
 
 from bozzetto.plugin import Command, Context
 from bozzetto_product.model.rough_shapes import FollowedShape, RoughKind, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.rough_shapes.shapes import SIZES
+
+MENU: Final = "Rough shape"
 
 
 def rough_commands() -> Sequence[Command]:
@@ -22,6 +24,7 @@ def rough_commands() -> Sequence[Command]:
                 f"Add rough {kind}",
                 f"Put a {kind} on the sheet to draw on; it is no part of the product.",
                 _adding(kind),
+                menu=MENU,
             )
             for kind in kinds
         ),
@@ -32,6 +35,7 @@ def rough_commands() -> Sequence[Command]:
             _hidden,
             key="H",
             enabled=_has_rough,
+            menu=MENU,
         ),
         Command(
             "remove-rough",
@@ -39,6 +43,7 @@ def rough_commands() -> Sequence[Command]:
             "The curves stay where they are.",
             _removed,
             enabled=_has_rough,
+            menu=MENU,
         ),
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Strokes
@@ -13,6 +14,9 @@ from bozzetto_product.model.curves import Curve, EdgeKind
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.found_patches import confirmed, with_patches_found, without_patch
+
+SURFACE: Final = "Surface"
+EDGE: Final = "Edge"
 
 
 def surface_commands() -> Sequence[Command]:
@@ -24,6 +28,7 @@ def surface_commands() -> Sequence[Command]:
             "Leave the area open; the curves stay.",
             _without_surface,
             enabled=_has_surface,
+            menu=SURFACE,
         ),
         Command(
             "forget-pulls",
@@ -31,6 +36,7 @@ def surface_commands() -> Sequence[Command]:
             "It follows none of the strokes that pull it any more; the curves stay.",
             _without_pulls,
             enabled=_is_pulled,
+            menu=SURFACE,
         ),
         Command(
             "confirm-all",
@@ -38,6 +44,7 @@ def surface_commands() -> Sequence[Command]:
             "What is surfaced now stays so, whatever is drawn besides.",
             lambda state, context: confirmed(state),
             enabled=_has_surfaces,
+            menu=SURFACE,
         ),
         Command(
             "find-surfaces",
@@ -45,6 +52,7 @@ def surface_commands() -> Sequence[Command]:
             "Forget which areas were switched off, and find all areas that curves enclose.",
             _found_again,
             enabled=_has_curves,
+            menu=SURFACE,
         ),
         Command(
             "edge-smooth",
@@ -53,6 +61,7 @@ def surface_commands() -> Sequence[Command]:
             partial(_with_edge, "smooth"),
             key="Shift+K",
             enabled=_has_curve,
+            menu=EDGE,
         ),
         Command(
             "edge-crease",
@@ -61,6 +70,7 @@ def surface_commands() -> Sequence[Command]:
             partial(_with_edge, "crease"),
             key="K",
             enabled=_has_curve,
+            menu=EDGE,
         ),
         Command(
             "edge-auto",
@@ -68,6 +78,7 @@ def surface_commands() -> Sequence[Command]:
             "The network decides how surfaces meet over the chosen curve.",
             partial(_with_edge, "auto"),
             enabled=_has_curve,
+            menu=EDGE,
         ),
     )
 

@@ -33,6 +33,25 @@ def window(make_window):
     return make_window()
 
 
+MOST_ROWS = 16
+"""Entries of a menu that are still looked through, and fit on a small screen."""
+
+
+@pytest.mark.parametrize("modeler", ["silhouette", "symmetry", "car", "product", "polyhedron"])
+def test_a_modelers_commands_are_few_in_every_menu(window, settle, modeler):
+    session = window.session
+    session.toolbox.take_modeler(f"bozzetto.{modeler}")
+    settle(session)
+    title = session.registry.info(f"bozzetto.{modeler}").title
+    whole = submenu(window, "Object", title)
+    deeper = {
+        name: submenu(window, "Object", title, name) for name, one in whole.items() if one.menu()
+    }
+    assert all(0 < len(rows) <= MOST_ROWS for rows in (whole, *deeper.values()))
+    listed = {name for rows in (whole, *deeper.values()) for name in rows} - set(deeper)
+    assert listed == {command.title for command in session.commands.commands}
+
+
 def remember(window, *paths):
     for path in paths:
         path.write_bytes(b"")

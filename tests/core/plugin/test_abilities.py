@@ -173,6 +173,7 @@ def test_a_command_sees_the_world_from_the_models_frame(shell, monkeypatch):
         [Command("a", "T", None, adviser.flip)],
         [Command("a", "T", "H", "run")],
         [Command("a", "T", "H", adviser.flip, key=3)],
+        [Command("a", "T", "H", adviser.flip, menu=None)],
         [Command("a", "T", "H", adviser.flip, enabled=True)],
         [Command("a", "T", "H", adviser.flip)] * 2,
         [Command(f"a{k}", "T", "H", adviser.flip) for k in range(201)],

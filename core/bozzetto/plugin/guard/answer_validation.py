@@ -144,7 +144,7 @@ def sound_commands(commands: Any) -> tuple[Command, ...]:
     for command in commands:
         if not isinstance(command, Command):
             raise Unsound(f"{type(command).__name__} where a Command belongs")
-        for name in ("id", "title", "help", "key", "writes"):
+        for name in ("id", "title", "help", "key", "writes", "menu"):
             check_text(getattr(command, name), f"Command.{name}")
         ending = re.fullmatch(r"(\.[a-z0-9]{1,16})*", command.writes)
         expect(ending is not None, f"the ending that the command {command.id!r} writes")
