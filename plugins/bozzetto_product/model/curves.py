@@ -97,7 +97,15 @@ class Curve(Part):
         ),
     ] = "auto"
     crease: Annotated[
-        float, Parameter("Crease", 0.0, 1.0, 0.01, help="0 is smooth, 1 a full crease.")
+        float,
+        Parameter(
+            "Crease",
+            0.0,
+            1.0,
+            0.01,
+            help="0 is smooth, 1 a full crease.",
+            idle_while=(("edge", ("auto", "smooth", "crease")),),
+        ),
     ] = 0.5
     color: Annotated[Color | None, Parameter("Colour", help="Colour of this curve.")] = None
 

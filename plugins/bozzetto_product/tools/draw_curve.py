@@ -21,6 +21,7 @@ from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.drawing_plane import drawing_plane
+from bozzetto_product.operations.own_image import as_own_image
 from bozzetto_product.operations.pieces import delete_curves
 from bozzetto_product.operations.trim import default_gap, proposals_of, trim
 from bozzetto_product.projection.ink_curve import AT_PLANE, curve_from_ink
@@ -148,10 +149,11 @@ def with_drawn(
         mirror_plane=state.symmetry if state.mirror else None,
         anchor=_last_place(base),
     )
+    even = as_own_image(drawn.spline, state.symmetry) if state.mirror and plane is None else None
     curve = Curve(
         state.unused_id() if older is None else older.id,
         state.unused_name("Curve") if older is None else older.name,
-        spline=drawn.spline,
+        spline=drawn.spline if even is None else even,
         strokes=Strokes(strokes),
         plane=plane,
         told=drawn.warnings,
@@ -162,7 +164,8 @@ def with_drawn(
         flat = in_plane(drawn.spline.control_points, state.symmetry)
         spline = with_controls(drawn.spline, flat)
         curve = replace(curve, spline=spline, plane=state.symmetry, laid=None)
-    curve = replace(curve, mirrored=state.mirror and not _is_flat(curve, state))
+    is_whole = even is not None or _is_flat(curve, state)
+    curve = replace(curve, mirrored=state.mirror and not is_whole)
     joined = trim(base.with_node(curve), gap=magnet_gap(base, strokes[0].camera), only={curve.id})
     return replace(with_patches_found(joined.state), selected=curve.id)
 
