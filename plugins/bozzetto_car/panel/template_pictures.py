@@ -35,8 +35,8 @@ from bozzetto_car.panel.colors import role
 from bozzetto_car.solver.pipeline import template_of
 from bozzetto_car.state import CarState
 from bozzetto_car.template.kept_templates import KeptTemplate, forget_template, kept_templates
-from bozzetto_car.template.loader import TEMPLATES, bundled
-from bozzetto_car.template.model import Template
+from bozzetto_car.template.loader import TEMPLATES, bundled, bundled_title
+from bozzetto_car.template.model import Template, article_of, noun_of
 
 SIZE: Final = (64, 35)
 """Size of a picture, px."""
@@ -75,14 +75,15 @@ class Drawn:
     ----------
     key : str
         Id of a bundled one; the file of one of the person's own.
-    template : Template
+    title : str
+        Of the template.
     car : SmallCar
     kept : KeptTemplate or None
         None for a bundled one, and for one that is the car's only.
     """
 
     key: str
-    template: Template
+    title: str
     car: SmallCar
     kept: KeptTemplate | None = None
 
@@ -113,7 +114,7 @@ class TemplatePictures(QWidget):
         self._grid.setContentsMargins(0, 0, 0, 0)
         self._grid.setSpacing(4)
         for name in TEMPLATES:
-            self._add(name, bundled(name))
+            self._add(name, bundled_title(name))
 
     @property
     def busy(self) -> bool:
@@ -144,8 +145,8 @@ class TemplatePictures(QWidget):
 
     # -- the buttons -------------------------------------------------------------------------------
 
-    def _add(self, key: str, template: Template, kept: KeptTemplate | None = None) -> None:
-        button = PictureButton(template, self)
+    def _add(self, key: str, title: str, kept: KeptTemplate | None = None) -> None:
+        button = PictureButton(title, self)
         button.clicked.connect(partial(self._choose, key))
         if kept is not None:
             button.offer(FORGET, partial(self._forget, kept))
@@ -165,7 +166,7 @@ class TemplatePictures(QWidget):
             self._drop(key)
         for one in drawn:
             if one.key not in self.buttons:
-                self._add(one.key, one.template, one.kept)
+                self._add(one.key, one.title, one.kept)
             self.buttons[one.key].show_car(one.car, scale)
         self._check()
 
@@ -188,7 +189,7 @@ class TemplatePictures(QWidget):
 
         def work() -> list[Drawn]:
             return [
-                Drawn(key, one, small_car(one, "", POSE, palette, SIZE, scale), kept)
+                Drawn(key, one.title, small_car(one, "", POSE, palette, SIZE, scale), kept)
                 for key, one, kept in _offered(folder, own)
             ]
 
@@ -222,13 +223,12 @@ def _offered(folder: Path, own: str) -> Iterator[tuple[str, Template, KeptTempla
 class PictureButton(QAbstractButton):
     """A template to choose: its picture and its name."""
 
-    def __init__(self, template: Template, parent: QWidget) -> None:
+    def __init__(self, title: str, parent: QWidget) -> None:
         super().__init__(parent)
-        self.setText(template.title)
-        self.setAccessibleName(template.title)
-        self.setToolTip(
-            f"The car takes its shape from {template.article} {template.noun}; marks stay"
-        )
+        noun = noun_of(title)
+        self.setText(title)
+        self.setAccessibleName(title)
+        self.setToolTip(f"The car takes its shape from {article_of(noun)} {noun}; marks stay")
         self.setCheckable(True)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setFixedHeight(SIZE[1] + LINE + 8)

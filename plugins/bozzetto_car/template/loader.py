@@ -7,6 +7,7 @@ to the last bit. No template is used before `validation.check` has found it soun
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from importlib.resources import files
@@ -85,6 +86,18 @@ def bundled_file(name: str) -> bytes:
         there = ", ".join(TEMPLATES)
         raise FormatError(f"There is no template “{name[:40]}”. Choose one of: {there}.")
     return files("bozzetto_car").joinpath(f"templates/{name}.json").read_bytes()
+
+
+@lru_cache
+def bundled_title(name: str) -> str:
+    """Return the title of one of the bundled templates, without reading and checking the rest.
+
+    Raises
+    ------
+    FormatError
+        If there is no template of that name.
+    """
+    return str(json.loads(bundled_file(name))["title"])
 
 
 def read_template(data: bytes) -> Template:

@@ -32,6 +32,16 @@ AXES: Final = "xyz"
 """Letters of the coordinates, in order."""
 
 
+def noun_of(title: str) -> str:
+    """Return the title of a template within a sentence: “minivan”, but “SUV”."""
+    return title if title.isupper() else title.lower()
+
+
+def article_of(noun: str) -> str:
+    """Return the article of a noun: “an” where it is spoken with a vowel, as “SUV” is."""
+    return "an" if noun[:1] in SOUNDS_OPEN else "a"
+
+
 def twin(name: str) -> str:
     """Return the name of the mirror image of a node, patch or chain: ``S1.R`` and ``S1.L``."""
     if name.endswith(".R"):
@@ -221,13 +231,13 @@ class Template:
 
     @property
     def noun(self) -> str:
-        """The title within a sentence: “minivan”, but “SUV”."""
-        return self.title if self.title.isupper() else self.title.lower()
+        """The title within a sentence; see `noun_of`."""
+        return noun_of(self.title)
 
     @property
     def article(self) -> str:
-        """The article of the noun: “an” where it is spoken with a vowel, as “SUV” is."""
-        return "an" if self.noun[:1] in SOUNDS_OPEN else "a"
+        """The article of the noun; see `article_of`."""
+        return article_of(self.noun)
 
     @cached_property
     def node(self) -> Mapping[str, int]:

@@ -7,7 +7,7 @@ import os
 import re
 from dataclasses import replace
 from functools import partial
-from threading import Event
+from threading import Event, current_thread, main_thread
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
@@ -358,6 +358,21 @@ def titles(panel):
 
 def checked(panel):
     return [button.text() for button in panel.templates.buttons.values() if button.isChecked()]
+
+
+def test_the_window_waits_for_no_template(shown, folder, monkeypatch):
+    """All were read and checked before the panel was there: half a second."""
+    read = []
+
+    def noted(name):
+        read.append(current_thread())
+        return bundled(name)
+
+    monkeypatch.setattr("bozzetto_car.panel.template_pictures.bundled", noted)
+    panel, _ = shown(CarState())
+    assert titles(panel) == [bundled(name).title for name in TEMPLATES]
+    assert read
+    assert main_thread() not in read
 
 
 def test_every_template_is_chosen_by_its_picture(shown, folder, qtbot):

@@ -73,10 +73,11 @@ class _Editor(QLineEdit):
 
 
 def _toned(label: QLabel, tone: str) -> None:
-    if label.property("tone") != tone:
+    if tone != (label.property("tone") or ""):
         label.setProperty("tone", tone)
-        label.style().unpolish(label)
-        label.style().polish(label)
+        style = label.style()  # only where it is needed: PySide makes forty enums for its class
+        style.unpolish(label)
+        style.polish(label)
 
 
 class NamedRow(QWidget):

@@ -365,6 +365,8 @@ def draw_discs(
     veiled: bool = False,
 ) -> None:
     """Draw discs of one radius (px) around places (n, 2 or more: x, y), as one union."""
+    if not len(places):
+        return
     width, height = canvas.sight.width, canvas.sight.height
     radius = float(np.clip(radius, 0.0, WIDEST))
     x, y = places[:, 0], places[:, 1]
