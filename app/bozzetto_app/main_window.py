@@ -56,6 +56,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Window"]
 
+AFTER_PAINT = 300
+"""When what the first object needs is made ready, ms after the window is: all is painted then."""
+
 LAYOUT_VERSION = 3
 """Raised when docks come or go, so that an old layout is not forced on a new window."""
 
@@ -115,6 +118,11 @@ def top_row(menus: QMenuBar, modelers: QWidget) -> QWidget:
     row.addWidget(menus, 0, Qt.AlignmentFlag.AlignVCenter)
     row.addWidget(modelers, 1)
     return top
+
+
+def _make_style_classes() -> None:
+    """Let PySide make the classes of the style, forty enums, before the first object needs them."""
+    from PySide6.QtWidgets import QStyle  # noqa: F401  # it is the import that makes them
 
 
 class Window(QMainWindow):
@@ -203,6 +211,7 @@ class Window(QMainWindow):
         if session.toolbox.modelers and not session.toolbox.modeler:
             session.toolbox.prefer(session.toolbox.modelers[0].id)
             self.canvas.viewports.first_painted.connect(session.toolbox.ask_for_tools)
+        QTimer.singleShot(AFTER_PAINT, self, _make_style_classes)
         self._say_what_first()
         self.canvas.setFocus()
 
