@@ -16,7 +16,14 @@ from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on, readable
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
-from bozzetto.exchange.handover import AS_USUAL, LEVELS, MILLIMETRES, UNIT_NAMES, FileFrame, Handover
+from bozzetto.exchange.handover import (
+    AS_USUAL,
+    LEVELS,
+    MILLIMETRES,
+    UNIT_NAMES,
+    FileFrame,
+    Handover,
+)
 from bozzetto.exchange.left_out import LeftOut, parts_left_out, pictures_left_out, with_place
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.exchange.mesh.one_picture import MOST, in_one_picture

@@ -11,7 +11,7 @@ import itertools
 import numpy as np
 import pytest
 
-from bozzetto.exchange.export import WRITERS, export, prepare_export
+from bozzetto.exchange.export import WRITERS, prepare_export
 from bozzetto.exchange.handover import Handover
 from bozzetto.geometry import Curve, Mesh, Shapes, Solid
 from bozzetto.view import Camera
