@@ -101,6 +101,7 @@ def page_dxf(page: Page, unit: Unit = "mm") -> bytes:
     Parameters
     ----------
     page : Page
+        In millimetres or in pixels.
     unit : {"mm", "cm", "m", "in"}
         Of the numbers of a page in millimetres; one in pixels has none.
 
