@@ -311,10 +311,8 @@ def _tell(gltf: Gltf, reading: Reading, bodies: Skins) -> None:
     morphs = sum(bool(one.targets) for mesh in gltf.meshes for one in mesh.primitives)
     levels = sum("MSFT_lod" in node.extensions for node in gltf.nodes)
     lights = sum(LIGHT in node.extensions for node in gltf.nodes)
-    notes = sum(
-        isinstance(one.extras, dict) and not one.extras.keys() <= UNDERSTOOD
-        for one in (*gltf.nodes, *gltf.meshes)
-    )
+    noted = [*(node.extras for node in gltf.nodes), *(mesh.extras for mesh in gltf.meshes)]
+    notes = sum(isinstance(one, dict) and not one.keys() <= UNDERSTOOD for one in noted)
     if any(has_unused_places(gltf, one) for mesh in gltf.meshes for one in mesh.primitives):
         reading.tell_of_unused_places("glTF")
     for count, what, many, why in (
