@@ -16,7 +16,14 @@ from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on, readable
 from bozzetto.exchange.formats import Format, Kind, find, function, writers
-from bozzetto.exchange.handover import AS_USUAL, LEVELS, UNIT_NAMES, FileFrame, Handover
+from bozzetto.exchange.handover import (
+    AS_USUAL,
+    LEVELS,
+    MILLIMETRES,
+    UNIT_NAMES,
+    FileFrame,
+    Handover,
+)
 from bozzetto.exchange.left_out import LeftOut, parts_left_out, pictures_left_out, with_place
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.exchange.mesh.one_picture import MOST, in_one_picture
@@ -270,7 +277,7 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
     parts, left_out = _readably_named(with_place(shapes, chosen)), parts_left_out(shapes, chosen)
     if chosen.flat:
         data: bytes = function(chosen, "write_view")(parts, camera)
-        return Exported(chosen, data, parts, left_out, notes=_notes(chosen, ready))
+        return Exported(chosen, data, parts, left_out, notes=_notes(chosen, ready, camera))
     written = parts
     if "mesh" in chosen.holds:
         written = _readably_named(with_place(ready.triangles, chosen))
@@ -279,7 +286,7 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
         left_out += pictures_left_out(tuple(parts.meshes()), tuple(written.meshes()))
     given: dict[str, Any] = {}
     coarser: list[Shapes] = []
-    notes = _notes(chosen, ready)
+    notes = _notes(chosen, ready, camera)
     if "levels" in chosen.keeps:
         coarser = [_readably_named(with_place(one, chosen)) for one in ready.coarser]
     if "uvs" in chosen.keeps:
@@ -312,8 +319,10 @@ def _drawing(ready: Ready, chosen: Format, title: str, camera: Camera | None) ->
         page = blueprint_page(shapes, title, wanted.unit or "mm", hidden=wanted.hidden)
     else:
         page = outlines_page(shapes, camera, hidden=wanted.hidden)
-    data = page_svg(page) if chosen.id == "svg" else page_dxf(page)
-    return Exported(chosen, data, _readably_named(ready.placed), ())
+    unit = frame_of(chosen, wanted).unit if wanted.lines == "outlines" else MILLIMETRES.unit
+    data = page_svg(page) if chosen.id == "svg" else page_dxf(page, unit)
+    notes = _notes(chosen, ready, camera)
+    return Exported(chosen, data, _readably_named(ready.placed), (), notes=notes)
 
 
 def frame_of(chosen: Format, wanted: Handover) -> FileFrame:
@@ -330,18 +339,37 @@ def _points(shapes: Shapes) -> Array:
     return np.concatenate(found) if found else np.zeros((0, 3))
 
 
-def _notes(chosen: Format, ready: Ready) -> tuple[str, ...]:
-    """Return a sentence about each wish that a format does not fulfil."""
-    wanted, found = ready.handover, []
-    frame = frame_of(chosen, wanted)
-    if not chosen.flat:
-        if wanted.unit not in (None, frame.unit):
+def _frame_notes(chosen: Format, wanted: Handover, camera: Camera | None) -> tuple[str, ...]:
+    """Return a sentence about a unit and about an axis that a file has not got as they are wanted.
+
+    Blueprints are on paper of a size in millimetres; their dimensions are in the unit.
+    """
+    frame, found = frame_of(chosen, wanted), []
+    lines = wanted.lines if chosen.draws else None
+    flat = chosen.flat or lines is not None
+    pixels = flat and camera is not None and camera.kind == "perspective"
+    if wanted.unit is not None and lines != "blueprint":
+        if pixels:
+            found.append(
+                "A view in perspective is in pixels. For sizes in a unit turn perspective off."
+            )
+        elif wanted.unit != frame.unit:
             found.append(
                 f"{chosen.short} files are always in {UNIT_NAMES[frame.unit]}; every program that "
                 "reads them knows that, and the size is right."
             )
-        if wanted.up not in (None, frame.up):
-            found.append(f"{chosen.short} files always have {frame.up.upper()} up.")
+    if flat and wanted.up is not None:
+        found.append(f"A drawing in {chosen.short} is flat: up is where the view has it.")
+    elif wanted.up not in (None, frame.up):
+        found.append(f"{chosen.short} files always have {frame.up.upper()} up.")
+    return tuple(found)
+
+
+def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ...]:
+    """Return a sentence about each wish that a format does not fulfil."""
+    wanted = ready.handover
+    found = list(_frame_notes(chosen, wanted, camera))
+    drawn = wanted.lines is not None and chosen.draws
     if wanted.levels and "levels" not in chosen.heeds:
         found.append(f"{chosen.short} files hold one level of detail: the finest. GLB holds all.")
     if wanted.lines is not None and "lines" not in chosen.heeds:
@@ -349,7 +377,7 @@ def _notes(chosen: Format, ready: Ready) -> tuple[str, ...]:
         found.append(f"{chosen.short} files hold the shapes themselves. SVG and DXF hold {kind}.")
     if wanted.hidden and wanted.lines is None:
         found.append("Hidden lines are dashed in outlines and blueprints only.")
-    if wanted.triangles is not None and "triangles" not in chosen.heeds:
+    if wanted.triangles is not None and "triangles" not in chosen.heeds and not drawn:
         found.append(f"{chosen.short} files hold no triangles, so that none were taken away.")
     if wanted.uvs and "uvs" not in chosen.heeds:
         found.append(f"{chosen.short} files get no places for a picture (UVs). GLB, USD, OBJ do.")

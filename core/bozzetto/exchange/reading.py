@@ -41,6 +41,13 @@ class Reading:
         """Note what is left out; what was told before is told once."""
         self._told[sentence] = 1
 
+    def tell_of_unused_places(self, kind: str) -> None:
+        """Note that a file of a kind, such as "OBJ", has texture coordinates without a picture."""
+        self.tell(
+            f"Left out of the {kind} file: texture coordinates that no picture uses (the export "
+            "makes new ones)."
+        )
+
     def beside(self, name: str, kind: str) -> bytes:
         """Read a file that lies beside the one that is read, or below.
 

@@ -131,6 +131,83 @@ def test_assemblies_keep_names_places_and_colours(tmp_path, trusted):
     }
 
 
+def nested(path, unit):
+    """A bracket of a plate and two pins, twice on a frame, written in a unit."""
+    from OCP.Interface import Interface_Static
+    from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
+    from OCP.STEPCAFControl import STEPCAFControl_Writer
+    from OCP.TCollection import TCollection_ExtendedString as Text
+    from OCP.TDataStd import TDataStd_Name
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
+
+    make, _, _, gp = kit()
+    document = TDocStd_Document(Text("x"))
+    tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    paint = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+
+    def place(x, y, z, degrees):
+        turn, move = gp.gp_Trsf(), gp.gp_Trsf()
+        axis = gp.gp_Ax1(gp.gp_Pnt(0, 0, 0), gp.gp_Dir(1, 0, 0))
+        turn.SetRotation(axis, np.radians(degrees))
+        move.SetTranslation(gp.gp_Vec(x, y, z))
+        return TopLoc_Location(move * turn)
+
+    plate = tool.AddShape(make.BRepPrimAPI_MakeBox(40.0, 30.0, 4.0).Shape(), False)
+    pin = tool.AddShape(make.BRepPrimAPI_MakeBox(2.0, 3.0, 20.0).Shape(), False)
+    for label, red, name in ((plate, 0.0, "Plate"), (pin, 1.0, "Pin")):
+        shade = Quantity_Color(red, 0.0, 1.0, Quantity_TypeOfColor.Quantity_TOC_sRGB)
+        paint.SetColor(label, shade, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+        TDataStd_Name.Set_s(label, Text(name))
+    bracket, frame = tool.NewShape(), tool.NewShape()
+    tool.AddComponent(bracket, plate, place(0, 0, 0, 0))
+    tool.AddComponent(bracket, pin, place(5, 5, 4, 0))
+    tool.AddComponent(bracket, pin, place(30, 5, 4, 90))
+    tool.AddComponent(frame, bracket, place(0, 0, 0, 0))
+    tool.AddComponent(frame, bracket, place(100, 0, 50, 90))
+    TDataStd_Name.Set_s(bracket, Text("Bracket"))
+    TDataStd_Name.Set_s(frame, Text("Frame"))
+    tool.UpdateAssemblies()
+    writer = STEPCAFControl_Writer()
+    Interface_Static.SetCVal_s("write.step.unit", unit)
+    try:
+        writer.Transfer(document)
+        writer.Write(str(path))
+    finally:
+        Interface_Static.SetCVal_s("write.step.unit", "MM")
+    return path
+
+
+def turned(low, high, place, degrees):
+    """Corners of a box that is turned about x by quarters and then moved."""
+    c, s = round(np.cos(np.radians(degrees))), round(np.sin(np.radians(degrees)))
+    both = np.array([low, high]) @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]]).T + place
+    return both.min(axis=0), both.max(axis=0)
+
+
+@pytest.mark.parametrize("unit", ["MM", "INCH", "M"])
+def test_assemblies_in_assemblies_stand_where_they_belong_in_any_unit(tmp_path, unit):
+    path = nested(tmp_path / "a.step", unit)
+    assert ("INCH" in path.read_text().upper()) == (unit == "INCH")
+    parts = read_mesh_file(path).shapes.solids
+    own = {
+        "Plate": [turned((0, 0, 0), (40, 30, 4), (0, 0, 0), 0)],
+        "Pin": [
+            turned((0, 0, 0), (2, 3, 20), (5, 5, 4), 0),
+            turned((0, 0, 0), (2, 3, 20), (30, 5, 4), 90),
+        ],
+    }
+    assert len(parts) == 6
+    for name, boxes in own.items():
+        found = [part for part in parts if part.name == name]
+        wanted = boxes + [turned(*box, (100, 0, 50), 90) for box in boxes]
+        seen = sorted(tuple(np.round(part.mesh.bounds, 3).ravel().tolist()) for part in found)
+        np.testing.assert_allclose(seen, sorted(tuple(np.ravel(box)) for box in wanted), atol=2e-3)
+        assert {part.color for part in found} == {(255 if name == "Pin" else 0, 0, 255)}
+        assert {part.path for part in found} == {("Frame", "Bracket")}
+
+
 def test_loose_curves_are_told(tmp_path):
     _, _, build, gp = kit()
     from OCP.BRep import BRep_Builder

@@ -104,3 +104,141 @@ def test_compressed_meshes_come_as_the_others(tmp_path):
         np.testing.assert_allclose(vertices.max(axis=0), high, atol=size / 2**13)
     groups = [(one.name, one.count, one.finish) for one in parts["Two"].groups]
     assert groups == [("Red", 6, "matt"), ("Chrome", 6, "metal")]
+
+
+RICH = """
+path = sys.argv[1]
+folder = os.path.dirname(path)
+
+
+def material(name, color, picture=None, layer=""):
+    made = bpy.data.materials.new(name)
+    made.use_nodes = True
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    inputs = nodes["Principled BSDF"].inputs
+    inputs["Base Color"].default_value = (*color, 1.0)
+    if picture:
+        shown, places = nodes.new("ShaderNodeTexImage"), nodes.new("ShaderNodeUVMap")
+        shown.image, places.uv_map = picture, layer
+        links.new(places.outputs["UV"], shown.inputs["Vector"])
+        links.new(shown.outputs["Color"], inputs["Base Color"])
+    return made
+
+
+picture = bpy.data.images.new("checks", 8, 8)
+picture.pixels = [value for k in range(64) for value in (k % 2, 0.1, 0.1, 1.0)]
+picture.filepath_raw, picture.file_format = os.path.join(folder, "checks.png"), "PNG"
+picture.save()
+red = material("Red", (1, 0, 0))
+scene = bpy.context.scene.collection
+
+bpy.ops.mesh.primitive_cube_add(size=2, location=(4, 0, 1))
+two = bpy.context.object
+two.name, two["maker"] = "Two maps", "somebody"
+first, second = two.data.uv_layers[0], two.data.uv_layers.new(name="Second")
+for here, there in zip(first.data, second.data):
+    there.uv = here.uv * 0.5
+two.data.materials.append(material("Checks", (1, 1, 1), picture, "Second"))
+
+bpy.ops.mesh.primitive_cylinder_add(vertices=12, radius=0.3, depth=4, location=(0, 0, 2))
+limb = bpy.context.object
+limb.name = "Limb"
+limb.data.materials.append(red)
+rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Bones"))
+scene.objects.link(rig)
+bpy.context.view_layer.objects.active = rig
+bpy.ops.object.mode_set(mode="EDIT")
+upper, lower = (rig.data.edit_bones.new(name) for name in ("upper", "lower"))
+upper.head, upper.tail, lower.head, lower.tail = (0, 0, 0), (0, 0, 2), (0, 0, 2), (0, 0, 4)
+lower.parent = upper
+bpy.ops.object.mode_set(mode="OBJECT")
+limb.select_set(True)
+rig.select_set(True)
+bpy.ops.object.parent_set(type="ARMATURE_AUTO")
+bone = rig.pose.bones["lower"]
+bone.rotation_mode = "QUATERNION"
+for name, x in (("Wave", 0.4), ("Nod", -0.3)):
+    action = bpy.data.actions.new(name)
+    rig.animation_data_create().action = action
+    for frame, turn in ((1, 0.0), (12, x), (24, 0.0)):
+        bone.rotation_quaternion = ((1 - turn**2) ** 0.5, turn, 0, 0)
+        bone.keyframe_insert("rotation_quaternion", frame=frame)
+    track = rig.animation_data.nla_tracks.new()
+    track.name = name
+    track.strips.new(name, 1, action)
+    rig.animation_data.action = None
+bone.rotation_quaternion = (1, 0, 0, 0)
+
+kit = bpy.data.collections.new("Kit")
+scene.children.link(kit)
+bpy.ops.mesh.primitive_cone_add(vertices=12, radius1=0.5, depth=1, location=(0, 6, 0))
+cone = bpy.context.object
+cone.name = "Cone"
+cone.data.materials.append(red)
+for one in list(cone.users_collection):
+    one.objects.unlink(cone)
+kit.objects.link(cone)
+copy = bpy.data.objects.new("Copy", None)
+copy.instance_type, copy.instance_collection, copy.location = "COLLECTION", kit, (3, 0, 0)
+scene.objects.link(copy)
+
+holder = bpy.data.objects.new("Holder", None)
+holder.location, holder.rotation_euler, holder.scale = (0, -5, 0), (0, 0, 0.6), (2, 2, 2)
+scene.objects.link(holder)
+bpy.ops.mesh.primitive_cube_add(size=1, location=(1, 0, 0))
+flipped = bpy.context.object
+flipped.name, flipped.scale, flipped.parent = "Flipped", (-1, 1, 2), holder
+flipped.data.materials.append(red)
+bpy.ops.mesh.primitive_cube_add(size=1, location=(-5, 0, 0))
+row = bpy.context.object
+row.name = "Row"
+row.data.materials.append(red)
+array = row.modifiers.new("Array", "ARRAY")
+array.count, array.relative_offset_displace = 3, (2, 0, 0)
+
+bpy.context.view_layer.update()
+answer = []
+graph = bpy.context.evaluated_depsgraph_get()
+for one in graph.object_instances:
+    if one.object.type == "MESH":
+        places = [one.matrix_world @ v.co for v in one.object.to_mesh().vertices]
+        corners = [[1000 * kind(p[k] for p in places) for k in range(3)] for kind in (min, max)]
+        answer.append([one.object.name, corners])
+if path.endswith(".usda"):
+    bpy.ops.wm.usd_export(filepath=path, export_animation=True)
+else:
+    bpy.ops.export_scene.gltf(
+        filepath=path,
+        export_format="GLTF_SEPARATE" if path.endswith(".gltf") else "GLB",
+        export_apply=True,
+        export_extras=True,
+        export_animation_mode="NLA_TRACKS",
+    )
+"""
+
+
+@pytest.mark.parametrize("ending", ["glb", "gltf", "usda"])
+def test_a_rich_scene_comes_whole(tmp_path, ending):
+    """Copies, mirrors, modifiers, bones with motions, and a picture by its second places."""
+    places = asked(RICH, tmp_path / f"a.{ending}")
+    found = read_mesh_file(tmp_path / f"a.{ending}")
+    parts = [(p.name, [p.mesh.vertices.min(axis=0), p.mesh.vertices.max(axis=0)])
+             for p in found.shapes.solids]  # fmt: skip
+    assert len(list(found.shapes.meshes())) == len(parts) == len(places) == 6
+    for name, corners in places:
+        off = [np.abs(np.subtract(seen, corners)).max() for one, seen in parts if one == name]
+        assert min(off) < 5e-3, name
+    named = {part.name: part for part in found.shapes.solids}
+    assert named["Flipped"].path == ("Holder",)
+    assert volume(named["Flipped"].mesh) == pytest.approx(16e9, rel=1e-4)
+    assert volume(named["Row"].mesh) == pytest.approx(3e9, rel=1e-4)
+    skin = named["Limb"].skin
+    assert skin.rig.names == ("upper", "lower")
+    motions = {clip.name for clip in skin.clips}
+    assert motions == {"Wave", "Nod"} if ending != "usda" else len(motions) == 1
+    picture = named["Two maps"].texture
+    assert picture.pixels.shape[:2] == (8, 8)
+    across = np.ptp(picture.corners.reshape(-1, 2), axis=0)
+    np.testing.assert_allclose(across, [0.375, 0.5], atol=1e-5)  # of its first places twice that
+    for word in ("texture coordinates", "noted of a part"):
+        assert any(word in line for line in found.left_out), word

@@ -56,12 +56,15 @@ class _Body:
         Of the product.
     name : str
     color : (r, g, b), optional
+    path : tuple of str
+        Names of the assemblies that it is in, the outermost first.
     """
 
     shape: Any
     place: Any
     name: str
     color: Color | None
+    path: tuple[str, ...]
 
 
 def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
@@ -178,11 +181,11 @@ class _Kernel:
         roots = self._labels()
         tool.GetFreeShapes(roots)
         nowhere = self.TopLoc.TopLoc_Location()
-        waiting: list[tuple[Any, Any, str, Color | None, int]]
-        waiting = [(one, nowhere, "", None, 0) for one in roots]
+        waiting: list[tuple[Any, Any, str, Color | None, tuple[str, ...], int]]
+        waiting = [(one, nowhere, "", None, (), 0) for one in roots]
         seen = 0
         while waiting:
-            label, place, name, color, depth = waiting.pop(0)
+            label, place, name, color, path, depth = waiting.pop(0)
             seen += 1
             at_most(seen, 4 * MAX_BODIES, "products")
             at_most(depth, MAX_DEPTH, "levels of assemblies")
@@ -192,13 +195,14 @@ class _Kernel:
                 place = place.Multiplied(tool.GetLocation_s(label))
                 referred = self.TDF.TDF_Label()
                 tool.GetReferredShape_s(label, referred)
-                waiting.append((referred, place, own, color, depth + 1))
+                waiting.append((referred, place, own, color, path, depth + 1))
             elif tool.IsAssembly_s(label):
                 parts = self._labels()
                 tool.GetComponents_s(label, parts)
-                waiting += [(one, place, own, color, depth + 1) for one in parts]
+                inside = (*path, own) if own else path
+                waiting += [(one, place, own, color, inside, depth + 1) for one in parts]
             else:
-                yield _Body(tool.GetShape_s(label), place, own, color)
+                yield _Body(tool.GetShape_s(label), place, own, color, path)
 
     def _labels(self) -> Any:
         """Return an empty row of labels, which is called otherwise since Open CASCADE 8."""
@@ -288,7 +292,8 @@ class _Kernel:
             if len(row)
         )
         color = groups[0].color if len(groups) == 1 else body.color
-        return Surface(mesh, body.name, color, groups if len(groups) > 1 else ())
+        kept = groups if len(groups) > 1 else ()
+        return Surface(mesh, body.name, color, kept, path=body.path)
 
     def _triangles(self, face: Any) -> tuple[Array, Index]:
         """Return the places (n, 3) and triangles (m, 3) of one face, in its product."""

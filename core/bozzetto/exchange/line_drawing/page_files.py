@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from typing import Final
 from xml.sax.saxutils import escape, quoteattr
 
+from bozzetto.exchange.cad.dxf import UNIT_NUMBERS
+from bozzetto.exchange.handover import MM_PER, Unit
 from bozzetto.exchange.line_drawing.page import LAYERS, LayerName, Page, PageLine, PageText
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.exchange.safe_xml import writable
@@ -30,6 +32,9 @@ DASHES: Final = (3.0, 1.5)
 """Lengths of dashes and gaps, mm."""
 
 DXF_VERSION: Final = "R2010"
+
+UNITLESS: Final = 0
+"""The value of $INSUNITS where numbers are in no unit."""
 
 DXF_LINETYPES: Final[dict[LayerName, str]] = {"hidden": "DASHED"}
 
@@ -90,8 +95,15 @@ def _text(text: PageText) -> str:
     )
 
 
-def page_dxf(page: Page) -> bytes:
-    """Return a page as DXF in millimetres: a layer for each kind of line.
+def page_dxf(page: Page, unit: Unit = "mm") -> bytes:
+    """Return a page as DXF: a layer for each kind of line.
+
+    Parameters
+    ----------
+    page : Page
+        In millimetres or in pixels.
+    unit : {"mm", "cm", "m", "in"}
+        Of the numbers of a page in millimetres; one in pixels has none.
 
     Raises
     ------
@@ -99,7 +111,10 @@ def page_dxf(page: Page) -> bytes:
         If ezdxf is not installed.
     """
     ezdxf = library("ezdxf", "dxf")
-    document = ezdxf.new(DXF_VERSION, setup=["linetypes"], units=4)
+    measured = page.unit == "mm"
+    share = 1.0 / MM_PER[unit] if measured else 1.0
+    units = UNIT_NUMBERS[unit] if measured else UNITLESS
+    document = ezdxf.new(DXF_VERSION, setup=["linetypes"], units=units)
     space = document.modelspace()
     for layer in LAYERS:
         weight = round(100 * WIDTHS[layer])
@@ -108,16 +123,16 @@ def page_dxf(page: Page) -> bytes:
         )
     for line in page.lines:
         space.add_lwpolyline(
-            [(x, -y) for x, y in line.points.tolist()], dxfattribs={"layer": line.layer}
+            [(x, -y) for x, y in (share * line.points).tolist()], dxfattribs={"layer": line.layer}
         )
     for text in page.texts:
         made = space.add_text(
             text.words,
-            height=text.height,
+            height=share * text.height,
             rotation=90.0 if text.upwards else 0.0,
             dxfattribs={"layer": "dimensions"},
         )
-        x, y = text.place
+        x, y = (share * value for value in text.place)
         align = ezdxf.enums.TextEntityAlignment
         made.set_placement((x, -y), align=align.BOTTOM_CENTER if text.centered else align.LEFT)
     stream = io.StringIO()

@@ -72,7 +72,7 @@ class Pictures:
             return None
         try:
             moved = _transform_of(link)
-            name = f"TEXCOORD_{link.tex_coord if moved.tex_coord is None else moved.tex_coord}"
+            name = _places_named(link, moved)
             if name not in primitive.attributes:
                 raise FormatError("Its places on the surface are not in the file.")
             places = _moved(values_of(self.gltf, self.blobs, primitive.attributes[name], 2), moved)
@@ -127,6 +127,26 @@ class Pictures:
         if image.uri is None:
             raise FormatError("It is not in the file.")
         return linked_bytes(image.uri, self.reading, "picture")
+
+
+def has_unused_places(gltf: Gltf, primitive: Primitive) -> bool:
+    """Whether triangles have places in pictures besides those of the picture that is kept."""
+    there = {name for name in primitive.attributes if name.startswith("TEXCOORD_")}
+    link: TextureLink | None = None
+    if primitive.material is not None:
+        material = item(gltf.materials, primitive.material, "material")
+        link = material.pbr_metallic_roughness.base_color_texture
+    if link is None:
+        return bool(there)
+    try:
+        return bool(there - {_places_named(link, _transform_of(link))})
+    except FormatError:  # which is told where the picture is laid
+        return False
+
+
+def _places_named(link: TextureLink, moved: TextureTransform) -> str:
+    """Return the name of the attribute that says where a picture lies."""
+    return f"TEXCOORD_{link.tex_coord if moved.tex_coord is None else moved.tex_coord}"
 
 
 def _transform_of(link: TextureLink) -> TextureTransform:

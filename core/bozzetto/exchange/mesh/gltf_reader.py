@@ -19,7 +19,7 @@ from bozzetto.exchange.color import linear_to_srgb
 from bozzetto.exchange.limits import MAX_FACES, MAX_MESH_BYTES, MAX_PARTS, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.gltf_draco import DRACO, unpack
 from bozzetto.exchange.mesh.gltf_instances import INSTANCING, place_copies
-from bozzetto.exchange.mesh.gltf_pictures import Pictures, linked_bytes
+from bozzetto.exchange.mesh.gltf_pictures import Pictures, has_unused_places, linked_bytes
 from bozzetto.exchange.mesh.gltf_scene import (
     AXES,
     BIN_CHUNK,
@@ -53,6 +53,11 @@ FAN: Final = 6
 
 HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform", "KHR_technique", "KHR_lights_")
 """Beginnings of extensions that change the looks only, never the geometry."""
+
+LIGHT: Final = "KHR_lights_punctual"
+
+UNDERSTOOD: Final = frozenset(("cut", "MSFT_screencoverage", "targetNames"))
+"""Notes of nodes and meshes (``extras``) that are read, or whose subject is told."""
 
 MAX_BUFFERS: Final = 10_000
 """Buffers of one file; most have one, some have one for each accessor, within the file."""
@@ -295,7 +300,7 @@ def _buffers(gltf: Gltf, blob: bytes | None, reading: Reading) -> list[bytes]:
 
 
 def _tell(gltf: Gltf, reading: Reading, bodies: Skins) -> None:
-    """Tell what is left out: pictures of relief and shine, motions, cameras, points and lines."""
+    """Tell what is left out: pictures of relief and shine, motions, cameras, lights and so on."""
     relief = sum(
         one is not None
         for material in gltf.materials
@@ -305,6 +310,11 @@ def _tell(gltf: Gltf, reading: Reading, bodies: Skins) -> None:
                for one in mesh.primitives)  # fmt: skip
     morphs = sum(bool(one.targets) for mesh in gltf.meshes for one in mesh.primitives)
     levels = sum("MSFT_lod" in node.extensions for node in gltf.nodes)
+    lights = sum(LIGHT in node.extensions for node in gltf.nodes)
+    noted = [*(node.extras for node in gltf.nodes), *(mesh.extras for mesh in gltf.meshes)]
+    notes = sum(isinstance(one, dict) and not one.keys() <= UNDERSTOOD for one in noted)
+    if any(has_unused_places(gltf, one) for mesh in gltf.meshes for one in mesh.primitives):
+        reading.tell_of_unused_places("glTF")
     for count, what, many, why in (
         (relief, "a picture of relief, shade or glow", "{} pictures of relief, shade or glow",
          "colours are kept"),
@@ -315,6 +325,9 @@ def _tell(gltf: Gltf, reading: Reading, bodies: Skins) -> None:
          "the export makes them again"),
         (sum(node.camera is not None for node in gltf.nodes), "a camera", "{} cameras",
          "only shapes are read"),
+        (lights, "a light", "{} lights", "only shapes are read"),
+        (notes, "what is noted of a part besides", "what is noted of {} parts besides",
+         "custom properties are not kept"),
         (thin, "a set of points or lines", "{} sets of points or lines", "they have no faces"),
     ):  # fmt: skip
         if count:

@@ -109,6 +109,7 @@ class MeshRecord(Record):
 
     primitives: list[Primitive]
     name: str = ""
+    extras: Any = None
 
 
 class Node(Record):

@@ -148,6 +148,8 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
             "Left out of the OBJ file: the picture of a material. Its places on the surface are "
             "not in the file."
         )
+    if texels and not pictured:
+        reading.tell_of_unused_places("OBJ")
     pictures = Pictures("OBJ", reading)
     places_shown = _Shown(pictures, _texels(texels)) if pictured and texels else None
     if places_shown is None:

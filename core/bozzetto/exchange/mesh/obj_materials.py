@@ -122,11 +122,8 @@ def _look(said: dict[str, list[float]]) -> Look:
     if "Pr" not in said and "Pm" not in said and "d" not in said and "Tr" not in said:
         return Look(color)
     opacity = said["d"][0] if "d" in said else OPAQUE - said.get("Tr", [0.0])[0]
+    if "Pr" not in said and "Pm" not in said:  # of the two that differ in what lets light through
+        some: tuple[Finish, ...] = ("matt", "glass")
+        return Look(color, min(some, key=lambda finish: abs(LOOKS[finish][2] - opacity)))
     own = (said.get("Pm", [0.0])[0], said.get("Pr", [ROUGHEST])[0], opacity)
-
-    def far(finish: Finish) -> float:
-        return math.dist(LOOKS[finish], own)
-
-    known = "Pr" in said or "Pm" in said
-    some: tuple[Finish, ...] = tuple(LOOKS) if known else ("matt", "glass")
-    return Look(color, min(some, key=far))
+    return Look(color, min(LOOKS, key=lambda finish: math.dist(LOOKS[finish], own)))

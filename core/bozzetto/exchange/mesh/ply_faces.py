@@ -125,8 +125,10 @@ def _with_pictures(
     reading: Reading,
 ) -> Surface | None:
     """Return polygons with the pictures around them; None if none can be had."""
-    seen = _in_pictures(corners, sizes, vertex, face) if pictures else None
-    if seen is None:
+    seen = _in_pictures(corners, sizes, vertex, face)
+    if seen is not None and not pictures:
+        reading.tell_of_unused_places("PLY")
+    if seen is None or not pictures:
         return None
     number = np.zeros(len(sizes), np.int64)
     if "texnumber" in face:

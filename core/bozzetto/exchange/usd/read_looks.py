@@ -7,6 +7,9 @@ import posixpath
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+import numpy as np
+
+from bozzetto.arrays import Array
 from bozzetto.exchange.color import WHITE, linear_to_srgb
 from bozzetto.exchange.mesh.gltf_scene import LOOKS
 from bozzetto.exchange.reading import Reading
@@ -15,19 +18,40 @@ from bozzetto.geometry.shapes import Color, Finish
 
 SURFACE: Final = "UsdPreviewSurface"
 PICTURE: Final = "UsdUVTexture"
+MOVED: Final = "UsdTransform2d"
 RELIEF: Final = ("normal", "occlusion", "emissiveColor", "displacement")
 
 MOST_LINKS: Final = 16
 """Connections that are followed from an input to what it shows."""
 
 
+class Moved(NamedTuple):
+    """How a picture lies by its places: these are scaled, turned and shifted, in this order."""
+
+    scale: tuple[float, float] = (1.0, 1.0)
+    degrees: float = 0.0
+    offset: tuple[float, float] = (0.0, 0.0)
+
+    def places(self, rows: Array) -> Array:
+        """Return places (n, 2) where the picture has them."""
+        angle = math.radians(self.degrees)
+        cos, sin = math.cos(angle), math.sin(angle)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.asarray((rows * self.scale) @ [(cos, sin), (-sin, cos)] + self.offset)
+
+
 class ReadLook(NamedTuple):
-    """What is kept of a material; the picture is a file as named in the scene."""
+    """What is kept of a material; the picture is a file as named in the scene.
+
+    `places` is the primvar that says where the picture lies; empty where the material names none.
+    """
 
     name: str
     color: Color | None = None
     finish: Finish = "matt"
     picture: str = ""
+    places: str = ""
+    moved: Moved = Moved()
 
 
 @dataclass
@@ -73,12 +97,13 @@ class ReadLooks:
                 "UsdPreviewSurface."
             )
             return ReadLook(material.title)
-        picture = ""
+        picture, places, moved = "", "", Moved()
         source = self._source(surface, "inputs:diffuseColor")
         color: Color | None = None
         if source is not None and source.word("info:id") == PICTURE:
             file = source.values.get("inputs:file")
             picture = str(file) if isinstance(file, Asset) else ""
+            places, moved = self._places(source)
         elif source is None:
             shade = surface.numbers("inputs:diffuseColor", 3)
             if shade is not None and len(shade) == 1:
@@ -88,7 +113,16 @@ class ReadLooks:
             self.reading.tell(
                 "Left out of the USD file: pictures of relief, shade or glow (colours are kept)."
             )
-        return ReadLook(material.title, color, _finish(surface), picture)
+        return ReadLook(material.title, color, _finish(surface), picture, places, moved)
+
+    def _places(self, picture: ReadPrim) -> tuple[str, Moved]:
+        """Return the primvar by which a picture lies, and how it is moved on the way there."""
+        moved, source = Moved(), self._source(picture, "inputs:st")
+        if source is not None and source.word("info:id") == MOVED:
+            scale, offset = _pair(source, "inputs:scale", 1.0), _pair(source, "inputs:translation")
+            moved = Moved(scale, source.number("inputs:rotation") or 0.0, offset)
+            source = self._source(source, "inputs:in")
+        return ("" if source is None else source.word("inputs:varname")), moved
 
     def _source(self, prim: ReadPrim, name: str) -> ReadPrim | None:
         """Return the shader that an input is connected to, through whatever is between."""
@@ -102,6 +136,14 @@ class ReadLooks:
                 return found
             prim = found
         return None
+
+
+def _pair(prim: ReadPrim, name: str, usual: float = 0.0) -> tuple[float, float]:
+    """Return the value of a property that is two numbers."""
+    value = prim.numbers(name, 2)
+    if value is None or value.shape != (1, 2):
+        return usual, usual
+    return float(value[0, 0]), float(value[0, 1])
 
 
 def absolute(path: str, here: str) -> str:

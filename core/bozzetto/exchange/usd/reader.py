@@ -64,6 +64,16 @@ PLACES: Final = ("primvars:st", "primvars:UVMap", "primvars:st0", "primvars:map1
 PAINTS: Final = (("primvars:displayColor", 3), ("primvars:Color", 4), ("primvars:Col", 4))
 """Colours of vertices, and how many numbers each is: USD's own, and as Blender calls them."""
 
+NOTE: Final = "userProperties:"
+"""Begins the names of custom properties."""
+
+BLENDERS: Final = "userProperties:blender:"
+"""Begins those that Blender writes of itself."""
+
+OBJECTS_NAME: Final = f"{BLENDERS}object_name"
+DATAS_NAME: Final = f"{BLENDERS}data_name"
+"""Names that Blender's objects, and what they show, have there."""
+
 MAX_REPEATS: Final = 1e6
 """How often a picture may be repeated on its way to a triangle."""
 
@@ -190,6 +200,10 @@ class _Scene:
                 self._left[kind] += prim.type in types
             self._left["copies"] += prim.type == "PointInstancer"
             self._left["cameras"] += prim.type == "Camera"
+            self._left["lights"] += prim.type.endswith("Light")
+            self._left["notes"] += any(
+                name.startswith(NOTE) and not name.startswith(BLENDERS) for name in prim.values
+            )
             if prim.type != "PointInstancer":  # whose children are what it repeats
                 waiting += [(one, world, inner) for one in reversed(prim.children)]
         return found
@@ -215,6 +229,9 @@ class _Scene:
              "the first one is read"),
             ("motions", "a motion", "{} motions", "only those of bones are read"),
             ("cameras", "a camera", "{} cameras", "only shapes are read"),
+            ("lights", "a light", "{} lights", "only shapes are read"),
+            ("notes", "what is noted of a part besides", "what is noted of {} parts besides",
+             "custom properties are not kept"),
         ):  # fmt: skip
             count = self._left[key]
             if count:
@@ -261,7 +278,7 @@ class _Scene:
             corner = corner[:, ::-1]
         colors = self._colors(prim, len(points), corners)
         mesh = checked_mesh(places, corners[corner], _normals(prim, len(points), turn), colors)
-        part = Surface(mesh, prim.title, path=self._path(holders))
+        part = Surface(mesh, _name_of_mesh(holders), path=self._path(holders))
         part = _grouped(part, [(look, int(n)) for look, n in zip(looks, used, strict=True) if n])
         if part.color is None and not part.groups:
             part = replace(part, color=_whole_color(prim))
@@ -281,8 +298,10 @@ class _Scene:
         outer = holders[1:]
         if outer and outer[-1].name == self._top:
             outer = outer[:-1]
-        names = [one.title for one in outer if one.type != "SkelRoot"]
-        if names and names[0] == holders[0].title:  # one that holds a mesh of its name is its place
+        names = [_title(one) for one in outer if one.type != "SkelRoot"]
+        if names and names[0] == _name_of_mesh(
+            holders
+        ):  # one that holds a mesh of its name is its place
             names = names[1:]
         return tuple(reversed(names))
 
@@ -373,29 +392,43 @@ class _Scene:
         count : int
             Of vertices.
         """
-        files = sorted({look.picture for look, n in zip(looks, used, strict=True)
-                        if look is not None and look.picture and n})  # fmt: skip
+        at = np.zeros((len(corner), 3, 2))
+        names, unused, begin = [], set(_names_of_places(prim, len(corners))), 0
+        for look, n in zip(looks, used.tolist(), strict=True):
+            if not n:
+                continue
+            own, picture = slice(begin, begin + n), "" if look is None else look.picture
+            begin += n
+            if look is not None and picture:
+                name = _places_of(prim, look)
+                found = _primvar(prim, name, 2)
+                rows = None if found is None else _by_corner(*found, corners, count)
+                rows = None if rows is None else look.moved.places(rows)
+                if rows is None or not (np.abs(rows) <= MAX_REPEATS).all():
+                    picture = ""
+                    self._reading.tell(
+                        "Left out of the USD file: the picture of a material. Its places on the "
+                        "surface are not in the file."
+                    )
+                else:
+                    at[own] = rows[corner[own]]
+                    unused.discard(name)
+            names.append(picture)
+        if unused:
+            self._reading.tell_of_unused_places("USD")
+        files = sorted({name for name in names if name})
         if not files:
-            return part
-        found = next((one for name in PLACES if (one := _primvar(prim, name, 2))), None)
-        at = None if found is None else _by_corner(*found, corners, count)
-        if at is None or not (np.abs(at) <= MAX_REPEATS).all():
-            self._reading.tell(
-                "Left out of the USD file: the picture of a material. Its places on the surface "
-                "are not in the file."
-            )
             return part
         for file in files:
             self._pictures.add(file, partial(self._load, file))
-        shown = [-1 if look is None or not look.picture else files.index(look.picture)
-                 for look, n in zip(looks, used, strict=True) if n]  # fmt: skip
+        shown = [files.index(name) if name else -1 for name in names]
         plain = [(*((look.color if look else None) or WHITE), 255)
                  for look, n in zip(looks, used, strict=True) if n]  # fmt: skip
         sizes = used[used > 0]
         texture = self._pictures.texture(
             np.repeat(shown, sizes),
             files,
-            at[corner],
+            at,
             np.repeat(np.array(plain, np.uint8), sizes, 0),
         )
         if texture is None:
@@ -403,6 +436,40 @@ class _Scene:
         groups = tuple(replace(group, color=None) for group in part.groups)
         mesh = replace(part.mesh, colors=None)
         return replace(part, mesh=mesh, color=None, groups=groups, texture=texture)
+
+
+def _title(prim: ReadPrim) -> str:
+    """Return the name for people, without what USD does not allow where Blender says it."""
+    return prim.word(OBJECTS_NAME) or prim.title
+
+
+def _name_of_mesh(holders: list[ReadPrim]) -> str:
+    """Return the name of the innermost; what Blender's objects show is called as these are."""
+    shown = len(holders) > 1 and bool(holders[0].word(DATAS_NAME))
+    return (holders[1].word(OBJECTS_NAME) if shown else "") or holders[0].title
+
+
+def _names_of_places(prim: ReadPrim, corners: int) -> list[str]:
+    """Return the names of what seem to be places in pictures: two numbers for each corner."""
+    return [
+        name
+        for name, value in prim.values.items()
+        if name in PLACES
+        or (
+            name.startswith("primvars:")
+            and isinstance(value, np.ndarray)
+            and value.size == 2 * corners
+            and prim.remarks.get(name, {}).get("interpolation") == "faceVarying"
+        )
+    ]
+
+
+def _places_of(prim: ReadPrim, look: ReadLook) -> str:
+    """Return the name of the places in its picture: as the material says, or as programs do."""
+    named = f"primvars:{look.places}"
+    if look.places and named in prim.values:
+        return named
+    return next((name for name in PLACES if name in prim.values), PLACES[0])
 
 
 def _grouped(part: Surface, looks: list[tuple[ReadLook | None, int]]) -> Surface:
