@@ -49,14 +49,14 @@ MOST_OF_INK: Final = 0.62
 taken out: axes of fewer are mostly wrong ones, and bend the drawing more than the eye does."""
 
 STRONG: Final = 0.4
-"""Perspective, 1/diagonal, from which on it is strong; in a weaker one wrong axes bend less, and the
-share is less in proportion."""
+"""Perspective, 1/diagonal, from which on it is strong. A weaker one tells less of the depths, and
+wrong axes bend the drawing less, in proportion."""
 
 UNSURE: Final = 0.06
 """Root mean square difference, diagonals, from which on depths are other ones."""
 
 OTHERWISE: Final = 2.0
-"""Score that a reading loses whose depths are not those that perspective tells."""
+"""Score that a reading loses whose depths are not those that a strong perspective tells."""
 
 FEWEST: Final = 7
 """Lines along axes of which perspective is believed: a wedge has as many. Turning axes and moving
@@ -126,7 +126,8 @@ class ParallelView:
             return 0.0
         off, known = depths - depths.mean(), self.depths - self.depths.mean()
         apart = min(float(((side * off - known) ** 2).mean()) for side in (1.0, -1.0))
-        return OTHERWISE * (1.0 - float(np.exp(-apart / UNSURE**2)))
+        strength = min(1.0, self.perspective / STRONG)
+        return OTHERWISE * strength * (1.0 - float(np.exp(-apart / UNSURE**2)))
 
     def agrees(self, depths: Array) -> bool:
         """Whether depths are near where the perspective says so, or it says nothing."""
