@@ -186,9 +186,7 @@ def _lines(
     )
 
 
-def _distances(
-    around: Surroundings, members: Members, pairs: Sequence[tuple[int, int]]
-) -> Array:
+def _distances(around: Surroundings, members: Members, pairs: Sequence[tuple[int, int]]) -> Array:
     """Return the root mean square distances of segments' ends from stretches, (pairs, segments)."""
     ends = around.draft.fits.segments.ends[list(members)]
     begin = np.array([around.place[a] for a, _ in pairs]).reshape(-1, 1, 1, 2)

@@ -1,4 +1,4 @@
-"""How much of a search a scribble gets: time is bounded by counting, so answers do not depend on it."""
+"""How much of a search a scribble gets: bounded by counting, so that answers do not hang on time."""
 
 from __future__ import annotations
 
