@@ -1,4 +1,4 @@
-"""How much of a search a scribble gets: bounded by counting, so that answers do not hang on time."""
+"""How much of a search a scribble gets: counted, so that no answer hangs on time."""
 
 from __future__ import annotations
 
