@@ -101,8 +101,11 @@ class Draft:
             total += each.line.misfit
         for key in change.removed:
             total -= self.lines[key].line.misfit
+        costs = self.costs
         for corner, (sums, degree) in self._after(change).items():
-            total += self._cost_of(corner, sums, degree, change) - self.costs.get(corner, 0.0)
+            total += corner_cost(sums, degree) - costs.get(corner, 0.0)
+            if degree >= CROWDED:
+                total += self._passing_cost(corner, change)
         return total + SAME_ENDS * self._more_pairs(change)
 
     def apply(self, change: Change) -> None:
@@ -169,43 +172,35 @@ class Draft:
 
     def _cost_of(self, corner: int, sums: End, degree: int, change: Change) -> float:
         """Return the cost of a corner after a change."""
-        cost = corner_cost(sums, degree)
-        if degree < CROWDED:
-            return cost
-        kept = (key for key in self.around.get(corner, ()) if key not in change.removed)
-        here = [self.lines[key] for key in kept]
-        here += [each for each in change.added if corner in each.pair]
-        return cost + passing_cost(each.angle_at(corner) for each in here)
+        passing = self._passing_cost(corner, change) if degree >= CROWDED else 0.0
+        return corner_cost(sums, degree) + passing
+
+    def _passing_cost(self, corner: int, change: Change) -> float:
+        """Return the cost of lines that go straight on through a corner after a change."""
+        lines, removed = self.lines, change.removed
+        here = [lines[key] for key in self.around.get(corner, ()) if key not in removed]
+        here += [each for each in change.added if corner in (each.start, each.stop)]
+        return passing_cost([each.angle_at(corner) for each in here])
 
     def _after(self, change: Change) -> dict[int, tuple[End, int]]:
         """Return sums and degrees of the corners that a change concerns."""
         after: dict[int, tuple[End, int]] = {}
         for key in change.removed:
-            self._add(after, self.lines[key], -1)
+            each = self.lines[key]
+            one, other = each.line.ends
+            for corner, (p, q, r, s, t, u, v) in ((each.start, one), (each.stop, other)):
+                (a, b, c, d, e, f, g), degree = after.get(corner) or self._now(corner)
+                after[corner] = (a - p, b - q, c - r, d - s, e - t, f - u, g - v), degree - 1
         for each in change.added:
-            self._add(after, each, 1)
+            one, other = each.line.ends
+            for corner, (p, q, r, s, t, u, v) in ((each.start, one), (each.stop, other)):
+                (a, b, c, d, e, f, g), degree = after.get(corner) or self._now(corner)
+                after[corner] = (a + p, b + q, c + r, d + s, e + t, f + u, g + v), degree + 1
         return after
 
-    def _add(self, after: dict[int, tuple[End, int]], each: Joined, sign: int) -> None:
-        """Add the ends of a line to the sums at its corners, or take them off."""
-        for corner, end in ((each.start, each.line.ends[0]), (each.stop, each.line.ends[1])):
-            known = after.get(corner)
-            if known is None:
-                known = self.sums.get(corner, NOTHING), self.degrees.get(corner, 0)
-            a, b, c, d, e, f, g = known[0]
-            p, q, r, s, t, u, v = end
-            after[corner] = (
-                (
-                    a + sign * p,
-                    b + sign * q,
-                    c + sign * r,
-                    d + sign * s,
-                    e + sign * t,
-                    f + sign * u,
-                    g + sign * v,
-                ),
-                known[1] + sign,
-            )
+    def _now(self, corner: int) -> tuple[End, int]:
+        """Return the sums over the ends at a corner, and their number."""
+        return self.sums.get(corner, NOTHING), self.degrees.get(corner, 0)
 
     def _more_pairs(self, change: Change) -> int:
         """Return how many more lines share both corners with another one."""
@@ -214,7 +209,8 @@ class Draft:
             pair = self.lines[key].pair
             counts[pair] = counts.get(pair, 0) - 1
         for each in change.added:
-            counts[each.pair] = counts.get(each.pair, 0) + 1
+            pair = each.pair
+            counts[pair] = counts.get(pair, 0) + 1
         more = 0
         for pair, step in counts.items():
             if step:

@@ -15,7 +15,7 @@ LEAST_GAIN: Final = 1e-6
 """Cost by which a step must at least be better."""
 
 
-def repair(draft: Draft, checkpoint: Callable[[], None], beside: set[int] | None = None) -> None:
+def repair(draft: Draft, checkpoint: Callable[[], None], beside: set[int] | None = None) -> int:
     """Change a draft in place until no step lowers its cost.
 
     In each round all steps are priced, then taken in the order of their gain, each only if
@@ -29,22 +29,30 @@ def repair(draft: Draft, checkpoint: Callable[[], None], beside: set[int] | None
         Called between rounds; it may raise.
     beside : set of int, optional
         Only steps beside these corners in the first round; all without.
+
+    Returns
+    -------
+    int
+        How many steps were priced, which is what the time goes into.
     """
+    priced = 0
     for _ in range(MOST_ROUNDS):
         checkpoint()
         found = []
         for change in steps(draft, beside):
+            priced += 1
             gain = draft.price(change)
             if gain < -LEAST_GAIN:
                 found.append((gain, change))
         if not found:
-            return
+            break
         found.sort(key=lambda each: each[0])
         beside = set()
         for _, change in found:
             if draft.fits_now(change) and draft.price(change) < -LEAST_GAIN:
                 beside |= concerned(draft, change)
                 draft.apply(change)
+    return priced
 
 
 def concerned(draft: Draft, change: Change) -> set[int]:

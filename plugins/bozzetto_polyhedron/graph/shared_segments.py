@@ -42,18 +42,23 @@ def exchanged(around: Surroundings, key: int, others: Sequence[int]) -> Iterator
         if len(members) < FEWEST:
             continue
         crossed = list(_crossed_over(around, mine.line.members, theirs.line.members))
-        for pairs in (
-            (mine.pair, theirs.pair),
-            ((mine.start, theirs.stop), (theirs.start, mine.stop)),
-            ((mine.start, theirs.start), (mine.stop, theirs.stop)),
-        ):
-            if all(one != two for one, two in pairs):
-                if set(pairs[0]) != set(mine.pair) and set(pairs[1]) != set(mine.pair):
-                    for parts in crossed:
-                        yield Change((key, other), _lines(around, parts, pairs))
-                dealt = _dealt(around, members, pairs)
-                if dealt:
-                    yield Change((key, other), dealt)
+        ways = [
+            pairs
+            for pairs in (
+                (mine.pair, theirs.pair),
+                ((mine.start, theirs.stop), (theirs.start, mine.stop)),
+                ((mine.start, theirs.start), (mine.stop, theirs.stop)),
+            )
+            if all(one != two for one, two in pairs)
+        ]
+        away = _distances(around, members, [pair for pairs in ways for pair in pairs])
+        for number, pairs in enumerate(ways):
+            if set(pairs[0]) != set(mine.pair) and set(pairs[1]) != set(mine.pair):
+                for parts in crossed:
+                    yield Change((key, other), _lines(around, parts, pairs))
+            dealt = _dealt(around, members, pairs, away[2 * number : 2 * number + 2])
+            if dealt:
+                yield Change((key, other), dealt)
 
 
 def contracted(around: Surroundings, key: int) -> Iterator[Change]:
@@ -74,7 +79,8 @@ def contracted(around: Surroundings, key: int) -> Iterator[Change]:
             continue
         parts = [draft.lines[k].line.members for k in (one, two)]
         mine = each.line.members
-        dealt = _dealt(around, (*mine, *parts[0], *parts[1]), pairs)
+        members = (*mine, *parts[0], *parts[1])
+        dealt = _dealt(around, members, pairs, _distances(around, members, pairs))
         if dealt:
             yield Change((key, one, two), dealt)
         for first, second in (((*mine, *parts[0]), parts[1]), (parts[0], (*mine, *parts[1]))):
@@ -139,14 +145,13 @@ def _other_end(each: Joined, corner: int) -> int:
 
 
 def _dealt(
-    around: Surroundings, members: Members, pairs: Sequence[tuple[int, int]]
+    around: Surroundings, members: Members, pairs: Sequence[tuple[int, int]], away: Array
 ) -> tuple[Joined, ...]:
     """Give each segment to the nearer of two lines between corners; empty if one gets nothing.
 
-    Segments that are about as near to both go where both lines fit better.
+    Segments that are about as near to both go where both lines fit better. The distances from both
+    lines are (2, k).
     """
-    ends = around.draft.fits.segments.ends[list(members)]
-    away = np.stack([_distances(ends, *(around.place[k] for k in pair)) for pair in pairs])
     home = (away[1] < away[0]).tolist()
     unsure = np.argsort(np.abs(away[1] - away[0]), kind="stable")[:MOST_UNSURE].tolist()
     parts = _parts(members, home)
@@ -181,11 +186,13 @@ def _lines(
     )
 
 
-def _distances(ends: Array, start: tuple[float, float], stop: tuple[float, float]) -> Array:
-    """Return the root mean square distance of segments' ends (k, 2, 2) from a line's stretch."""
-    begin, step = np.array(start), np.subtract(stop, start)
-    square = max(float(step @ step), 1e-18)
-    at = np.clip((ends - begin) @ step / square, 0.0, 1.0)
-    away = ends - begin - at[..., None] * step
-    made: Array = np.sqrt((away**2).sum(2).mean(1))
+def _distances(around: Surroundings, members: Members, pairs: Sequence[tuple[int, int]]) -> Array:
+    """Return the root mean square distances of segments' ends from stretches, (pairs, segments)."""
+    ends = around.draft.fits.segments.ends[list(members)]
+    begin = np.array([around.place[a] for a, _ in pairs]).reshape(-1, 1, 1, 2)
+    step = np.array([around.place[b] for _, b in pairs]).reshape(-1, 1, 1, 2) - begin
+    away = ends - begin
+    at = (away * step).sum(3) / np.maximum((step * step).sum(3), 1e-18)
+    away = away - np.clip(at, 0.0, 1.0)[..., None] * step
+    made: Array = np.sqrt((away**2).sum(3).mean(2))
     return made

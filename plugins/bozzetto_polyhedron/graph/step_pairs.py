@@ -6,7 +6,7 @@ and make the lines those of solids.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Final
 
 from bozzetto_polyhedron.graph.draft import NOT_WHOLE, Change, Draft
@@ -26,7 +26,7 @@ MOST_FROM_WHOLE: Final = 12
 """First steps that are tried from any other draft."""
 
 
-def with_detours(draft: Draft, checkpoint: Callable[[], None]) -> Draft:
+def with_detours(draft: Draft, checkpoint: Callable[[], None], most_priced: int) -> Draft:
     """Return a draft that is beyond doubt more than this one, if one or two steps lead there.
 
     Parameters
@@ -35,29 +35,37 @@ def with_detours(draft: Draft, checkpoint: Callable[[], None]) -> Draft:
         Repaired; not changed.
     checkpoint : callable
         Called between trials; it may raise.
+    most_priced : int
+        Steps that are priced, after which none is tried any more.
     """
-    left = MOST_TRIALS
-    while True:
+    left, priced = MOST_TRIALS, 0
+    while priced < most_priced:
         whole, doubt = draft.is_whole, draft.doubt
         most = min(left, MOST_FROM_WHOLE if whole else MOST_FROM_ONE)
-        for first in _first_steps(draft)[:most]:
+        every = list(steps(draft))
+        priced += len(every)
+        for first in _first_steps(draft, every)[:most]:
+            if priced >= most_priced:
+                break
             checkpoint()
             left -= 1
-            found = _after(draft, first, whole)
-            if found is None:
+            made, beside, tried = _after(draft, first, whole)
+            priced += tried
+            if made is None:
                 continue
-            repair(found[0], checkpoint, found[1])
-            if found[0].doubt < doubt - LEAST_GAIN:
-                draft = found[0]
+            priced += repair(made, checkpoint, beside)
+            if made.doubt < doubt - LEAST_GAIN:
+                draft = made
                 break
         else:
-            return draft
+            break
+    return draft
 
 
-def _first_steps(draft: Draft) -> list[Change]:
-    """Return steps that cost something, the cheapest first, each outcome once."""
+def _first_steps(draft: Draft, every: Iterable[Change]) -> list[Change]:
+    """Return those of all steps that cost something, the cheapest first, each outcome once."""
     found: dict[object, tuple[float, int, Change]] = {}
-    for number, change in enumerate(steps(draft)):
+    for number, change in enumerate(every):
         price = draft.price(change)
         if price < DEAREST:
             outcome = change.removed, frozenset((e.pair, e.line.members) for e in change.added)
@@ -65,24 +73,27 @@ def _first_steps(draft: Draft) -> list[Change]:
     return [change for _, _, change in sorted(found.values(), key=lambda each: each[:2])]
 
 
-def _after(draft: Draft, first: Change, whole: bool) -> tuple[Draft, set[int]] | None:
+def _after(draft: Draft, first: Change, whole: bool) -> tuple[Draft | None, set[int], int]:
     """Return what a step makes of a draft, alone or with the best one beside it, if it is a gain.
 
-    The second value are the corners beside which it is to be repaired.
+    The other values are the corners beside which it is to be repaired, and how many steps beside it
+    were priced.
     """
     made = draft.copied()
     beside = concerned(made, first)
     made.apply(first)
     if not whole and made.cost < draft.cost + NOT_WHOLE and made.is_whole:
-        return made, set()
+        return made, set(), 0
     best: Change | None = None
     least = draft.cost - made.cost - LEAST_GAIN
+    priced = 0
     for second in steps(made, beside):
+        priced += 1
         price = made.price(second)
         if price < least:
             best, least = second, price
     if best is None:
-        return None
+        return None, beside, priced
     beside |= concerned(made, best)
     made.apply(best)
-    return made, beside & set(made.sums)
+    return made, beside & set(made.sums), priced

@@ -228,14 +228,15 @@ def _told_apart(around: Surroundings, key: int, others: list[int]) -> Iterator[C
         mine, left = draft.fits.line(part), draft.fits.line(rest)
         homes = {each.pair}
         nearest = [around.near(tip, 1) for tip in (left.start, left.stop)]
+        starts, stops = around.near(mine.start, 2), around.near(mine.stop, 2)
         if nearest[0] and nearest[1]:
             homes.add((nearest[0][0], nearest[1][0]))
         for home in sorted(homes):
             if home[0] == home[1]:
                 continue
             kept = placed(around, left, *home)
-            for start in around.near(mine.start, 2):
-                for stop in around.near(mine.stop, 2):
+            for start in starts:
+                for stop in stops:
                     if start != stop and {start, stop} != set(home):
                         yield Change((key,), (kept, Joined(mine, start, stop)))
             for other in others:

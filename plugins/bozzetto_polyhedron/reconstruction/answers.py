@@ -121,7 +121,10 @@ def ranked_readings(
     """
     view = parallel_view(drawing, camera)
     checkpoint(0.2, "readings")
-    return view, _near_sides(view, readings(view.drawing, checkpoint), is_marked(drawing))
+    found = readings(view.drawing, checkpoint)
+    judged = [replace(each, score=each.score - view.doubt(each.depths)) for each in found]
+    judged.sort(key=lambda each: -each.score)
+    return view, _near_sides(view, judged, is_marked(drawing))
 
 
 def evidence_of(drawing: Drawing) -> Evidence:

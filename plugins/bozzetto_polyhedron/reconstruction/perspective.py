@@ -44,6 +44,20 @@ LEAST: Final = 0.04
 MOST: Final = 1.1
 """Perspective, 1/diagonal, above which none is believed: nobody draws from so near."""
 
+MOST_OF_INK: Final = 0.62
+"""Share of the length of all lines that runs along axes where a strong perspective of the camera is
+taken out: axes of fewer are mostly wrong ones, and bend the drawing more than the eye does."""
+
+STRONG: Final = 0.4
+"""Perspective, 1/diagonal, from which on it is strong. A weaker one tells less of the depths, and
+wrong axes bend the drawing less, in proportion."""
+
+UNSURE: Final = 0.06
+"""Root mean square difference, diagonals, from which on depths are other ones."""
+
+OTHERWISE: Final = 2.0
+"""Score that a reading loses whose depths are not those that a strong perspective tells."""
+
 FEWEST: Final = 7
 """Lines along axes of which perspective is believed: a wedge has as many. Turning axes and moving
 the eye explains five or six lines of a tetrahedron by chance."""
@@ -97,6 +111,24 @@ class ParallelView:
         away = np.maximum(1.0 + self.perspective * level, NEAREST)
         return np.column_stack((self.flat * away[:, None] + self.about, level))
 
+    def doubt(self, depths: Array) -> float:
+        """Return by how much a reading is less likely for having other depths than these.
+
+        On whichever side of the sheet. Where the axes were not those of the solid, the depths of
+        all readings are far off, and none is favoured.
+
+        Parameters
+        ----------
+        depths : (n,) array
+            Away from the eye, of any mean.
+        """
+        if self.perspective <= 0.0:
+            return 0.0
+        off, known = depths - depths.mean(), self.depths - self.depths.mean()
+        apart = min(float(((side * off - known) ** 2).mean()) for side in (1.0, -1.0))
+        strength = min(1.0, self.perspective / STRONG)
+        return OTHERWISE * strength * (1.0 - float(np.exp(-apart / UNSURE**2)))
+
     def agrees(self, depths: Array) -> bool:
         """Whether depths are near where the perspective says so, or it says nothing."""
         off = depths - depths.mean()
@@ -130,7 +162,7 @@ def parallel_view(drawing: Drawing, camera: Camera) -> ParallelView:
         seen = axis_system(
             replace(drawing, points=drawing.points - about), every, perspective=False, starts=(eye,)
         )
-        if seen is not None:
+        if seen is not None and seen.share >= MOST_OF_INK * min(1.0, eye / STRONG):
             found.append((seen.cost - OF_CAMERA, eye, about, seen))
     fitted = axis_system(drawing, every, perspective=True, starts=STARTS)
     if (
