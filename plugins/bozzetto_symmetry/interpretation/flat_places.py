@@ -153,8 +153,8 @@ def _of_all(
 def _covered(stations: Array) -> float:
     """Return the share of a half that has partners, from the crossing on.
 
-    Where the nearest place jumps along a half, as where a leg runs back beside it, what lies between
-    has none.
+    Where the nearest place leaps along a half, as where a leg runs back beside it, what lies
+    between has none.
     """
     steps = np.diff(np.sort(stations), prepend=0.0)
     return float(steps[steps <= LEAP].sum())
