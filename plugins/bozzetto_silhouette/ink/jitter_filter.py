@@ -162,8 +162,6 @@ def _rounded(ring: Array) -> Array:
 
     A periodic cubic spline over the arc, from corner to corner.
     """
-    from scipy.interpolate import CubicSpline
-
     edge = np.roll(ring, -1, axis=0) - ring
     length = np.hypot(edge[:, 0], edge[:, 1])
     short, long = _by_length(length, 0.1), _by_length(length, 0.9)
@@ -173,6 +171,8 @@ def _rounded(ring: Array) -> Array:
     turn = np.abs((heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi)
     if np.median(turn) > GENTLE:
         return ring
+    from scipy.interpolate import CubicSpline  # most ink is dense, and importing it takes long
+
     corners = np.flatnonzero(turn > _CORNER_TURN)
     first = int(corners[0]) if len(corners) else 0
     closed = np.roll(ring, -first, axis=0)

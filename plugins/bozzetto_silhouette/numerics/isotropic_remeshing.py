@@ -140,12 +140,14 @@ def collapsed(patch: Patch, share: float, rounds: int) -> Patch:
     for _ in range(rounds):
         over = np.zeros(len(patch.vertices), dtype=bool)
         over[patch.faces[patch.facing() < 0.0]] = True
-        edges = _edges(patch.faces)
-        edges = edges[patch.free[edges].all(axis=1)]
-        length = _length(patch.vertices[edges[:, 1]] - patch.vertices[edges[:, 0]])
-        shortest = share * patch.spacing[edges].min(axis=1)
-        wanted = np.flatnonzero((length < shortest) | over[edges].all(axis=1))
-        edges = edges[wanted[np.argsort(length[wanted], kind="stable")]]
+        a, b = _half_edges(patch.faces)
+        once = np.flatnonzero((a < b) & patch.free.take(a) & patch.free.take(b))
+        a, b = a.take(once), b.take(once)
+        length = _length(patch.vertices.take(b, axis=0) - patch.vertices.take(a, axis=0))
+        shortest = share * np.minimum(patch.spacing.take(a), patch.spacing.take(b))
+        wanted = np.flatnonzero((length < shortest) | (over.take(a) & over.take(b)))
+        wanted = wanted[np.argsort(length[wanted], kind="stable")]
+        edges = np.stack([a[wanted], b[wanted]], axis=1)
         edges = _apart(patch, edges)
         if len(edges):
             edges = edges[_keeps_topology(patch, edges)]
@@ -162,9 +164,9 @@ def collapsed(patch: Patch, share: float, rounds: int) -> Patch:
 def relaxed(patch: Patch) -> Patch:
     """Move free vertices half way to the middle of their neighbours, along the surface."""
     count = len(patch.vertices)
-    a, b = patch.faces.ravel(), np.roll(patch.faces, -1, axis=1).ravel()
-    inner = patch.free[a]
-    a, b = a[inner], b[inner]
+    a, b = _half_edges(patch.faces)
+    inner = np.flatnonzero(patch.free.take(a))
+    a, b = a.take(inner), b.take(inner)
     number = np.maximum(np.bincount(a, minlength=count), 1)
     middle = np.stack([
         np.bincount(a, patch.vertices[b, k], count) for k in range(3)
@@ -186,21 +188,17 @@ def flipped_edges(patch: Patch, rounds: int) -> Patch:
 
 def _flipped_once(patch: Patch) -> tuple[Index, int]:
     faces, v, n = patch.faces, patch.vertices, len(patch.vertices)
-    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    near = patch.free[a] & patch.free[b]
-    half = np.flatnonzero(near)
-    key = np.minimum(a[half], b[half]) * n + np.maximum(a[half], b[half])
-    order = np.argsort(key, kind="stable")
-    half, known = half[order], key[order]
+    a, b = _half_edges(faces)
+    half = np.flatnonzero(patch.free.take(a) & patch.free.take(b))
     if not len(half):
         return faces, 0
-    one, other = half[0::2], half[1::2]
-    face, corner = half // 3, half % 3
-    apex = faces[face, (corner + 2) % 3]
-    p, q = a[one], b[one]
-    r, s = apex[0::2], apex[1::2]
-    angles = _angle(v[r], v[p], v[q]) + _angle(v[s], v[p], v[q])
-    wants = np.flatnonzero((angles > np.pi + _DOUBT) & (r != s))
+    p, q = a.take(half), b.take(half)
+    key = np.minimum(p, q) * n + np.maximum(p, q)
+    order = np.argsort(key)
+    pair, known = half.take(order), key.take(order)[0::2]
+    one, other = np.minimum(pair[0::2], pair[1::2]), np.maximum(pair[0::2], pair[1::2])
+    p, q, r, s = a.take(one), b.take(one), _apex(faces, one), _apex(faces, other)
+    wants = _opposite_more_than(np.pi + _DOUBT, v, p, q, r, s)
     if not len(wants):
         return faces, 0
     one, other, p, q, r, s = (x[wants] for x in (one, other, p, q, r, s))
@@ -232,10 +230,35 @@ def _flipped_once(patch: Patch) -> tuple[Index, int]:
     return faces, len(chosen)
 
 
-def _angle(apex: Array, p: Array, q: Array) -> Array:
-    one, other = p - apex, q - apex
-    angle: Array = np.arctan2(_length(cross(one, other)), dot(one, other))
-    return angle
+def _half_edges(faces: Index) -> tuple[Index, Index]:
+    """Return where each of the directed edges of faces begins and ends (3 f,)."""
+    return faces.ravel(), faces[:, [1, 2, 0]].ravel()
+
+
+def _apex(faces: Index, half: Index) -> Index:
+    """Return the corner (h,) of a face that does not lie on each of some directed edges."""
+    apex: Index = faces.ravel().take(np.where(half % 3 == 0, half + 2, half - 1))
+    return apex
+
+
+def _opposite_more_than(
+    angle: float, vertices: Array, p: Index, q: Index, r: Index, s: Index
+) -> Index:
+    """Find the edges p q whose opposite angles, at r and s, sum to more than one over a half turn.
+
+    The arc tangent is taken only where the sine of the sum, which needs none, does not tell.
+    """
+    at_p, at_q, at_r, at_s = (vertices.take(k, axis=0) for k in (p, q, r, s))
+    sines, cosines = [], []
+    for apex in (at_r, at_s):
+        one, other = at_p - apex, at_q - apex
+        sines.append(_length(cross(one, other)))
+        cosines.append(dot(one, other))
+    below = (cosines[0] < 0.0) & (cosines[1] < 0.0)
+    below |= sines[0] * cosines[1] + cosines[0] * sines[1] <= 0.0
+    some = np.flatnonzero(below & (r != s))
+    total = sum(np.arctan2(y[some], x[some]) for y, x in zip(sines, cosines, strict=True))
+    return some[np.asarray(total) > angle]
 
 
 def border_edges(faces: Index, count: int) -> Index:
@@ -243,7 +266,7 @@ def border_edges(faces: Index, count: int) -> Index:
 
     None of a closed mesh; an edge that two faces run along the same way counts as none, too.
     """
-    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    a, b = _half_edges(faces)
     edges = np.minimum(a, b) * count + np.maximum(a, b)
     order = np.argsort(edges)
     differs = np.diff(edges[order], prepend=-1, append=-1) != 0
@@ -274,25 +297,19 @@ def _length(vectors: Array) -> Array:
     return length
 
 
-def _edges(faces: Index) -> Index:
-    """Return each edge of a closed mesh once (e, 2)."""
-    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    return np.stack([a, b], axis=1)[a < b]
-
-
 def _apart(patch: Patch, edges: Index) -> Index:
     """Choose, of edges in order of merit, those that no better one touches or neighbours."""
     rank = np.arange(len(edges))
     best = np.full(len(patch.vertices), len(edges))
     for k in (0, 1):
         np.minimum.at(best, edges[:, k], rank)
-    a, b = patch.faces.ravel(), np.roll(patch.faces, -1, axis=1).ravel()
+    a, b = _half_edges(patch.faces)
     around = best.copy()
-    near = np.flatnonzero(best[b] < len(edges))
-    np.minimum.at(around, a[near], best[b[near]])
-    near = np.flatnonzero(best[a] < len(edges))
-    np.minimum.at(around, b[near], best[a[near]])
-    chosen: Index = edges[(around[edges] == rank[:, None]).all(axis=1)]
+    for one, other in ((a, b), (b, a)):
+        near = np.flatnonzero(best.take(other) < len(edges))
+        np.minimum.at(around, one.take(near), best.take(other.take(near)))
+    first, second = edges.T
+    chosen: Index = edges[(around[first] == rank) & (around[second] == rank)]
     return chosen
 
 
@@ -300,11 +317,13 @@ def _keeps_topology(patch: Patch, edges: Index) -> Flags:
     """Whether the ends of each edge have just two neighbours in common."""
     from scipy.sparse import csr_array
 
-    every = _edges(patch.faces)
     count = len(patch.vertices)
-    ones = np.ones(len(every), dtype=np.int32)
-    links = csr_array((ones, (every[:, 0], every[:, 1])), shape=(count, count))
-    links = (links + links.T).tocsr()
+    ends = np.zeros(count, dtype=bool)
+    ends[edges] = True
+    a, b = _half_edges(patch.faces)
+    around = np.flatnonzero(ends.take(a))
+    a, b = a.take(around), b.take(around)
+    links = csr_array((np.ones(len(a), dtype=np.int32), (a, b)), shape=(count, count))
     common: Index = links[edges[:, 0]].multiply(links[edges[:, 1]]).sum(axis=1)
     result: Flags = np.asarray(common).ravel() == 2
     return result
@@ -345,7 +364,8 @@ def _without(patch: Patch, edges: Index, places: Array) -> Patch:
     vertices = patch.vertices.copy()
     vertices[edges[:, 0]] = places
     faces = target[patch.faces]
-    alive = (faces != np.roll(faces, -1, axis=1)).all(axis=1)
+    i, j, k = faces.T
+    alive = (i != j) & (j != k) & (k != i)
     normals = patch.normals.copy()
     normals[edges[:, 0]] = unit(patch.normals[edges].sum(axis=1))
     stays = np.ones(len(vertices), dtype=bool)

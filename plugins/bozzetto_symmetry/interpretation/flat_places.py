@@ -26,6 +26,9 @@ PLACES: Final = 120
 ALIKE: Final = 1e-3
 """Share of the length within which a place counts as the crossing itself."""
 
+LEAP: Final = 0.25
+"""Share of a half between the nearest places of neighbours from which on it is none's partner."""
+
 
 Flat = tuple[Folding, HalfInSpace, SimpleForm]
 """A folding whose places lie on a surface, the half that they make, and that surface."""
@@ -143,8 +146,18 @@ def _of_all(
         return pairing
     return replace(
         pairing, near=near, stations=stations, far_stations=far_stations,
-        coverage=(float(stations.max()), float(far_stations.max())),
+        coverage=(_covered(stations), _covered(far_stations)),
     )  # fmt: skip
+
+
+def _covered(stations: Array) -> float:
+    """Return the share of a half that has partners, from the crossing on.
+
+    Where the nearest place leaps along a half, as where a leg runs back beside it, what lies
+    between has none.
+    """
+    steps = np.diff(np.sort(stations), prepend=0.0)
+    return float(steps[steps <= LEAP].sum())
 
 
 def _crossings(

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bozzetto.ink import distances_to_polyline
 from bozzetto_symmetry.ink.sides import Side
+from bozzetto_symmetry.interpretation.flat_places import _covered
 from bozzetto_symmetry.interpretation.reader import read
 from bozzetto_symmetry.interpretation.simple_form import _information
 from bozzetto_symmetry.interpretation.straight_crossing import as_bar
@@ -151,3 +153,24 @@ def test_two_measurements_that_err_alike_say_as_much_as_their_covariance(alike: 
 def test_one_measurement_that_is_seen_twice_counts_once() -> None:
     twice = np.array([3.0])
     np.testing.assert_allclose(_information(twice, twice, np.ones(1)), 9.0)
+
+
+def test_what_has_no_partner_between_others_is_not_covered() -> None:
+    even = np.linspace(0.01, 1.0, 100)
+    assert _covered(even) == pytest.approx(1.0)
+    assert _covered(even[::-1]) == pytest.approx(1.0)
+    assert _covered(even[even <= 0.6]) == pytest.approx(0.6)
+    leapt = np.append(0.45 * even, 1.0)  # the last place found the end of a leg that runs back
+    assert _covered(leapt) == pytest.approx(0.45)
+
+
+def test_a_tube_seen_nearly_on_its_edge_is_not_read_without_one_of_its_legs() -> None:
+    # One leg runs back beside the tube: the end of the other one was seen near its end, and all
+    # before that counted as covered. The curve was 27 px off its ink, and half its size in space.
+    meant = m.hoop(1.0, np.random.default_rng(46035))
+    trace = solved(meant)
+    ink = np.column_stack((meant.strokes[0].x, meant.strokes[0].y))
+    image = trace.views[0].stereo.project(trace.points)
+    off = distances_to_polyline(ink, image)
+    assert float(np.sqrt(np.mean(off**2))) < 3.0
+    assert float(np.quantile(s.distances(trace.points, meant.truth), 0.95)) < 0.1 * meant.size
