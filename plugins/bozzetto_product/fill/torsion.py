@@ -12,7 +12,7 @@ Where they do not, no surface with a continuous twist is tangent to both fields 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -88,7 +88,9 @@ def with_torsions(field: NormalField, changes: Array, turn: float = 0.0) -> Norm
 
 
 def agreeing(
-    fields: Mapping[int, NormalField], fans: Iterable[list[TwistCorner]]
+    fields: Mapping[int, NormalField],
+    fans: Iterable[list[TwistCorner]],
+    fixed: Collection[int] = (),
 ) -> dict[int, NormalField]:
     """Return fields of edges of which the torsions agree at corners, with least changes.
 
@@ -100,6 +102,8 @@ def agreeing(
         Of each edge.
     fans : iterable of list of TwistCorner
         Corners that edges with normals link; each list is solved alone.
+    fixed : collection of int
+        Edges whose fields stay as they are.
     """
     torsions = {edge: field.end_torsions for edge, field in fields.items()}
     changes = {edge: np.zeros(2) for edge in fields}
@@ -114,6 +118,8 @@ def agreeing(
             rows[number, column[corner.enter]] += 1.0
             held = sum(torsions[edge][end] for edge, end in (corner.leave, corner.enter))
             lacks[number] = corner.wanted(fields) - held
+        held_still = [edge in fixed for edge, _ in ends]
+        rows[:, held_still] = 0.0
         for (edge, end), change in zip(ends, _inverse(rows) @ lacks, strict=True):
             changes[edge][end] = _at_most(change, fields[edge])
         left_open += [
@@ -126,11 +132,15 @@ def agreeing(
                     if corner.leave in part
                 ],
             )
-            for part, senses in _open_senses(fan, ends)
+            for part, senses in _open_senses(fan, ends, fixed)
         ]
+    if all(edge in fixed for edge in fields):
+        return dict(fields)
     further = even_torsions(fields, changes, left_open)
     return {
-        edge: with_torsions(
+        edge: field
+        if edge in fixed
+        else with_torsions(
             field, _at_most(changes[edge] + further[edge][:2], field), float(further[edge][2])
         )
         for edge, field in fields.items()
@@ -149,12 +159,13 @@ def _at_most(change: Array, field: NormalField) -> Array:
 
 
 def _open_senses(
-    fan: list[TwistCorner], ends: list[EdgeEnd]
+    fan: list[TwistCorner], ends: list[EdgeEnd], fixed: Collection[int]
 ) -> list[tuple[list[EdgeEnd], list[float]]]:
     """Return ends that corners link, and the change of their torsions that no corner feels.
 
-    Along a row of corners the signs take turns. Round a node with an odd number of corners there is
-    no such change: three curvatures tell the torsion.
+    There is none where the field of an edge is fixed. Along a row of corners the signs take turns.
+    Round a node with an odd number of corners there is no such change: three curvatures tell the
+    torsion.
     """
     links: dict[EdgeEnd, list[EdgeEnd]] = {end: [] for end in ends}
     for corner in fan:
@@ -175,5 +186,6 @@ def _open_senses(
                     waiting.append(other)
                 is_open &= senses[other] == -senses[here]
         seen.update(senses)
+        is_open &= not any(edge in fixed for edge, _ in senses)
         made.append((list(senses), [sense if is_open else 0.0 for sense in senses.values()]))
     return made
