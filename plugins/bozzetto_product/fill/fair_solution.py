@@ -343,6 +343,7 @@ def _nearest(
     Parameters
     ----------
     asked : _Conditions
+        What the sides ask.
     start : _Candidate
         Whose energy and areas count.
     places : (49 n, 3) float
