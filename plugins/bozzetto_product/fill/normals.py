@@ -9,28 +9,20 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.corners import FLAT_SINE, Corner, loop_corners
 from bozzetto_product.fill.edge_pieces import opened
 from bozzetto_product.fill.normal_field import (
     NormalField,
     across,
-    angle_about,
     carried,
-    frame_parameters,
     unit_tangents,
 )
-from bozzetto_product.fill.quadric import Quadric, quadric_of_curves
 from bozzetto_product.fill.torsion import TwistCorner, agreeing
 from bozzetto_product.network.net import Loop, Net
 
 SMOOTH_DEGREES: Final = 35.0
 """Angle between the tangent planes of two loops at the ends of an edge below which it is smooth."""
-
-QUADRIC_TURN: Final = 0.03
-"""Angle between a quadric and the common planes at the ends of an edge, radians, up to which the
-quadric's normals are those along it."""
 
 CORNER_REACH: Final = 0.5
 """Share of an edge over which a corner's own tangent plane fades to the common one."""
@@ -182,22 +174,12 @@ def _found_fields(
         normal = _common_normal([_of(corners, one) for one in chosen], [fan[one] for one in chosen])
         planes.update({one: sense * normal for one, sense in fan.items()})
     fields = {}
-    quadrics = [_quadric_of(net, loop) for loop in loops]
-    fixed = set()
     for edge, uses in smooth.items():
         if edge in told:
             continue
         number, place, forward = uses[0]
         ends = planes[number, place], planes[number, (place + 1) % len(loops[number])]
-        ends = ends if forward else ends[::-1]
-        spline = opened(net.edges[edge].spline)
-        own = [found for user, _, _ in uses if (found := quadrics[user]) is not None]
-        field = _on_quadrics(spline, own, *ends) if own else None
-        if field is None:
-            field = carried(spline, *ends)
-        else:
-            fixed.add(edge)
-        fields[edge] = field
+        fields[edge] = carried(opened(net.edges[edge].spline), *(ends if forward else ends[::-1]))
     twists = [
         [
             _twist(loops[number], corners[number], place)
@@ -206,44 +188,7 @@ def _found_fields(
         ]
         for fan in fans
     ]
-    return agreeing(fields, [fan for fan in twists if fan], fixed)
-
-
-def _quadric_of(net: Net, loop: Loop) -> Quadric | None:
-    return quadric_of_curves(tuple(net.edges[edge].spline for edge, _ in loop))
-
-
-@remembered(
-    limit=4000,
-    key=lambda spline, quadrics, first, last: (
-        spline,
-        tuple(quadrics),
-        first.tobytes(),
-        last.tobytes(),
-    ),
-)
-def _on_quadrics(
-    spline: Spline, quadrics: Sequence[Quadric], first: Array, last: Array
-) -> NormalField | None:
-    """Return the mean normals of quadrics along a curve, turned a little to those at its ends.
-
-    None where these are other ones.
-    """
-    at = frame_parameters(spline)
-    places = spline.value(at)
-    normals = np.zeros_like(places)
-    for quadric in quadrics:
-        own = quadric.normals(places)
-        normals += own if own[0] @ first >= 0.0 else -own
-    tangents = unit_tangents(spline, at)
-    normals = across(normals, tangents)
-    turns = [
-        angle_about(tangents[end], normals[end], wanted) for end, wanted in ((0, first), (-1, last))
-    ]
-    if max(map(abs, turns)) > QUADRIC_TURN:
-        return None
-    field = NormalField(spline, at, normals)
-    return field.turned(lambda share: turns[0] * (1.0 - share) + turns[1] * share)
+    return agreeing(fields, [fan for fan in twists if fan])
 
 
 def _has_twist(

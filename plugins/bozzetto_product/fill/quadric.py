@@ -11,15 +11,12 @@ off every other one is.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Spline
-from bozzetto.plugin import remembered
 
 CLOSE: Final = 3e-4
 """Root mean square distance of places from a quadric, as share of their size, up to which they lie
@@ -39,9 +36,6 @@ REACH: Final = 0.1
 
 WEAK: Final = 0.05
 """Share of the middling gradient below which a quadric has no normal: a tip, or two sheets meet."""
-
-PLACES: Final = 6
-"""Places on each span of a curve."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,22 +138,3 @@ def quadric_through(places: Array, weights: Array) -> Quadric | None:
     along = np.array(linear) / size
     constant = float(middle @ square @ middle - along @ middle - found[:, 0] @ mean)
     return Quadric(square, along - 2.0 * square @ middle, constant, size, float(first) * size)
-
-
-@remembered(limit=1000, key=lambda splines: tuple(splines))
-def quadric_of_curves(splines: Sequence[Spline]) -> Quadric | None:
-    """Return the quadric that curves lie on, if it is the only one."""
-    rows = [_places_on(spline) for spline in splines]
-    places, weights = (np.concatenate(part) for part in zip(*rows, strict=True))
-    return quadric_through(places, weights)
-
-
-@remembered(limit=4000)
-def _places_on(spline: Spline) -> tuple[Array, Array]:
-    """Return places on a curve, (n, 3), and the length that each stands for, (n,)."""
-    begin, end = spline.range
-    spans = np.unique(np.clip(spline.knots, begin, end))
-    at = np.interp(np.arange(PLACES * (len(spans) - 1) + 1) / PLACES, np.arange(len(spans)), spans)
-    places = spline.value(at)
-    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
-    return places, 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))

@@ -12,7 +12,7 @@ Where they do not, no surface with a continuous twist is tangent to both fields 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -88,9 +88,7 @@ def with_torsions(field: NormalField, changes: Array, turn: float = 0.0) -> Norm
 
 
 def agreeing(
-    fields: Mapping[int, NormalField],
-    fans: Iterable[list[TwistCorner]],
-    fixed: Collection[int] = (),
+    fields: Mapping[int, NormalField], fans: Iterable[list[TwistCorner]]
 ) -> dict[int, NormalField]:
     """Return fields of edges of which the torsions agree at corners, with least changes.
 
@@ -102,8 +100,6 @@ def agreeing(
         Of each edge.
     fans : iterable of list of TwistCorner
         Corners that edges with normals link; each list is solved alone.
-    fixed : collection of int
-        Edges whose fields stay as they are.
     """
     torsions = {edge: field.end_torsions for edge, field in fields.items()}
     changes = {edge: np.zeros(2) for edge in fields}
@@ -118,8 +114,6 @@ def agreeing(
             rows[number, column[corner.enter]] += 1.0
             held = sum(torsions[edge][end] for edge, end in (corner.leave, corner.enter))
             lacks[number] = corner.wanted(fields) - held
-        held_still = [edge in fixed for edge, _ in ends]
-        rows[:, held_still] = 0.0
         for (edge, end), change in zip(ends, _inverse(rows) @ lacks, strict=True):
             changes[edge][end] = _at_most(change, fields[edge])
         left_open += [
@@ -132,15 +126,11 @@ def agreeing(
                     if corner.leave in part
                 ],
             )
-            for part, senses in _open_senses(fan, ends, fixed)
+            for part, senses in _open_senses(fan, ends)
         ]
-    if all(edge in fixed for edge in fields):
-        return dict(fields)
     further = even_torsions(fields, changes, left_open)
     return {
-        edge: field
-        if edge in fixed
-        else with_torsions(
+        edge: with_torsions(
             field, _at_most(changes[edge] + further[edge][:2], field), float(further[edge][2])
         )
         for edge, field in fields.items()
@@ -159,13 +149,12 @@ def _at_most(change: Array, field: NormalField) -> Array:
 
 
 def _open_senses(
-    fan: list[TwistCorner], ends: list[EdgeEnd], fixed: Collection[int]
+    fan: list[TwistCorner], ends: list[EdgeEnd]
 ) -> list[tuple[list[EdgeEnd], list[float]]]:
     """Return ends that corners link, and the change of their torsions that no corner feels.
 
-    There is none where the field of an edge is fixed. Along a row of corners the signs take turns.
-    Round a node with an odd number of corners there is no such change: three curvatures tell the
-    torsion.
+    Along a row of corners the signs take turns. Round a node with an odd number of corners there is
+    no such change: three curvatures tell the torsion.
     """
     links: dict[EdgeEnd, list[EdgeEnd]] = {end: [] for end in ends}
     for corner in fan:
@@ -186,6 +175,5 @@ def _open_senses(
                     waiting.append(other)
                 is_open &= senses[other] == -senses[here]
         seen.update(senses)
-        is_open &= not any(edge in fixed for edge, _ in senses)
         made.append((list(senses), [sense if is_open else 0.0 for sense in senses.values()]))
     return made
