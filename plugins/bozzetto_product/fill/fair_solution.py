@@ -80,9 +80,9 @@ a little off it ask for tangent planes that are not theirs."""
 SLIDING: Final = 1e-3
 """Weight of the way along a quadric against that off it: where on it a place is hardly matters."""
 
-LEANING: Final = 0.02
+LEANING: Final = 0.05
 """Sine between the normals along the sides and those of a quadric, root mean square, up to which
-they are its own."""
+they are about its own: in the middle of long sides those of corners are up to 5° off."""
 
 LEAST_LIKE: Final = 0.1
 """The same sine of a surface that was laid on a quadric, up to which it lies there smoothly."""
