@@ -13,10 +13,12 @@ from bozzetto.plugin import cached_property
 from bozzetto_product.fill.domain import cross
 from bozzetto_product.fill.half_sides import Side
 from bozzetto_product.fill.mean_curvature import (
+    FINE_GRID,
     Curvature,
     curvature_of,
     even_terms,
     is_folded,
+    normals_of,
     variation,
 )
 from bozzetto_product.fill.patch_space import (
@@ -26,6 +28,7 @@ from bozzetto_product.fill.patch_space import (
     PatchSpace,
     side_nodes,
 )
+from bozzetto_product.fill.quadric import Quadric, quadric_through
 from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein, refinement
 from bozzetto_product.fill.sweep import Sweep, sweep_of
 
@@ -67,7 +70,22 @@ ROUGH: Final = 0.01
 evened: the polynomials' own says little there."""
 
 STIFFENING: Final = 1e-4
-"""Weight of the energy where a surface is fitted, in mean diagonals: it decides what is free."""
+"""Weight of the energy where a surface is fitted to a sweep, in mean diagonals: it decides what is
+free."""
+
+QUADRIC_STIFFENINGS: Final = (1e-2, 1.0, 100.0)
+"""The same where it is laid on a quadric, in turn until the surface has its normals: sides that are
+a little off it ask for tangent planes that are not theirs."""
+
+SLIDING: Final = 1e-3
+"""Weight of the way along a quadric against that off it: where on it a place is hardly matters."""
+
+LEANING: Final = 0.05
+"""Sine between the normals along the sides and those of a quadric, root mean square, up to which
+they are about its own: in the middle of long sides those of corners are up to 5° off."""
+
+LEAST_LIKE: Final = 0.1
+"""The same sine of a surface that was laid on a quadric, up to which it lies there smoothly."""
 
 RIDGE: Final = 1e-11
 """Share of the mean diagonal that is added to it, so that a matrix can be factored."""
@@ -131,6 +149,24 @@ class LoopSides:
                     off = half.points - refinement(half.knots) @ polynomial
                     far = max(far, float(np.linalg.norm(off, axis=1).max()))
         return far / self.size
+
+    @cached_property
+    def quadric(self) -> Quadric | None:
+        """The quadric on which all sides lie, if normals along all of them are its own."""
+        if not np.isfinite(self.normals).all():
+            return None
+        at, share = side_nodes()
+        ring = np.concatenate((self.controls, self.controls[:1]))
+        halves = ring[np.arange(0, len(ring) - 1, DEGREE)[:, None] + np.arange(DEGREE + 1)]
+        places = (bernstein(at) @ halves).reshape(-1, 3)
+        lengths = np.linalg.norm(bernstein(at, 1) @ halves, axis=-1) * share
+        found = quadric_through(places, lengths.ravel())
+        if found is None:
+            return None
+        held = self.normals.copy()
+        held[:, 1] = held[:, 1, ::-1]
+        sine = np.linalg.norm(np.cross(found.normals(places), held.reshape(-1, 3)), axis=1)
+        return found if float(np.sqrt((sine**2).mean())) <= LEANING else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,6 +331,28 @@ def _evened(asked: _Conditions, start: _Candidate) -> FairSolution:
 
 def _fitted(asked: _Conditions, start: _Candidate, sweep: Sweep) -> FairSolution:
     """Return the surface nearest to a sweep, with a little of the energy of a start."""
+    places = sweep.places(asked.space, asked.loop.controls)
+    return _nearest(asked, start, places, None, STIFFENING)
+
+
+def _nearest(
+    asked: _Conditions, start: _Candidate, places: Array, normals: Array | None, stiffening: float
+) -> FairSolution:
+    """Return the surface nearest to places for its Gauss points.
+
+    Parameters
+    ----------
+    asked : _Conditions
+        What the sides ask.
+    start : _Candidate
+        Whose energy and areas count.
+    places : (49 n, 3) float
+        In the frame of the loop.
+    normals : (49 n, 3) float, optional
+        Unit, of the surface that the places are on: it matters little where on it they are.
+    stiffening : float
+        Weight of the energy, in mean diagonals.
+    """
     space, loop, order = asked.space, asked.loop, start.solution.order
     stiffness, load = space.stiffness(order)
     size = len(stiffness)
@@ -303,14 +361,20 @@ def _fitted(asked: _Conditions, start: _Candidate, sweep: Sweep) -> FairSolution
     values = np.einsum("ai,bj->abij", values, values).reshape(len(NODES) ** 2, -1)
     basis = root * (values @ space.own_basis).reshape(len(root), size)
     sides = (values @ (space.own_sides @ loop.controls)).reshape(-1, 3)
-    wanted = root * (sweep.places(space, loop.controls) - sides)
+    wanted = root * (places - sides)
     square = basis.T @ basis
-    share = STIFFENING * float(np.trace(square) / np.trace(stiffness))
+    share = stiffening * float(np.trace(square) / np.trace(stiffness))
+    along = 1.0 if normals is None else SLIDING
     matrix = np.zeros((3 * size, 3 * size))
     for axis in range(3):
         part = slice(axis * size, (axis + 1) * size)
-        matrix[part, part] = square + share * stiffness
-    right = (basis.T @ wanted - share * (load @ loop.controls)).T
+        matrix[part, part] = along * square + share * stiffness
+    right = (along * (basis.T @ wanted) - share * (load @ loop.controls)).T
+    if normals is not None:
+        rows = (normals[:, :, None] * basis[:, None, :]).reshape(len(normals), 3 * size)
+        height = (normals * wanted).sum(axis=1)
+        matrix += (1.0 - along) * (rows.T @ rows)
+        right += (1.0 - along) * (rows.T @ height).reshape(3, size)
     scale = float(np.trace(matrix)) / (3 * size)
     asked.hold(matrix, right, scale)
     return _solved(matrix, right, asked, order, scale)
@@ -319,15 +383,19 @@ def _fitted(asked: _Conditions, start: _Candidate, sweep: Sweep) -> FairSolution
 def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     """Return the best of two energies, evened or not, by a score that needs no true surface.
 
-    Where two sides are swept into one another, that sweep takes their place, unless the tangent
-    planes along all sides tell a surface of even curvature, such as a sphere, or the sides are no
-    nearer to the sweep than it is to the surface of least energy. An evened surface that gains less
-    is believed if those of both energies gain and are the same; where they are not, one more step
-    is taken. What folds is taken only if all do.
+    Where all sides lie on one quadric, and are smooth to it, the surface is that quadric. Where two
+    sides are swept into one another, that sweep takes their place, unless the tangent planes along
+    all sides tell a surface of even curvature, such as a sphere, or the sides are no nearer to the
+    sweep than it is to the surface of least energy. An evened surface that gains less is believed
+    if those of both energies gain and are the same; where they are not, one more step is taken.
+    What folds is taken only if all do.
     """
     asked = _Conditions.of(space, loop)
     start = _Candidate(_started(asked, BENDING_RATE))
     even = _evened_or(asked, start)
+    on_quadric = _on_quadric(asked, even)
+    if on_quadric is not None:
+        return on_quadric.solution
     best = even if even.score < GAIN * start.score else start
     is_even = best.solution.evened
     if not (is_even and best.score < EVEN and np.isfinite(loop.normals).all()):
@@ -355,11 +423,40 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     return (plate if judged[1] < judged[0] else best).solution
 
 
+def _on_quadric(asked: _Conditions, start: _Candidate) -> _Candidate | None:
+    """Return the surface on the quadric through all sides; None where there is none."""
+    quadric = asked.loop.quadric
+    if quadric is None:
+        return None
+    nearest = quadric.nearest(_places(start.solution.nets, NODES).reshape(-1, 3))
+    if nearest is None:
+        return None
+    normals = quadric.normals(nearest)
+    for stiffening in QUADRIC_STIFFENINGS:
+        made = _Candidate(_nearest(asked, start, nearest, normals, stiffening))
+        if not made.folds and _leaning(made, quadric) <= LEAST_LIKE:
+            return made
+    return None
+
+
+def _leaning(made: _Candidate, quadric: Quadric) -> float:
+    """Return the largest sine between normals of a surface and those of a quadric."""
+    at = np.linspace(0.03, 0.97, FINE_GRID)
+    normals = normals_of(made.solution.nets, at).reshape(-1, 3)
+    lengths = np.maximum(np.linalg.norm(normals, axis=1), 1e-300)
+    wanted = quadric.normals(_places(made.solution.nets, at).reshape(-1, 3))
+    return float((np.linalg.norm(np.cross(normals, wanted), axis=1) / lengths).max())
+
+
+def _places(nets: Array, at: Array) -> Array:
+    """Return places of patches on a grid of parameters, (n, k, k, 3)."""
+    values = bernstein(at)
+    return np.asarray(np.einsum("ai,kijd,bj->kabd", values, nets, values, optimize=True))
+
+
 def _apart(one: _Candidate, other: _Candidate) -> float:
     """Return the root mean square distance of two surfaces along the normals of the first."""
-    values = bernstein(NODES)
-    nets = one.solution.nets - other.solution.nets
-    apart = np.einsum("ai,kijd,bj->kabd", values, nets, values, optimize=True)
+    apart = _places(one.solution.nets - other.solution.nets, NODES)
     areas, normals = one.curvature.areas, one.curvature.normals
     along = (apart.reshape(normals.shape) * normals).sum(axis=-1)
     return float(np.sqrt((areas * along**2).sum() / max(float(areas.sum()), 1e-300)))

@@ -115,11 +115,15 @@ def is_folded(nets: Array) -> bool:
     return _turns_over(nets, FOLD_GRID) and _turns_over(nets, FINE_GRID)
 
 
-def _turns_over(nets: Array, count: int) -> bool:
-    at = np.linspace(0.03, 0.97, count)
+def normals_of(nets: Array, at: Array) -> Array:
+    """Return normals of patches on a grid of parameters, of any length, (n, k, k, 3)."""
     values, slopes = bernstein(at), bernstein(at, 1)
     by_u = np.einsum("ai,kijd,bj->kabd", slopes, nets, values, optimize=True)
     by_v = np.einsum("ai,kijd,bj->kabd", values, nets, slopes, optimize=True)
-    normals = np.cross(by_u, by_v)
+    return np.cross(by_u, by_v)
+
+
+def _turns_over(nets: Array, count: int) -> bool:
+    normals = normals_of(nets, np.linspace(0.03, 0.97, count))
     along = (normals[:, 1:] * normals[:, :-1]).sum(axis=-1).min()
     return bool(min(along, (normals[:, :, 1:] * normals[:, :, :-1]).sum(axis=-1).min()) < 0.0)

@@ -1,0 +1,116 @@
+"""Loops whose curves lie on a quadric: it is found, and nothing else is taken for one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bozzetto_product.fill.quadric import Quadric, quadric_through
+from tests.plugins.product.known_surfaces import (
+    KnownLoop,
+    ellipsoid,
+    error_percent,
+    estimated_normals,
+    filled,
+    graph,
+    loop_on,
+    polygon,
+    random_loop,
+    torus,
+    true_normals,
+)
+
+
+def found(known: KnownLoop) -> Quadric | None:
+    splines = [edge.spline for edge in known.net.edges]
+    weights = np.concatenate([np.full(60, spline.length) for spline in splines])
+    return quadric_through(np.concatenate([spline.sampled(60) for spline in splines]), weights)
+
+
+@pytest.mark.parametrize("seed", range(602_000, 602_012, 2))
+def test_fills_with_normals_of_a_quadric_are_that_quadric(seed: int) -> None:
+    """Both kinds of even seeds, ellipsoids and graphs of second order, are quadrics."""
+    known = random_loop(seed)
+    quadric = found(known)
+    assert quadric is not None
+    places = np.concatenate([edge.spline.sampled(30) for edge in known.net.edges])
+    cosines = np.abs((quadric.normals(places) * known.surface.normal(places)).sum(axis=1))
+    assert np.degrees(np.arccos(np.minimum(cosines, 1.0))).max() < 0.2
+    fill = filled(known, true_normals(known))
+    assert not fill.folded
+    assert error_percent(known, fill) < 0.004
+
+
+def test_a_surface_on_a_ball_stands_across_its_radii() -> None:
+    """What is made of normals, such as walls with a draft, depends on them, not on places."""
+    unit = lambda x: x / np.linalg.norm(x, axis=1, keepdims=True)  # noqa: E731
+    known = loop_on("octant", ellipsoid(1.0, 1.0, 1.0), np.eye(3), unit)
+    at = np.linspace(0.0, 1.0, 21)
+    u, v = (x.ravel() for x in np.meshgrid(at, at))
+    for normals in (true_normals(known), estimated_normals(known)):
+        for patch in filled(known, normals).patches:
+            radii = unit(patch.value(u, v))
+            sine = np.linalg.norm(np.cross(patch.normals(u, v), radii), axis=1)
+            assert np.degrees(np.arcsin(sine)).max() < 0.06
+
+
+@pytest.mark.parametrize("seed", [170_048, 170_100, 230_050, 913_144])
+def test_a_surface_on_a_quadric_keeps_to_normals_that_curves_contradict(seed: int) -> None:
+    """Curves of seven control points near a rim miss it, and true normals are not theirs."""
+    known = random_loop(seed)
+    normals = true_normals(known)
+    fill = filled(known, normals)
+    assert error_percent(known, fill) < 0.3
+    assert np.nanmax(fill.g1_degrees) < 3.0
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_where_and_how_large_curves_are_does_not_matter(scale: float) -> None:
+    random = np.random.default_rng(5)
+    turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    shift = np.array((40.0, -7.0, 300.0))
+    known = random_loop(604_000)
+    places = np.concatenate([edge.spline.sampled(30) for edge in known.net.edges])
+    weights = random.uniform(0.5, 2.0, len(places))
+    one = quadric_through(places, weights)
+    other = quadric_through(scale * (places @ turn.T + shift), 7.0 * weights)
+    assert one is not None
+    assert other is not None
+    normals = other.normals(scale * (places @ turn.T + shift)) @ turn
+    assert np.abs((normals * one.normals(places)).sum(axis=1)).min() > 1.0 - 1e-9
+    assert other.off == pytest.approx(scale * one.off, rel=1e-3, abs=1e-7 * scale)
+
+
+@pytest.mark.parametrize("seed", range(602_001, 602_013, 2))
+def test_a_torus_and_a_wave_are_no_quadrics(seed: int) -> None:
+    assert found(random_loop(seed)) is None
+
+
+def test_curves_through_which_many_quadrics_go_tell_none() -> None:
+    """A circle in a plane, and a shallow cap of which the hand trembles more than it is high."""
+    flat = graph(lambda x, y: 0.0 * x)
+    assert found(loop_on("plane", flat, polygon(5, 0.3))) is None
+    random = np.random.default_rng(3)
+    turn = np.linspace(0.0, 2.0 * np.pi, 200)
+    places = np.column_stack((np.cos(turn), np.sin(turn), 0.05 * np.cos(2.0 * turn)))
+    places += 1e-3 * random.normal(size=places.shape)
+    assert quadric_through(places, np.ones(len(places))) is None
+    assert quadric_through(np.zeros((9, 3)), np.ones(9)) is None
+
+
+def test_the_nearest_place_is_along_the_gradient_or_there_is_none() -> None:
+    ball = ellipsoid(1.0, 1.0, 1.0)
+    cap = np.array([[1, -0.6, -0.6], [1, 0.6, -0.6], [1, 0.6, 0.6], [1, -0.6, 0.6]])
+    known = loop_on("cap", ball, cap, lambda x: x / np.linalg.norm(x, axis=1, keepdims=True), 12)
+    quadric = found(known)
+    assert quadric is not None
+    near = quadric.nearest(np.array([(1.05, 0.02, 0.1)]))
+    assert near is not None
+    assert np.linalg.norm(near) == pytest.approx(1.0, abs=1e-4)
+    assert quadric.nearest(np.array([(0.01, 0.0, 0.0)])) is None
+
+
+def test_the_torus_s_own_normals_do_not_make_it_a_quadric() -> None:
+    chart = np.array([[0.0, -0.5], [0.7, -0.5], [0.7, 0.5], [0.0, 0.5]])
+    known = loop_on("torus", torus(1.0, 0.4), chart)
+    assert error_percent(known, filled(known, true_normals(known))) < 0.1
