@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from PySide6.QtCore import QCoreApplication, Qt
+from PySide6.QtWidgets import QApplication
 
-from bozzetto_app.canvas.input.tablet_events import ProximityApplication
 from bozzetto_app.canvas.viewport.opengl_setup import prepare
 
 __all__ = ["Application"]
@@ -20,7 +20,7 @@ FUSION: Final = "Fusion"
 """Qt's own style, the same on all platforms."""
 
 
-class Application(ProximityApplication):
+class Application(QApplication):
     """A Qt application that delivers every movement of pen and mouse.
 
     Parameters

@@ -32,7 +32,7 @@ from bozzetto_app.canvas.input.controller import Hand
 from bozzetto_app.canvas.input.drag_and_drop import carries_something, take
 from bozzetto_app.canvas.input.state_machine import Mode
 from bozzetto_app.canvas.input.stroke_samples import PressureCurve
-from bozzetto_app.canvas.input.tablet_events import ProximityApplication
+from bozzetto_app.canvas.input.tablet_events import ProximityWatch
 from bozzetto_app.canvas.overlay.advice_light import ViewLight
 from bozzetto_app.canvas.overlay.empty_hint import SheetHint
 from bozzetto_app.canvas.overlay.loupe import Loupe
@@ -144,10 +144,10 @@ class Canvas(QWidget):
         self.views = ViewChanges(session, self.motion)
         self._sorted = EMPTY
 
-        application = QApplication.instance()
-        if isinstance(application, ProximityApplication):
-            application.pen_came.connect(self.hand.pen_came)
-            application.pen_left.connect(self.hand.pen_left)
+        self._proximity = ProximityWatch(self)
+        self._proximity.came.connect(self.hand.pen_came)
+        self._proximity.left.connect(self.hand.pen_left)
+        self.viewports.first_painted.connect(self._watch_proximity)
 
         self._held = QTimer(self, singleShot=True)
         self._held.timeout.connect(self._show_held)
@@ -196,6 +196,12 @@ class Canvas(QWidget):
         self._show_scene()
         self._show_pending()
         self.installEventFilter(self)
+
+    def _watch_proximity(self) -> None:
+        """Look out for the pen from the first paint on: till then thousands of events pass."""
+        application = QApplication.instance()
+        if application is not None:
+            application.installEventFilter(self._proximity)
 
     # -- theme, settings, words -----------------------------------------------------------------
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from time import perf_counter
 from typing import Final
 
-from PySide6.QtCore import QEvent, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QInputDevice, QMouseEvent, QPointingDevice, QTabletEvent
-from PySide6.QtWidgets import QApplication
 
 from bozzetto_app.canvas.input.state_machine import Button, Keys
 from bozzetto_app.canvas.input.stroke_samples import RawSample
 
 __all__ = [
-    "ProximityApplication",
+    "ProximityWatch",
     "button_of",
     "is_echo",
     "is_eraser",
@@ -93,20 +92,20 @@ def is_echo(event: QMouseEvent) -> bool:
     )
 
 
-class ProximityApplication(QApplication):
-    """An application that tells when the pen comes near or leaves.
+class ProximityWatch(QObject):
+    """Tells when the pen comes near or leaves.
 
-    Qt sends these two events to the application and to no widget. An event filter would see them
-    as well, and all other events of the program with them: each would wait for Python.
+    Qt sends these two events to the application and to no widget, so this object has to be
+    installed as an event filter on the application.
     """
 
-    pen_came = Signal()
-    pen_left = Signal()
+    came = Signal()
+    left = Signal()
 
-    def event(self, event: QEvent) -> bool:
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         kind = event.type()
         if kind == QEvent.Type.TabletEnterProximity:
-            self.pen_came.emit()
+            self.came.emit()
         elif kind == QEvent.Type.TabletLeaveProximity:
-            self.pen_left.emit()
-        return super().event(event)
+            self.left.emit()
+        return False
