@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path, PurePath
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,9 @@ from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
+
+FEWEST_FACES: Final = 4
+"""Faces of the smallest body, a tetrahedron."""
 
 
 def is_picture(path: str | os.PathLike[str]) -> bool:
@@ -301,6 +304,9 @@ def _without_strays(part: Surface) -> Surface:
 
 def _as_closed(part: Surface) -> Surface | None:
     """Return a surface that bounds a volume, its doubled vertices one where it takes that."""
+    count = len(part.mesh.faces)
+    if count < FEWEST_FACES or count % 2:  # three edges a face, each edge of two faces
+        return None
     if bounds_volume(part.mesh):
         return part
     skin = part.skin
