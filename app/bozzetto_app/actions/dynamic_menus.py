@@ -85,14 +85,14 @@ class ChangingMenus(QObject):
 
     def keep_view(self) -> None:
         """Ask for a name, and keep the view under it; an old name is given another view."""
+        from PySide6.QtWidgets import QInputDialog
+
         session = self._window.session
         taken = {view.name for view in session.drawing.document.views}
         number = len(taken) + 1
         while (name := tr("View", "View {number}", number=number)) in taken:
             number += 1
         camera = session.view.camera
-        from PySide6.QtWidgets import QInputDialog
-
         dialog = QInputDialog(self._window)
         dialog.setWindowTitle(tr("View", "Keep this view"))
         dialog.setLabelText(tr("View", "Name of the view"))

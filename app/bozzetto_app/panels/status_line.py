@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLay
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.style.icons import paint_icon
-from bozzetto_app.style.theme import fill, text_height, tones
+from bozzetto_app.style.theme import fill, set_tone, text_height, tones
 from bozzetto_app.widgets.icon_button import IconButton
 
 if TYPE_CHECKING:
@@ -285,13 +285,7 @@ class StatusLine(QWidget):
         self._words.setText(words)
         self._words.setToolTip(words)
         self._words.setAccessibleName(words)
-        tone = "warning" if kind == "error" else ""
-        if tone != (self._words.property("tone") or ""):
-            self._words.setProperty("tone", tone)
-            # Asked for only here: PySide makes the style's forty enums, 20 ms of every start.
-            style = self._words.style()
-            style.unpolish(self._words)
-            style.polish(self._words)
+        set_tone(self._words, "warning" if kind == "error" else "")
 
     def _busy(self, busy: bool) -> None:
         if busy:

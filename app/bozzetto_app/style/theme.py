@@ -23,7 +23,7 @@ from PySide6.QtGui import (
     QPainter,
     QPalette,
 )
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QLabel
 
 from bozzetto.scene.palette import DARK, LIGHT, Color, Palette
 from bozzetto.temporary_files import temporary_path
@@ -38,6 +38,7 @@ __all__ = [
     "fill",
     "palette_for",
     "qcolor",
+    "set_tone",
     "small_font",
     "strong_font",
     "style_sheet",
@@ -101,6 +102,19 @@ def fill(painter: QPainter, place: QRect | QRectF, color: Color) -> None:
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(qcolor(color))
     painter.drawRect(place)
+
+
+def set_tone(label: QLabel, tone: str) -> None:
+    """Show a label in a tone of the style sheet: "", "quiet" or "warning".
+
+    The style is asked for only where the tone differs: PySide makes forty enums for its class, 20
+    ms of every start.
+    """
+    if tone != (label.property("tone") or ""):
+        label.setProperty("tone", tone)
+        style = label.style()
+        style.unpolish(label)
+        style.polish(label)
 
 
 def _body_font() -> QFont:

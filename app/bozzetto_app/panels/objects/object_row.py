@@ -20,7 +20,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QSizePolicy, QWidg
 from bozzetto_app.i18n import tr
 from bozzetto_app.panels.objects.list_widget import ROW
 from bozzetto_app.style.icons import paint_icon
-from bozzetto_app.style.theme import qcolor, text_height, tones
+from bozzetto_app.style.theme import qcolor, set_tone, text_height, tones
 from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import Swatch
@@ -72,14 +72,6 @@ class _Editor(QLineEdit):
             super().keyPressEvent(event)
 
 
-def _toned(label: QLabel, tone: str) -> None:
-    if tone != (label.property("tone") or ""):
-        label.setProperty("tone", tone)
-        style = label.style()  # only where it is needed: PySide makes forty enums for its class
-        style.unpolish(label)
-        style.polish(label)
-
-
 class NamedRow(QWidget):
     """A row with a name that can be edited in place.
 
@@ -108,7 +100,7 @@ class NamedRow(QWidget):
         """Show how it is called; quietly if it is hidden."""
         self.name.setText(name)
         self.name.setToolTip(tr("Objects", "{name}. Double-click renames.", name=name))
-        _toned(self.name, "" if visible else "quiet")
+        set_tone(self.name, "" if visible else "quiet")
 
     def edit_name(self) -> None:
         """Type another name in place."""
@@ -336,7 +328,7 @@ class UnderlayRow(QWidget):
         """Show the underlay as it is now."""
         self.name.setText(underlay.name)
         self.name.setToolTip(underlay.name)
-        _toned(self.name, "" if underlay.visible else "quiet")
+        set_tone(self.name, "" if underlay.visible else "quiet")
         percent = round(100 * underlay.opacity)
         said = tr("Objects", "Opacity of {name}: {percent} %", name=underlay.name, percent=percent)
         self.opacity.setAccessibleName(said)
