@@ -38,24 +38,19 @@ def save(pixels: object, name: str, folder: Path | None = None, *, smooth: bool 
 
 
 def reduced(image: PIL.Image.Image) -> PIL.Image.Image:
-    """The same picture in 256 colours."""
+    """The same picture in 256 colours, dithered: shades would fall into steps."""
     import numpy as np
     from PIL import Image
 
     # The papers and panels keep their very colours; the rest, few pixels of the accent too,
     # goes to what covers it best, where the usual median cut makes the accent brown.
-    colors, inverse, counts = np.unique(
-        np.asarray(image).reshape(-1, 3), axis=0, return_inverse=True, return_counts=True
-    )
+    colors, counts = np.unique(np.asarray(image).reshape(-1, 3), axis=0, return_counts=True)
     common = colors[np.argsort(counts)[::-1][:EXACT]]
     covering = image.quantize(256 - len(common), Image.Quantize.MAXCOVERAGE).getpalette()
-    palette = np.concatenate((common, np.reshape(covering, (-1, 3)))).astype(float)
-    square = (palette**2).sum(axis=1)
-    nearest = np.argmin(square - 2.0 * colors @ palette.T, axis=1)
-    indices = nearest[inverse].reshape(image.height, image.width)
-    small = Image.fromarray(indices.astype(np.uint8), "P")
-    small.putpalette(palette.astype(np.uint8).ravel().tolist())
-    return small
+    palette = np.concatenate((common, np.reshape(covering, (-1, 3)))).astype(np.uint8)
+    kept = Image.new("P", (1, 1))
+    kept.putpalette(palette.ravel().tolist())
+    return image.quantize(palette=kept, dither=Image.Dither.FLOYDSTEINBERG)
 
 
 def pen_stroke(
