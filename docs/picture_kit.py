@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import PIL.Image
+    from PySide6.QtWidgets import QWidget
 
     from bozzetto_app.main_window import Window
 
@@ -119,11 +120,15 @@ def opened() -> Window:
     return window
 
 
-def grab(widget: object, name: str) -> None:
-    """Save what a widget shows."""
+def grab(widget: QWidget, name: str) -> None:
+    """Save what a widget shows once its frames, which a worker draws, are there."""
     import numpy as np
     from PySide6.QtGui import QImage
 
+    from bozzetto_app.canvas.viewport.software import SoftwareViewport
+
+    viewports = widget.findChildren(SoftwareViewport)
+    until(lambda: not any(viewport.is_waiting for viewport in viewports))
     image = widget.grab().toImage().convertToFormat(QImage.Format.Format_RGBA8888)
     pixels = np.frombuffer(image.constBits(), np.uint8)
     save(pixels.reshape(image.height(), image.width(), 4), name)
