@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from bozzetto.arrays import Array, Faces, Index
 
@@ -40,6 +38,9 @@ def apart_at_touching_edges(
         None where no edge has more than two faces, and where an edge has more to one side than to
         the other, faces that lie on one another, or material that overlaps.
     """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     begin = faces.astype(np.int64).ravel()
     end = np.roll(faces, -1, axis=1).astype(np.int64).ravel()
     forth, low, high = begin < end, np.minimum(begin, end), np.maximum(begin, end)
