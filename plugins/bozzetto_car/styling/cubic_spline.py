@@ -1,4 +1,4 @@
-"""The cubic spline through places of a line, with a continuous third derivative at both outer knots.
+"""The cubic spline through places of a line: third derivatives do not jump beside its ends.
 
 It is SciPy's `CubicSpline` with its default ends (*not-a-knot*; de Boor, *A Practical Guide to
 Splines*, 1978, chapter IV) in a quarter of the time: a car whose styling lines are laid out anew in

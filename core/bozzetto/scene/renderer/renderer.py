@@ -16,7 +16,6 @@ from bozzetto.scene.display_list import (
     Item,
     Label,
     Lines,
-    Paint,
     Points,
     Scene,
     Shaded,

@@ -76,7 +76,9 @@ def test_what_is_behind_the_eye_is_infinite() -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_slopes_are_derivatives_and_their_scale_is_the_largest(kind: Literal["perspective"]) -> None:
+def test_slopes_are_derivatives_and_their_scale_is_the_largest(
+    kind: Literal["perspective"],
+) -> None:
     camera = view(37.0, 21.0, kind)
     rng = np.random.default_rng(0)
     for point in rng.normal((2000, 0, 700), 800, (20, 3)):
