@@ -172,13 +172,17 @@ def _seen_from_side(nets: Array, u: Array, v: Array) -> tuple[Array, Array, Arra
     count = u.shape[1]
     along = np.concatenate((bernstein(u), bernstein(u, 1)), axis=1)
     lines = (along @ nets.reshape(-1, 4, 12)).reshape(len(nets), 2 * count, 4, 3)
+    here, ahead = lines[:, :count], lines[:, count:, :, ::2]
     across, slope = bernstein(v), bernstein(v, 1)
-    place, by_u = (
-        sum(across[..., k, None] * part[:, :, k] for k in range(4))
-        for part in (lines[:, :count], lines[:, count:, :, ::2])
-    )
-    by_v = sum(slope[..., k, None] * lines[:, :count, k, ::2] for k in range(4))
-    return place, by_u, by_v
+    return _blended(across, here), _blended(across, ahead), _blended(slope, here[..., ::2])
+
+
+def _blended(weights: Array, lines: Array) -> Array:
+    """Return the sums over k of weights (p, n, k) times control points (p, n, k, d), (p, n, d)."""
+    found = weights[..., 0, None] * lines[:, :, 0]
+    for k in range(1, weights.shape[-1]):
+        found += weights[..., k, None] * lines[:, :, k]
+    return np.asarray(found)
 
 
 def _gap(band: Array) -> list[Piece]:
