@@ -18,8 +18,8 @@ from bozzetto.geometry import DEGREE, Curve, Spline
 from bozzetto.geometry.patches import Places, points_at
 from bozzetto.ink import arc_length
 from bozzetto_car.state import StylingCurve
-from bozzetto_car.styling.cubic_spline import CubicSpline
 from bozzetto_car.styling.curve import curve_paths
+from bozzetto_car.styling.path_spline import CubicSpline
 from bozzetto_car.styling.surface_path import SAME, is_closed, join_paths
 from bozzetto_car.template.model import MIRROR, Template
 

@@ -18,7 +18,7 @@ from bozzetto.geometry.patches import Places, foot_points, normals_at, points_at
 from bozzetto.ink import arc_length, distances_to_polyline
 from bozzetto.scene import depth_breaks, unbroken_runs
 from bozzetto.view import Camera
-from bozzetto_car.styling.cubic_spline import CubicSpline
+from bozzetto_car.styling.path_spline import CubicSpline
 from bozzetto_car.styling.surface_path import connect_places, join_paths
 from bozzetto_car.template.model import Template
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import interpolate
 
-from bozzetto_car.styling.cubic_spline import CubicSpline
+from bozzetto_car.styling.path_spline import CubicSpline
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 40), st.integers(1, 3))
