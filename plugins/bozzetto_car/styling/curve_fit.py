@@ -8,6 +8,7 @@ its knots; between them it is within a tolerance.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
@@ -19,7 +20,6 @@ from bozzetto.geometry.patches import Places, points_at
 from bozzetto.ink import arc_length
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths
-from bozzetto_car.styling.path_spline import CubicSpline
 from bozzetto_car.styling.surface_path import SAME, is_closed, join_paths
 from bozzetto_car.template.model import MIRROR, Template
 
@@ -62,7 +62,7 @@ class Course:
     along: Array
     path: Places
     borders: Array
-    _runs: tuple[tuple[int, CubicSpline], ...]
+    _runs: tuple[tuple[int, Callable[[Array], Array]], ...]
 
     @property
     def length(self) -> float:
@@ -98,13 +98,15 @@ def courses_on(curve: StylingCurve, nets: Array, template: Template) -> list[Cou
 
 def _course(nets: Array, path: Places) -> Course | None:
     """Return the smooth course along a path; None where it has no length."""
+    from scipy.interpolate import CubicSpline
+
     along = arc_length(points_at(nets, path))
     cuts = [0, *(np.flatnonzero(np.diff(path.patches)) + 1).tolist(), len(path)]
     runs, borders = [], [0.0]
     for first, last in itertools.pairwise(cuts):
         kept = first + np.flatnonzero(np.append(np.diff(along[first:last]) > SAME, True))
         if len(kept) > 1:
-            spline = CubicSpline.through(along[kept], path.parameters[kept])
+            spline = CubicSpline(along[kept], path.parameters[kept])
             runs.append((int(path.patches[first]), spline))
             borders.append(float(along[last - 1]))
     return Course(along, path, np.array(borders), tuple(runs)) if runs else None

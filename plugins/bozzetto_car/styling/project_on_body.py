@@ -18,7 +18,6 @@ from bozzetto.geometry.patches import Places, foot_points, normals_at, points_at
 from bozzetto.ink import arc_length, distances_to_polyline
 from bozzetto.scene import depth_breaks, unbroken_runs
 from bozzetto.view import Camera
-from bozzetto_car.styling.path_spline import CubicSpline
 from bozzetto_car.styling.surface_path import connect_places, join_paths
 from bozzetto_car.template.model import Template
 
@@ -137,8 +136,10 @@ def project_line(template: Template, nets: Array, line: Array, camera: Camera) -
     UserError
         If the line misses the body.
     """
+    from scipy.interpolate import CubicSpline
+
     way = arc_length(line)
-    own, curve = way, CubicSpline.through(way, line)
+    own, curve = way, CubicSpline(way, line)
     seen = seen_on_body(nets, line, camera)
     while True:
         far = _far(seen)
