@@ -84,6 +84,10 @@ LEANING: Final = 0.05
 """Sine between the normals along the sides and those of a quadric, root mean square, up to which
 they are about its own: in the middle of long sides those of corners are up to 5° off."""
 
+LEANING_BY_ALONE: Final = 1.0 / 3000.0
+"""The same by how many times farther off every other quadric is: one that is little alone is only
+meant if the normals are its own."""
+
 LEAST_LIKE: Final = 0.1
 """The same sine of a surface that was laid on a quadric, up to which it lies there smoothly."""
 
@@ -166,7 +170,8 @@ class LoopSides:
         held = self.normals.copy()
         held[:, 1] = held[:, 1, ::-1]
         sine = np.linalg.norm(np.cross(found.normals(places), held.reshape(-1, 3)), axis=1)
-        return found if float(np.sqrt((sine**2).mean())) <= LEANING else None
+        most = min(LEANING, LEANING_BY_ALONE * found.alone)
+        return found if float(np.sqrt((sine**2).mean())) <= most else None
 
 
 @dataclass(frozen=True, eq=False)
