@@ -24,7 +24,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.normal_field import NormalField, unit_tangents
@@ -125,7 +125,7 @@ def _bends_of(field: NormalField) -> _Bends:
     square = np.where(square > 0.0, square, np.inf)
     curvature = (bend - (bend * way).sum(axis=1, keepdims=True) / square * way) / square
     tangents, normals = unit_tangents(spline, at), field.value(at)
-    sides = np.cross(normals, tangents)
+    sides = cross_product(normals, tangents)
     rates = _SLOPES @ normals * ((PLACES - 1) / length)
     told = ((curvature * normals), (curvature * sides), -(rates * sides))
     most = SHARPEST / length

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.corners import FLAT_SINE, Corner, loop_corners
 from bozzetto_product.fill.edge_pieces import opened
@@ -354,9 +354,9 @@ def _turn_to_corner(normal: Array, tangent: Array, corner: Corner, forward: bool
     """Return the angle about an edge to the plane of a corner's own tangents, radians."""
     if corner.sine < FLAT_SINE:
         return 0.0
-    plane = np.cross(corner.enter, corner.leave) / corner.sine
+    plane = cross_product(corner.enter, corner.leave) / corner.sine
     plane = plane if plane @ normal >= 0 else -plane
-    return float(np.arctan2(np.cross(normal, plane) @ tangent, normal @ plane))
+    return float(np.arctan2(cross_product(normal, plane) @ tangent, normal @ plane))
 
 
 def _fade(x: Array) -> Array:

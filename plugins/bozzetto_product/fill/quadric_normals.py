@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.edge_pieces import opened
@@ -86,12 +86,13 @@ def _quadric_of(splines: tuple[Spline, ...]) -> Quadric | None:
     return quadric_through(np.concatenate(places), np.concatenate(weights))
 
 
+@remembered(limit=4000)
 def _turn_to(quadric: Quadric, field: NormalField) -> Array:
     """Return the angles about an edge from its normals to those of a quadric, (17,), radians."""
     at, _ = even_parameters(field.spline)
     normals, tangents = field.value(at), unit_tangents(field.spline, at)
     wanted = quadric.normals(field.spline.value(at))
     along = (normals * wanted).sum(axis=1)
-    sine = (np.cross(normals, wanted) * tangents).sum(axis=1)
+    sine = (cross_product(normals, wanted) * tangents).sum(axis=1)
     sense = -1.0 if along[len(along) // 2] < 0.0 else 1.0
     return np.asarray(np.arctan2(sense * sine, sense * along))

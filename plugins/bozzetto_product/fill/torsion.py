@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.even_torsion import (
     EdgeEnd,
@@ -55,12 +55,12 @@ class TwistCorner:
 
     def angle_about(self, normal: Array) -> tuple[float, float]:
         """Return cosine and sine of the angle from `out` to `back` about a normal."""
-        return float(self.out @ self.back), float(np.cross(self.out, self.back) @ normal)
+        return float(self.out @ self.back), float(cross_product(self.out, self.back) @ normal)
 
     def wanted(self, fields: Mapping[int, NormalField]) -> float:
         """Return the sum of both torsions that agrees with both curvatures, radians by mm."""
         cosine = float(self.out @ self.back)
-        sine = float(np.cross(self.out, self.back) @ self.normal)
+        sine = float(cross_product(self.out, self.back) @ self.normal)
         bends = [
             float(fields[edge].end_curvatures[end] @ self.normal)
             for edge, end in (self.leave, self.enter)

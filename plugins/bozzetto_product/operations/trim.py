@@ -441,13 +441,20 @@ def nearest_gap(end: End, ends: Sequence[End], state: ProductState) -> Proposal 
     splines = splines_of(state)
     mine = Meeting(end.curve, end.at)
     found: list[tuple[float, tuple[Meeting, ...], Array]] = []
-    for other in ends:
+    places = np.array([other.place for other in ends])
+    reaches = np.minimum([other.gap for other in ends], end.gap)
+    ways = [
+        np.linalg.norm(own - end.place, axis=1)
+        for own in (places, mirror_image(places, state.symmetry))
+    ]
+    for number in np.flatnonzero(np.minimum(*ways) <= reaches):
+        other = ends[int(number)]
         if other is end or is_tail(end, other):
             continue
         for mirrored in (False, True) if end.image or other.image else (False,):
             place = mirror_image(other.place, state.symmetry) if mirrored else other.place
-            distance = float(np.linalg.norm(place - end.place))
-            if distance > min(end.gap, other.gap):
+            distance = float(ways[mirrored][number])
+            if distance > reaches[number]:
                 continue
             if other.joint:
                 joint = next(one for one in state.joints if one.id == other.joint)
