@@ -31,7 +31,7 @@ from bozzetto_product.operations.meetings import (
 from bozzetto_product.operations.nearest_meetings import nearest_inside
 from bozzetto_product.operations.plane_crossings import lies_in
 from bozzetto_product.operations.settling import settled_state
-from bozzetto_product.operations.tangents import smooth_over_plane
+from bozzetto_product.operations.tangents import smooth_over_joints, smooth_over_plane
 from bozzetto_product.projection.planes import heights, in_plane, mirror_image
 from bozzetto_product.projection.spline_basis import chord_length
 
@@ -113,7 +113,14 @@ def trim(
         return Trimmed(state)
     ended, joined = ends_joined(state, width, only)
     crossed, more = crossings_joined(ended, width, only)
-    return Trimmed(crossed, (*joined, *more), proposals_of(crossed, width, only))
+    moved = {name for name, own in splines_of(crossed).items() if own is not splines[name]}
+    at = [
+        joint.id
+        for joint in crossed.joints
+        if joint.id in joined or any(meet.curve in moved for meet in joint.meetings)
+    ]
+    smooth = smooth_over_joints(crossed, at)
+    return Trimmed(smooth, (*joined, *more), proposals_of(smooth, width, only))
 
 
 def ends_joined(
