@@ -119,7 +119,13 @@ def trim(
         for joint in crossed.joints
         if joint.id in joined or any(meet.curve in moved for meet in joint.meetings)
     ]
-    smooth = smooth_over_joints(crossed, at)
+    flat = [
+        meet
+        for joint in crossed.joints
+        for meet in joint.meetings
+        if joint.in_plane and meet.curve in moved
+    ]
+    smooth = smooth_over_plane(smooth_over_joints(crossed, at), flat)
     return Trimmed(smooth, (*joined, *more), proposals_of(smooth, width, only))
 
 
