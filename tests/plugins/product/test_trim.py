@@ -328,6 +328,22 @@ def test_an_end_nearly_square_to_the_plane_runs_on_into_its_image(degrees: float
     assert moved.max() < 1.0
 
 
+def test_an_end_in_the_plane_stays_square_while_the_other_end_is_joined() -> None:
+    """What brings the other end to a joint turns the whole curve by some degrees."""
+    _, first = _meets_plane(4.0)
+    ends = first.control_points[0] + np.array([(1.2, -0.3, 0.8), (30.0, -50.0, 8.0)])
+    other = _line(*map(tuple, ends))
+    state = trim(_curves(first, mirrored=True), gap=1.0).state
+    state = state.with_node(Curve(id="late", spline=other, mirrored=True))
+    done = trim(state, gap=2.0, only={"late"}).state
+    assert len(done.joints) == 2
+    after = splines_of(done)["c0"]
+    assert not np.array_equal(after.control_points, splines_of(state)["c0"].control_points)
+    last, beside = after.control_points[-1], after.control_points[-2]
+    assert last[1] == 0.0
+    assert (beside[[0, 2]] == last[[0, 2]]).all()
+
+
 def test_an_end_that_comes_to_the_plane_at_an_angle_keeps_it() -> None:
     _, after = _meets_plane(30.0)
     way = after.control_points[-1] - after.control_points[-2]
