@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-__all__ = ["Array", "Bytes", "Faces", "Flags", "Floats", "Index", "frozen"]
+__all__ = ["Array", "Bytes", "Faces", "Flags", "Floats", "Index", "cross_product", "frozen"]
 
 Array = NDArray[np.float64]
 """Numbers of double precision: what is computed with."""
@@ -26,6 +26,19 @@ Faces = NDArray[np.int32]
 
 Bytes = NDArray[np.uint8]
 """Bytes, such as the channels of pixels."""
+
+
+_AHEAD: Final = np.array((1, 2, 0))
+_BEHIND: Final = np.array((2, 0, 1))
+
+
+def cross_product(one: Array, other: Array) -> Array:
+    """Return cross products of vectors (..., 3), to the last bit those of `numpy.cross`.
+
+    That spends twenty times as long on checks of shapes as on a few products.
+    """
+    ahead = one.take(_AHEAD, -1) * other.take(_BEHIND, -1)
+    return np.asarray(ahead - one.take(_BEHIND, -1) * other.take(_AHEAD, -1))
 
 
 def frozen(values: ArrayLike, dtype: DTypeLike, columns: int | None = None) -> NDArray[Any]:

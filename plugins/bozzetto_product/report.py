@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import Caution, Figure, Job, remembered
 from bozzetto_product.details.bodies import SolvedDetail
@@ -220,7 +220,7 @@ def meeting_angles(
 
 
 def _largest(a: Array, b: Array) -> float:
-    sine = np.linalg.norm(np.cross(a, b), axis=1)
+    sine = np.linalg.norm(cross_product(a, b), axis=1)
     return float(np.degrees(np.arctan2(sine, (a * b).sum(axis=1)).max()))
 
 
@@ -240,7 +240,7 @@ def border_of(mesh: Mesh) -> Index:
 
 def _across(mesh: Mesh) -> Array:
     a, b, c = mesh.vertices.astype(float)[mesh.faces].transpose(1, 0, 2)
-    return np.cross(b - a, c - a)
+    return cross_product(b - a, c - a)
 
 
 @remembered(limit=1024, key=lambda one, result: (one.surface, one.loop))

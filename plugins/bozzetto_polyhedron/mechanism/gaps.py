@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto_polyhedron.mechanism.assembly import ANGLE, DIRECTION, DISTANCE, GROUND, Joints
-from bozzetto_polyhedron.mechanism.rotations import cross
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +95,8 @@ class Gaps:
             direction[self._bars] = apart[self._bars] / np.maximum(lengths, 1e-300)
         first, second = np.empty((len(joints), 6)), np.empty((len(joints), 6))
         first[:, :3], second[:, :3] = direction, -direction
-        first[:, 3:] = cross(ends.first_arm[self._pair], direction)
-        second[:, 3:] = cross(direction, arm)
+        first[:, 3:] = cross_product(ends.first_arm[self._pair], direction)
+        second[:, 3:] = cross_product(direction, arm)
         if len(self._angles):
             first[self._angles, :3] = second[self._angles, :3] = 0.0
             first[self._angles, 3:] = direction[self._angles]
@@ -129,7 +128,7 @@ class Gaps:
         own = np.einsum("nij,nj->ni", turns[rows.first], rows.first_point)
         mark = np.einsum("nij,nj->ni", turns[rows.second], rows.second_point)
         axis = np.einsum("nij,nj->ni", turns[rows.second], rows.direction)
-        across = np.einsum("ij,ij->i", axis, cross(mark, own))
+        across = np.einsum("ij,ij->i", axis, cross_product(mark, own))
         return np.asarray(np.arctan2(across, np.einsum("ij,ij->i", mark, own)))
 
 

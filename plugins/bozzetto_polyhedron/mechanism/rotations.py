@@ -12,14 +12,6 @@ SMALL: Final = 1e-6
 """Angle, rad, below which the first terms of the series are exact to all digits."""
 
 
-def cross(one: Array, other: Array) -> Array:
-    """Return cross products of vectors (n, 3), row by row: `numpy.cross` without its checks."""
-    made = np.empty(one.shape)
-    for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        made[:, k] = one[:, i] * other[:, j] - one[:, j] * other[:, i]
-    return made
-
-
 def rotations_by(vectors: Array) -> Array:
     """Return rotations (n, 3, 3) about vectors (n, 3) by their lengths, rad (Rodrigues)."""
     squares = np.einsum("ni,ni->n", vectors, vectors)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion, Springs
-from bozzetto_polyhedron.mechanism.rotations import cross
 
 
 def spring_forces(springs: Springs, motion: Motion) -> tuple[Array, Array]:
@@ -16,10 +15,10 @@ def spring_forces(springs: Springs, motion: Motion) -> tuple[Array, Array]:
         stretch, along, one, other = _stretched(springs, motion)
         pulls = -(springs.stiffness * stretch)[:, None] * along
         np.add.at(forces, springs.first, pulls)
-        np.add.at(moments, springs.first, cross(one, pulls))
+        np.add.at(moments, springs.first, cross_product(one, pulls))
         held = springs.second != GROUND
         np.add.at(forces, springs.second[held], -pulls[held])
-        np.add.at(moments, springs.second[held], -cross(other, pulls)[held])
+        np.add.at(moments, springs.second[held], -cross_product(other, pulls)[held])
     return forces, moments
 
 

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto_polyhedron.mechanism.assembly import (
     DIRECTION,
     GROUND,
@@ -22,7 +22,6 @@ from bozzetto_polyhedron.mechanism.collision import Placed, depth_of, touch_with
 from bozzetto_polyhedron.mechanism.constraints import Factored
 from bozzetto_polyhedron.mechanism.contact import contact_impulses
 from bozzetto_polyhedron.mechanism.gaps import Slopes
-from bozzetto_polyhedron.mechanism.rotations import cross
 
 PUSH: Final = 0.2
 """Fastest way out of one another, m/s, for what a turn has taken into something."""
@@ -156,7 +155,7 @@ class Touching:
         slopes = np.empty((len(arms), 3, 6))
         slopes[:, :, :3] = axes
         for row in range(3):
-            slopes[:, row, 3:] = cross(arms, axes[:, row])
+            slopes[:, row, 3:] = cross_product(arms, axes[:, row])
         return slopes * self._freedoms
 
 
@@ -165,7 +164,7 @@ def ground_touches(ground: Ground, motion: Motion, velocities: Array, h: float) 
     bodies = ground.bodies
     arms = np.einsum("kij,kj->ki", motion.turns[bodies], ground.points)
     heights = arms[:, 2] + motion.places[bodies, 2] - ground.height
-    falls = (velocities[bodies, :3] + cross(velocities[bodies, 3:], arms))[:, 2]
+    falls = (velocities[bodies, :3] + cross_product(velocities[bodies, 3:], arms))[:, 2]
     near = np.flatnonzero(heights <= np.maximum(-falls, 0.0) * h + TOUCHING)
     return Touches(
         bodies[near],

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import sewn
 from bozzetto.plugin import remembered
@@ -386,7 +386,7 @@ def _outward(grounds: Sequence[Ground], hits: Hits) -> Array:
         rows = hits.hit & (hits.on == number)
         mesh = grounds[surface.number].fill.mesh
         a, b, c = mesh.vertices.astype(float)[mesh.faces[hits.faces[rows]]].transpose(1, 0, 2)
-        made[rows] = np.cross(b - a, c - a)
+        made[rows] = cross_product(b - a, c - a)
     return made
 
 

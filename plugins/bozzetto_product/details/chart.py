@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import BSplineSurface
 from bozzetto.plugin import remembered
@@ -65,9 +65,9 @@ class Chart:
                 "The outline goes too far round the shape. Draw it in two parts, each on one side."
             )
         up = mean / length
-        x = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
+        x = cross_product(np.eye(3)[int(np.argmin(np.abs(up)))], up)
         x /= np.linalg.norm(x)
-        return cls(points.mean(axis=0), np.stack((x, np.cross(up, x), up)))
+        return cls(points.mean(axis=0), np.stack((x, cross_product(up, x), up)))
 
     @property
     def normal(self) -> Array:

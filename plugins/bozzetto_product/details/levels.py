@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import BSplineSurface
 from bozzetto_product.details.chart import Chart
@@ -116,6 +116,6 @@ def inset_points(
     # The tangent over which the chart sees that of the outline.
     along = way - ((way * normals).sum(axis=1) / (normals @ chart.normal))[:, None] * chart.normal
     along /= np.linalg.norm(along, axis=1, keepdims=True)
-    inward = np.cross(normals, along)
+    inward = cross_product(normals, along)
     left, on = ring.inset_by(t, reach)
     return np.asarray(points + left[:, None] * inward + on[:, None] * along + height * normals)

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags
+from bozzetto.arrays import Array, Flags, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import (
@@ -331,9 +331,9 @@ def tangent_axes(at: Array, up: Array, grounds: Sequence[Ground]) -> tuple[Array
     normal, middle = place.normals[0], place.points[0]
     y = up - (up @ normal) * normal
     if np.linalg.norm(y) < 1e-6 * np.linalg.norm(up):
-        y = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+        y = cross_product(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     y = y / np.linalg.norm(y)
-    return middle, np.stack((np.cross(y, normal), y, normal))
+    return middle, np.stack((cross_product(y, normal), y, normal))
 
 
 def polygon_corners(row: Array) -> Flags:

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import BSplineSurface, Face, ParameterCurve, Trim
 from bozzetto.plugin import remembered
@@ -323,7 +323,7 @@ def _lesser(shell: Shell, tops: set[int]) -> frozenset[int]:
 def _area(face: Face) -> float:
     """Return about the area of a face: that of the polygons of its loops."""
     rings = [face.surface.value(*ring_of(loop).T) for loop in face.loops]
-    crosses = [np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0) for ring in rings]
+    crosses = [cross_product(ring, np.roll(ring, -1, axis=0)).sum(axis=0) for ring in rings]
     return 0.5 * float(np.linalg.norm(sum(crosses)))
 
 

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import Spline
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_product.fill.edge_pieces import opened
@@ -63,7 +63,9 @@ class Corner:
     def turn(self) -> float:
         """How far the loop turns, radians; negative at a concave corner."""
         angle = float(
-            np.arctan2(np.linalg.norm(np.cross(self.enter, self.leave)), self.enter @ self.leave)
+            np.arctan2(
+                np.linalg.norm(cross_product(self.enter, self.leave)), self.enter @ self.leave
+            )
         )
         return -angle if self.concave else angle
 
@@ -89,7 +91,7 @@ def loop_corners(net: Net, loop: Loop) -> tuple[Corner, ...]:
         enter.append(tangents[1])
     ring = np.concatenate(rows)
     ring = ring - ring.mean(axis=0)
-    area = np.cross(ring, np.roll(ring, -1, axis=0)).sum(axis=0)
+    area = cross_product(ring, np.roll(ring, -1, axis=0)).sum(axis=0)
     length = float(np.linalg.norm(area))
     if length == 0.0:
         area, length = across(np.array([[0.0, 0.0, 1.0]]), np.asarray(leave[:1]))[0], 1.0
@@ -101,7 +103,7 @@ def loop_corners(net: Net, loop: Loop) -> tuple[Corner, ...]:
 
 def _corner(enter: Array, leave: Array, area: Array) -> Corner:
     """Return a corner as a convex one; without a plane of its own it has the loop's."""
-    own = np.cross(enter, leave)
+    own = cross_product(enter, leave)
     sine = float(np.linalg.norm(own))
     normal = own / sine if sine > FLAT_SINE else across(area[None], leave[None])[0]
     return Corner(normal, sine, enter, leave, concave=bool(own @ normal < 0.0))
@@ -179,7 +181,7 @@ def _course_of(spline: Spline, forward: bool) -> _Course:
 
 def _chord_normal(courses: list[_Course], place: int, own: Array) -> Array:
     """Return the normal of a corner's chords, (3,); its own where they are one line."""
-    normal = np.cross(courses[place - 1].last, courses[place].first)
+    normal = cross_product(courses[place - 1].last, courses[place].first)
     sine = float(np.linalg.norm(normal))
     return normal / sine if sine > FLAT_SINE else own
 
@@ -249,7 +251,7 @@ def _carried_to(corner: Corner, frame: NormalField, angle: float) -> Corner:
     """
     axis = corner.leave[None]
     normal = rotated(across(frame.normals[-1:], axis), axis, np.array([angle]))[0]
-    own = np.cross(corner.enter, corner.leave)
+    own = cross_product(corner.enter, corner.leave)
     concave = bool(own @ normal < 0.0)
     own = -own if concave else own
     share = corner.sine**2 / (corner.sine**2 + WEAK_SINE**2)

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import Curve, Spline
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.quintic import DEGREE
@@ -49,7 +49,7 @@ def opened(spline: Spline) -> Spline:
     at = np.linspace(begin, end, 4 * SAMPLES)[:-1]
     first, second = spline.derivative(at), spline.derivative(at, 2)
     speed = np.maximum(np.linalg.norm(first, axis=1), 1e-300)
-    bend = np.linalg.norm(np.cross(first, second), axis=1) / speed**3
+    bend = np.linalg.norm(cross_product(first, second), axis=1) / speed**3
     sharpest = np.flatnonzero(bend >= (1.0 - 1e-9) * bend.max())[0]
     return spline.split(float(at[sharpest]))[0]
 

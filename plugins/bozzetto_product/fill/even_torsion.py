@@ -12,6 +12,8 @@ not 0, but constant. Two curves through a corner leave its torsion open, and so 
 middle of its edges: least is the integral of the squares over all edges, of the second without its
 mean, as in minimum variation surfaces (Moreton & Séquin 1992, "Functional optimization for fair
 surface design"), by two Gauss-Newton steps.
+
+Where a surface of second order is told by the curves of a loop, the normals turn to its own.
 """
 
 from __future__ import annotations
@@ -22,7 +24,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
+from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.normal_field import NormalField, unit_tangents
 
@@ -38,7 +41,7 @@ AGREEMENT: Final = 20.0
 LOOSENESS: Final = 0.1
 """Weight of a mean curvature as that of the edges, where no corner tells one."""
 
-STAY: Final = 1.0
+STAY: Final = 1.5
 """Weight of a change of a torsion, and of a turn."""
 
 DOUBT: Final = 0.1
@@ -53,6 +56,12 @@ FLAT: Final = 0.05
 
 MOST_TURN: Final = 0.05
 """Most that normals turn by it, radians: where more would be even, little is known."""
+
+MOST_TOLD_TURN: Final = 0.5
+"""The same of an edge of which the normals are told by a quadric, radians."""
+
+TOLD: Final = 300.0
+"""Weight of normals that a quadric tells, against the change of curvature along the edge."""
 
 STEP: Final = 1e-3
 """What turns of normals are multiples of, radians: what is far from an edit stays the very same
@@ -98,20 +107,25 @@ class _Bends:
     torsion: Array
 
 
-@remembered(limit=4000, key=lambda field: field)
-def _bends_of(field: NormalField) -> _Bends:
-    spline = field.spline
+def even_parameters(spline: Spline) -> tuple[Array, float]:
+    """Return the parameters of places an even length apart, (17,), and the length, mm."""
     fine = np.linspace(*spline.range, 8 * PLACES)
     steps = np.linalg.norm(np.diff(spline.value(fine), axis=0), axis=1)
     arc = np.concatenate(((0.0,), np.cumsum(steps)))
-    length = max(float(arc[-1]), 1e-300)
     at = np.interp(np.linspace(0.0, arc[-1], PLACES), arc, fine)
+    return at, max(float(arc[-1]), 1e-300)
+
+
+@remembered(limit=4000, key=lambda field: field)
+def _bends_of(field: NormalField) -> _Bends:
+    spline = field.spline
+    at, length = even_parameters(spline)
     way, bend = spline.derivative(at), spline.derivative(at, 2)
     square = (way * way).sum(axis=1, keepdims=True)
     square = np.where(square > 0.0, square, np.inf)
     curvature = (bend - (bend * way).sum(axis=1, keepdims=True) / square * way) / square
     tangents, normals = unit_tangents(spline, at), field.value(at)
-    sides = np.cross(normals, tangents)
+    sides = cross_product(normals, tangents)
     rates = _SLOPES @ normals * ((PLACES - 1) / length)
     told = ((curvature * normals), (curvature * sides), -(rates * sides))
     most = SHARPEST / length
@@ -135,6 +149,7 @@ def even_torsions(
     fields: Mapping[int, NormalField],
     changes: Mapping[int, Array],
     fans: Sequence[OpenFan],
+    told: Mapping[int, Array],
 ) -> dict[int, Array]:
     """Return further changes of the torsions at both ends of edges, and the turns of their middles.
 
@@ -146,6 +161,9 @@ def even_torsions(
         Of their torsions, by which corners agree.
     fans : sequence of OpenFan
         Round all nodes.
+    told : mapping of int to (17,) array
+        How far the normals of edges are from those of a quadric, at the places of
+        `even_parameters`, radians about the tangent.
 
     Returns
     -------
@@ -157,18 +175,23 @@ def even_torsions(
     if not edges:
         return made
     problem = _Problem.of(edges, fields, changes, fans)
+    for number, edge in enumerate(edges):
+        if edge in told:
+            problem.told[number], problem.weights[number] = told[edge], TOLD
     for _ in range(ROUNDS):
         problem.improve()
     step = STEP / HUMP
     for number, fan in enumerate(fans):
         own = problem.lengths[number]
-        most = MOST_TURN * own / (HUMP * max(fields[edge].length for edge, _ in fan.senses))
+        turn = MOST_TOLD_TURN if all(edge in told for edge, _ in fan.senses) else MOST_TURN
+        most = turn * own / (HUMP * max(fields[edge].length for edge, _ in fan.senses))
         amount = np.clip(step * np.round(problem.amounts[number] / step), -most, most) / own
         for (edge, end), sense in fan.senses.items():
             made[edge][end] = sense * amount
     for number, edge in enumerate(edges):
         turn = STEP * np.round(problem.turns[number] / STEP)
-        made[edge][2] = np.clip(turn, -MOST_TURN, MOST_TURN)
+        most = MOST_TOLD_TURN if edge in told else MOST_TURN
+        made[edge][2] = np.clip(turn, -most, most)
     return made
 
 
@@ -208,6 +231,8 @@ class _Problem:
         self.agreed = np.zeros(shape)
         self.pairs: list[tuple[int, tuple[int, int], tuple[int, int], float, float]] = []
         self.belief = np.ones(len(lengths))
+        self.told = np.zeros((len(bends), PLACES))
+        self.weights = np.zeros(len(bends))
 
     @classmethod
     def of(
@@ -287,7 +312,7 @@ class _Problem:
         self.turns += step[2 * count :]
 
     def _along(self) -> tuple[Index, Array, Array]:
-        """Return unknowns (m, 5), derivatives (m, 51, 5) and values (m, 51) of what changes."""
+        """Return unknowns (m, 5), derivatives (m, 68, 5) and values (m, 68) of what changes."""
         share = np.linspace(0.0, 1.0, PLACES)
         back = 1.0 - share
         arc = self.arcs[:, None]
@@ -334,14 +359,27 @@ class _Problem:
         stretches = np.where((share == 0) | (share == 1), 0.5, 1.0) / (PLACES - 1)
         for part in (rest, *columns):
             part[:, 1] -= (part[:, 1] @ stretches)[:, None]
-        weight = arc**1.5 * np.sqrt(stretches)
+        weight = arc**2 * np.sqrt(stretches)
         rows = np.stack([column * weight[:, None] for column in columns], axis=-1)
         count = len(self.lengths)
         fans = self.fan_of
         both = [number for end in fans.T for number in (end, count + end)]
         numbers = np.stack((*both, 2 * count + np.arange(len(fans))), axis=1)
         flat = rows.reshape(len(rows), 3 * PLACES, len(columns))
-        return numbers, flat, (rest * weight[:, None]).reshape(len(rows), -1)
+        trust = 4.0 * share * back * self.weights[:, None] / np.sqrt(PLACES)
+        still = np.zeros_like(turn)
+        by_turn = (
+            *(part for end in (0, 1) for part in (self.shares[:, end, None] * rise[:, end], still)),
+            middle,
+        )
+        return (
+            numbers,
+            np.concatenate((flat, np.stack(by_turn, axis=-1) * trust[:, :, None]), axis=1),
+            np.concatenate(
+                ((rest * weight[:, None]).reshape(len(rows), -1), (turn - self.told) * trust),
+                axis=1,
+            ),
+        )
 
     def _at_corners(self) -> list[tuple[Index, Array, float]]:
         """Return unknowns, derivatives and value of what curvatures lack at each corner."""

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import cached_property
 from bozzetto_product.fill.domain import cross
 from bozzetto_product.fill.half_sides import Side
@@ -83,6 +83,10 @@ SLIDING: Final = 1e-3
 LEANING: Final = 0.05
 """Sine between the normals along the sides and those of a quadric, root mean square, up to which
 they are about its own: in the middle of long sides those of corners are up to 5° off."""
+
+LEANING_BY_ALONE: Final = 1.0 / 3000.0
+"""The same by how many times farther off every other quadric is: one that is little alone is only
+meant if the normals are its own."""
 
 LEAST_LIKE: Final = 0.1
 """The same sine of a surface that was laid on a quadric, up to which it lies there smoothly."""
@@ -165,8 +169,9 @@ class LoopSides:
             return None
         held = self.normals.copy()
         held[:, 1] = held[:, 1, ::-1]
-        sine = np.linalg.norm(np.cross(found.normals(places), held.reshape(-1, 3)), axis=1)
-        return found if float(np.sqrt((sine**2).mean())) <= LEANING else None
+        sine = np.linalg.norm(cross_product(found.normals(places), held.reshape(-1, 3)), axis=1)
+        most = min(LEANING, LEANING_BY_ALONE * found.alone)
+        return found if float(np.sqrt((sine**2).mean())) <= most else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -445,7 +450,7 @@ def _leaning(made: _Candidate, quadric: Quadric) -> float:
     normals = normals_of(made.solution.nets, at).reshape(-1, 3)
     lengths = np.maximum(np.linalg.norm(normals, axis=1), 1e-300)
     wanted = quadric.normals(_places(made.solution.nets, at).reshape(-1, 3))
-    return float((np.linalg.norm(np.cross(normals, wanted), axis=1) / lengths).max())
+    return float((np.linalg.norm(cross_product(normals, wanted), axis=1) / lengths).max())
 
 
 def _places(nets: Array, at: Array) -> Array:
@@ -506,7 +511,7 @@ def _likely_slopes(space: PatchSpace, loop: LoopSides) -> Array:
             sense = 1.0 if half == 0 else -1.0
             domain_across = (1 - at) * (beside - corner) + at * (domain.centre - middles[k])
             slopes = loop.slopes[k, half]
-            inward = np.cross(loop.normals[k, half], sense * slopes)
+            inward = cross_product(loop.normals[k, half], sense * slopes)
             inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-12)
             speed = (1 - at) * speeds[k, half] + at * 0.5 * (speeds[k, 0] + speeds[k, 1])
             height = sense * cross(way, domain_across)[:, None] / length
@@ -532,7 +537,7 @@ def _speed_across(space: PatchSpace, loop: LoopSides, side: int, half: int) -> f
     normal = loop.normals[side, half, 0]
     if not np.isfinite(normal[0]):
         return straight
-    inward = np.cross(normal, tangent if half == 0 else -tangent)
+    inward = cross_product(normal, tangent if half == 0 else -tangent)
     inward /= max(float(np.linalg.norm(inward)), 1e-300)
     way = domain.middles[side] - corner
     height = abs(float(cross(way, beside - corner))) / float(np.hypot(*way))

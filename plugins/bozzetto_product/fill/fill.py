@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import Brep, BSplineSurface, Mesh
 from bozzetto.plugin import cached_property
 from bozzetto_product.fill.fill_mesh import piece_samples, radius_ratios, segments_of
@@ -95,7 +95,7 @@ class Fill(ABC):
             if normals is None:
                 continue
             _, found = self.places_beside(half, number, at)
-            sine = np.linalg.norm(np.cross(found, normals), axis=1)
+            sine = np.linalg.norm(cross_product(found, normals), axis=1)
             angle = np.degrees(np.arctan2(sine, np.abs((found * normals).sum(axis=1))))
             which = np.clip(np.searchsorted(half.breaks, at, "right") - 1, 0, len(half.pieces) - 1)
             for index, piece in enumerate(half.pieces):
@@ -157,7 +157,7 @@ class Fill(ABC):
     def area(self) -> float:
         """Area of the mesh, mm²."""
         corners = self.mesh.vertices.astype(np.float64)[self.mesh.faces]
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        across = cross_product(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         return float(0.5 * np.linalg.norm(across, axis=1).sum())
 
     @cached_property

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import BSplineSurface, Mesh
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.domain import Domain, cross, domain_of
@@ -154,7 +154,7 @@ def places_and_normals(patch: BSplineSurface, parameters: Array) -> tuple[Array,
     net = patch.control_points
     rows, slopes = ((rows @ net.reshape(len(net), -1)).reshape(count, -1, 3) for rows in along_u)
     values, by_v = (each[:, None] for each in along_v)
-    across = np.cross((values @ slopes)[:, 0], (by_v @ rows)[:, 0])
+    across = cross_product((values @ slopes)[:, 0], (by_v @ rows)[:, 0])
     length = np.linalg.norm(across, axis=1)
     flat = length <= FLAT * length.max(initial=0.0)
     across /= np.where(flat, 1.0, length)[:, None]

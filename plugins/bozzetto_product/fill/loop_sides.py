@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import cross_product
 from bozzetto_product.fill.corners import Corner
 from bozzetto_product.fill.edge_pieces import EdgePiece
 from bozzetto_product.fill.half_sides import HalfSide, Side, SidePiece
@@ -117,7 +118,7 @@ def _turns(pieces: Sequence[SidePiece], normals: LoopNormals) -> list[float]:
     for piece in pieces:
         first, last = piece.ends()
         normal = normals.corners[piece.half_edge].normal
-        made.append(float(np.arctan2(np.cross(first, last) @ normal, first @ last)))
+        made.append(float(np.arctan2(cross_product(first, last) @ normal, first @ last)))
     return [0.5 * (made[index - 1] + turn) for index, turn in enumerate(made)]
 
 

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto_product.fill.patch_space import PatchSpace
 from bozzetto_product.fill.quintic import NODES, POINTS, WEIGHTS, bernstein
 
@@ -75,7 +75,7 @@ def curvature_of(nets: Array) -> Curvature:
     along_u, along_v = (bend * by_u).sum(axis=-1), (bend * by_v).sum(axis=-1)
     lower_u, lower_v = a * along_u + b * along_v, b * along_u + c * along_v
     factors = np.stack((-lower_u, -lower_v, a, 2 * b, c), axis=-1)
-    normals = np.cross(by_u, by_v)
+    normals = cross_product(by_u, by_v)
     area = np.linalg.norm(normals, axis=-1)
     normals /= np.maximum(area, 1e-15)[..., None]
     mean = 0.5 * (bend * normals).sum(axis=-1)
@@ -120,7 +120,7 @@ def normals_of(nets: Array, at: Array) -> Array:
     values, slopes = bernstein(at), bernstein(at, 1)
     by_u = np.einsum("ai,kijd,bj->kabd", slopes, nets, values, optimize=True)
     by_v = np.einsum("ai,kijd,bj->kabd", values, nets, slopes, optimize=True)
-    return np.cross(by_u, by_v)
+    return cross_product(by_u, by_v)
 
 
 def _turns_over(nets: Array, count: int) -> bool:

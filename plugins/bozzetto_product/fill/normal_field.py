@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import Spline
 from bozzetto.plugin import cached_property, remembered
 
@@ -66,7 +66,7 @@ class NormalField:
         tangents = unit_tangents(self.spline, at)
         normals = self.value(at)
         speed = np.linalg.norm(self.spline.derivative(at), axis=1)
-        rate = (self._between(at, 1) * np.cross(tangents, normals)).sum(axis=1)
+        rate = (self._between(at, 1) * cross_product(tangents, normals)).sum(axis=1)
         return np.asarray(rate / np.where(speed > 0.0, speed, np.inf))
 
     @cached_property
@@ -145,7 +145,7 @@ def across(vectors: Array, tangents: Array) -> Array:
 def rotated(vectors: Array, axes: Array, angles: Array) -> Array:
     """Return vectors turned about unit axes across them, (n, 3)."""
     cosine, sine = np.cos(angles)[:, None], np.sin(angles)[:, None]
-    return np.asarray(cosine * vectors + sine * np.cross(axes, vectors))
+    return np.asarray(cosine * vectors + sine * cross_product(axes, vectors))
 
 
 def length_shares(spline: Spline, at: Array) -> Array:
@@ -214,7 +214,7 @@ def carried(spline: Spline, first: Array, last: Array) -> NormalField:
 def angle_about(axis: Array, one: Array, other: Array) -> float:
     """Return the angle from one vector to another about a unit axis, radians."""
     return float(
-        np.arctan2(np.cross(one, other) @ axis, one @ other - (one @ axis) * (other @ axis))
+        np.arctan2(cross_product(one, other) @ axis, one @ other - (one @ axis) * (other @ axis))
     )
 
 

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.corners import FLAT_SINE, Corner, loop_corners
 from bozzetto_product.fill.edge_pieces import opened
@@ -18,6 +18,7 @@ from bozzetto_product.fill.normal_field import (
     carried,
     unit_tangents,
 )
+from bozzetto_product.fill.quadric_normals import quadric_turns
 from bozzetto_product.fill.torsion import TwistCorner, agreeing
 from bozzetto_product.network.net import Loop, Net
 
@@ -188,7 +189,9 @@ def _found_fields(
         ]
         for fan in fans
     ]
-    return agreeing(fields, [fan for fan in twists if fan])
+    return agreeing(
+        fields, [fan for fan in twists if fan], quadric_turns(net, loops, smooth, fields)
+    )
 
 
 def _has_twist(
@@ -307,15 +310,33 @@ def _own_field(
         if float(middle @ (ends[0].normal + ends[1].normal)) >= 0
         else (common.reversed_sign())
     )
-    if not forward:
-        ends = ends[1], ends[0]
     if 0.0 < crease < 1.0:
-        alone = carried(spline, ends[0].normal, ends[1].normal)
+        first, last = ends if forward else ends[::-1]
+        alone = carried(spline, first.normal, last.normal)
         mixed = (1.0 - crease) * field.normals + crease * alone.normals
         field = NormalField(
             spline, field.parameters, across(mixed, unit_tangents(spline, field.parameters))
         )
-    tangents = unit_tangents(spline, field.parameters[[0, -1]])
+    return fitted_to_corners(field, ends, forward)
+
+
+def fitted_to_corners(
+    field: NormalField, ends: tuple[Corner, Corner], forward: bool
+) -> NormalField:
+    """Return a field that has the planes of the tangents at both corners of an edge.
+
+    Parameters
+    ----------
+    field : NormalField
+        Of the edge.
+    ends : (Corner, Corner)
+        Where the loop's half edge starts and ends.
+    forward : bool
+        Whether the loop runs it in the edge's sense.
+    """
+    if not forward:
+        ends = ends[1], ends[0]
+    tangents = unit_tangents(field.spline, field.parameters[[0, -1]])
     turns = [
         _turn_to_corner(field.normals[index], tangents[index], corner, forward)
         for index, corner in ((0, ends[0]), (-1, ends[1]))
@@ -333,9 +354,9 @@ def _turn_to_corner(normal: Array, tangent: Array, corner: Corner, forward: bool
     """Return the angle about an edge to the plane of a corner's own tangents, radians."""
     if corner.sine < FLAT_SINE:
         return 0.0
-    plane = np.cross(corner.enter, corner.leave) / corner.sine
+    plane = cross_product(corner.enter, corner.leave) / corner.sine
     plane = plane if plane @ normal >= 0 else -plane
-    return float(np.arctan2(np.cross(normal, plane) @ tangent, normal @ plane))
+    return float(np.arctan2(cross_product(normal, plane) @ tangent, normal @ plane))
 
 
 def _fade(x: Array) -> Array:

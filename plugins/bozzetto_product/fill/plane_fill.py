@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags
+from bozzetto.arrays import Array, Flags, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import Brep, BSplineSurface, Mesh, triangulate
 from bozzetto.plugin import cached_property, override
@@ -73,7 +73,7 @@ class PlaneFill(Fill):
     def normal(self) -> Array:
         """Unit, (3,)."""
         net = self.plane.control_points
-        normal = np.cross(net[1, 0] - net[0, 0], net[0, 1] - net[0, 0])
+        normal = cross_product(net[1, 0] - net[0, 0], net[0, 1] - net[0, 0])
         return np.asarray(normal / np.linalg.norm(normal))
 
     @cached_property
@@ -176,7 +176,7 @@ def plane_fill(frame: LoopSides, loop: Loop, spacing: float, key: bytes) -> Plan
         return None
     ring = _ring_of(frame.sides)
     x = _direction(frame.sides, normal, size)
-    corners = np.stack((x, np.cross(normal, x)))
+    corners = np.stack((x, cross_product(normal, x)))
     flat = (ring - middle) @ corners.T
     outline = _polygon(flat)
     if not outline.is_valid or outline.area <= LEAST_WIDTH * size**2:

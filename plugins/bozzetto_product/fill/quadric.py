@@ -18,15 +18,18 @@ import numpy as np
 
 from bozzetto.arrays import Array
 
-CLOSE: Final = 3e-4
+CLOSE: Final = 5e-4
 """Root mean square distance of places from a quadric, as share of their size, up to which they lie
 on it."""
 
-ALONE: Final = 150.0
+ALONE: Final = 90.0
 """How many times farther off the second quadric must be, for the first to be meant."""
 
 FLAT: Final = 1e-3
 """Share of the size below which places lie in a plane, which many quadrics touch."""
+
+TINY: Final = 1e-7
+"""Root mean square distance, as share of the size, below which it tells nothing more."""
 
 STEPS: Final = 6
 """Newton steps to the nearest place."""
@@ -54,6 +57,8 @@ class Quadric:
         Of the places that it was fitted to, mm.
     off : float
         Their root mean square distance, mm.
+    alone : float
+        How many times farther off every other quadric is.
     """
 
     square: Array
@@ -61,6 +66,7 @@ class Quadric:
     constant: float
     size: float
     off: float
+    alone: float
 
     def value(self, places: Array) -> Array:
         """Return the function that is nought on the surface, (n,)."""
@@ -131,10 +137,17 @@ def quadric_through(places: Array, weights: Array) -> Quadric | None:
     except np.linalg.LinAlgError:
         return None
     first, second = np.sqrt(np.maximum(squares, 0.0))
-    if first > CLOSE or second < ALONE * max(first, 1e-7):
+    if first > CLOSE or second < ALONE * max(first, TINY):
         return None
     a, b, c, d, e, f, *linear = found[:, 0]
     square = np.array(((a, d / 2, f / 2), (d / 2, b, e / 2), (f / 2, e / 2, c))) / size**2
     along = np.array(linear) / size
     constant = float(middle @ square @ middle - along @ middle - found[:, 0] @ mean)
-    return Quadric(square, along - 2.0 * square @ middle, constant, size, float(first) * size)
+    return Quadric(
+        square,
+        along - 2.0 * square @ middle,
+        constant,
+        size,
+        float(first) * size,
+        float(second) / max(float(first), TINY),
+    )

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, frozen
+from bozzetto.arrays import Array, cross_product, frozen
 from bozzetto.plugin import cached_property
 from bozzetto_product.fill.half_sides import Side
 from bozzetto_product.fill.patch_space import PatchSpace
@@ -85,7 +85,7 @@ class Screw:
         axis /= max(float(np.linalg.norm(axis)), 1e-300)
         push = float(shift @ axis) * axis
         across = shift - push
-        foot = 0.5 * (across + np.cross(axis, across) / np.tan(0.5 * angle))
+        foot = 0.5 * (across + cross_product(axis, across) / np.tan(0.5 * angle))
         return cls(angle, axis, foot, push)
 
     def moved(self, places: Array, share: Array) -> Array:
@@ -94,7 +94,7 @@ class Screw:
         from_foot = places - self.foot
         along = (from_foot @ self.axis)[:, None] * self.axis
         out = from_foot - along
-        turned = np.cos(share * self.angle) * out + np.sin(share * self.angle) * np.cross(
+        turned = np.cos(share * self.angle) * out + np.sin(share * self.angle) * cross_product(
             self.axis, out
         )
         return np.asarray(self.foot + along + turned + share * self.push)
@@ -106,7 +106,7 @@ class Screw:
 
     def speeds(self, places: Array) -> Array:
         """Return the derivatives of places by the share of the motion, (n, 3)."""
-        return np.asarray(self.angle * np.cross(self.axis, places - self.foot) + self.push)
+        return np.asarray(self.angle * cross_product(self.axis, places - self.foot) + self.push)
 
     def shares(self, places: Array, start: Array) -> Array:
         """Return the shares, 0 … 1, at which a moved place comes nearest to places, (n,)."""
@@ -117,7 +117,7 @@ class Screw:
             one = start - self.foot
             one = one - float(one @ self.axis) * self.axis
             other = places - self.foot
-            sine = np.cross(one, other) @ self.axis
+            sine = cross_product(one, other) @ self.axis
             angle = np.arctan2(sine, other @ one) - 0.5 * self.angle
             angle = (angle + np.pi) % (2.0 * np.pi) - np.pi
             made = angle / self.angle + 0.5
@@ -331,7 +331,7 @@ def _leaning(screw: Screw, rows: list[tuple[SidePlaces, Array]]) -> float:
     speeds = [screw.speeds(side.places) for side, _ in rows]
     fastest = max(float(np.linalg.norm(speed, axis=1).max()) for speed in speeds)
     for (side, ways), speed in zip(rows, speeds, strict=True):
-        across = np.cross(ways, speed)
+        across = cross_product(ways, speed)
         length = np.linalg.norm(across, axis=1)
         told = np.isfinite(side.normals[:, 0]) & (length > 0.0)
         told &= np.linalg.norm(speed, axis=1) > RESTING * fastest

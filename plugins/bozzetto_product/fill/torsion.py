@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.even_torsion import (
     EdgeEnd,
@@ -55,12 +55,12 @@ class TwistCorner:
 
     def angle_about(self, normal: Array) -> tuple[float, float]:
         """Return cosine and sine of the angle from `out` to `back` about a normal."""
-        return float(self.out @ self.back), float(np.cross(self.out, self.back) @ normal)
+        return float(self.out @ self.back), float(cross_product(self.out, self.back) @ normal)
 
     def wanted(self, fields: Mapping[int, NormalField]) -> float:
         """Return the sum of both torsions that agrees with both curvatures, radians by mm."""
         cosine = float(self.out @ self.back)
-        sine = float(np.cross(self.out, self.back) @ self.normal)
+        sine = float(cross_product(self.out, self.back) @ self.normal)
         bends = [
             float(fields[edge].end_curvatures[end] @ self.normal)
             for edge, end in (self.leave, self.enter)
@@ -88,7 +88,9 @@ def with_torsions(field: NormalField, changes: Array, turn: float = 0.0) -> Norm
 
 
 def agreeing(
-    fields: Mapping[int, NormalField], fans: Iterable[list[TwistCorner]]
+    fields: Mapping[int, NormalField],
+    fans: Iterable[list[TwistCorner]],
+    told: Mapping[int, Array],
 ) -> dict[int, NormalField]:
     """Return fields of edges of which the torsions agree at corners, with least changes.
 
@@ -100,6 +102,8 @@ def agreeing(
         Of each edge.
     fans : iterable of list of TwistCorner
         Corners that edges with normals link; each list is solved alone.
+    told : mapping of int to (17,) array
+        See `even_torsions`.
     """
     torsions = {edge: field.end_torsions for edge, field in fields.items()}
     changes = {edge: np.zeros(2) for edge in fields}
@@ -128,7 +132,7 @@ def agreeing(
             )
             for part, senses in _open_senses(fan, ends)
         ]
-    further = even_torsions(fields, changes, left_open)
+    further = even_torsions(fields, changes, left_open, told)
     return {
         edge: with_torsions(
             field, _at_most(changes[edge] + further[edge][:2], field), float(further[edge][2])

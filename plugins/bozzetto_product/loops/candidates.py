@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto_product.loops.sampling import SampledNet
 
 Halves = tuple[int, ...]
@@ -157,7 +157,7 @@ def rotation_walks(sampled: SampledNet) -> list[Halves]:
 
 
 def _corner_normals(sampled: SampledNet, into: Index, out: Index) -> Array:
-    normal = np.cross(-sampled.leaving[into ^ 1], sampled.leaving[out])
+    normal = cross_product(-sampled.leaving[into ^ 1], sampled.leaving[out])
     size = np.linalg.norm(normal, axis=1, keepdims=True)
     at_node = sampled.normals[sampled.heads[into]]
     return np.where(size < CORNER, at_node, normal / np.maximum(size, CORNER))
@@ -168,7 +168,7 @@ def _next_edges(sampled: SampledNet, half: Index, normal: Array) -> tuple[Index,
     normal = np.einsum("kij,kj->ki", sampled.turns[half], normal)
     arriving = -sampled.leaving[half ^ 1]
     ahead = arriving - (arriving * normal).sum(axis=1, keepdims=True) * normal
-    frame = np.stack((normal, ahead, np.cross(normal, ahead)), axis=1)
+    frame = np.stack((normal, ahead, cross_product(normal, ahead)), axis=1)
     ways = sampled.ways[sampled.heads[half]]
     up, along, across = np.einsum("kdi,kfi->fkd", sampled.leaving[ways], frame)
     angle = np.arctan2(across, along)
@@ -177,7 +177,7 @@ def _next_edges(sampled: SampledNet, half: Index, normal: Array) -> tuple[Index,
     found = angle[rows, best] > -np.inf
     chosen = np.where(found, ways[rows, best], half)
     out = sampled.leaving[chosen]
-    corner = np.cross(arriving, out)
+    corner = cross_product(arriving, out)
     size = np.linalg.norm(corner, axis=1, keepdims=True)
     corner = np.where(size > RENEWING, corner / np.maximum(size, RENEWING), 0.0)
     normal = normal + corner * np.sign((corner * normal).sum(axis=1, keepdims=True))

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags
+from bozzetto.arrays import Array, Flags, cross_product
 from bozzetto_product.loops.candidates import Halves
 from bozzetto_product.loops.costs import STRAIGHT
 from bozzetto_product.loops.orientation import orient_loops
@@ -122,7 +122,7 @@ def _is_flat(net: Net, loops: Sequence[Loop]) -> bool:
         points = ring - everything.mean(axis=0)
         centre = points.mean(axis=0)
         following = np.roll(points, -1, axis=0)
-        area = 0.5 * np.cross(points - centre, following - centre).sum(axis=0)
+        area = 0.5 * cross_product(points - centre, following - centre).sum(axis=0)
         volume += float(area @ centre) / 3.0
         largest = max(largest, float(np.linalg.norm(area)))
     extent = float(np.linalg.norm(np.ptp(everything, axis=0)))

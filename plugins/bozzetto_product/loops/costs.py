@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto_product.loops.candidates import Halves, edges_of
 from bozzetto_product.loops.sampling import SAMPLES, SampledNet
 
@@ -162,7 +162,7 @@ def _shapes(sampled: SampledNet, steps: _Steps) -> tuple[dict[str, Array], Array
     high = np.maximum.reduceat(points.max(axis=1), steps.starts)
     low = np.minimum.reduceat(points.min(axis=1), steps.starts)
     size = np.maximum(np.linalg.norm(high - low, axis=1), 1e-300)
-    area = steps.sums(0.5 * np.cross(points, lines[:, 1:]).sum(axis=1))
+    area = steps.sums(0.5 * cross_product(points, lines[:, 1:]).sum(axis=1))
     perimeter = np.maximum(steps.sums(sampled.lengths[steps.halves // 2]), 1e-300)
     compact = 4.0 * np.pi * np.linalg.norm(area, axis=1) / perimeter**2
     amounts = {
@@ -180,7 +180,7 @@ def _corners(sampled: SampledNet, steps: _Steps, area: Array, size: Array) -> di
     met = nodes >= 0
     arriving, leaving = -sampled.leaving[halves ^ 1], sampled.leaving[following]
     cosine = np.where(met, (arriving * leaving).sum(axis=1), 1.0)
-    normal = np.where(met[:, None], np.cross(arriving, leaving), 0.0)
+    normal = np.where(met[:, None], cross_product(arriving, leaving), 0.0)
     sine = np.linalg.norm(normal, axis=1)
     angle = np.arctan2(sine, cosine)
     degree = np.where(met, sampled.degrees[nodes], 2)
@@ -261,7 +261,7 @@ def _covered(sampled: SampledNet, steps: _Steps, up: Array, size: Array) -> Arra
     nodes = sampled.heads[steps.halves]
     ahead = sampled.leaving[steps.following]
     back = sampled.leaving[steps.halves ^ 1]
-    left = np.cross(up, ahead)
+    left = cross_product(up, ahead)
     others = sampled.ways[nodes]
     ends = sampled.leaving[others]
     opening = _angle(back[:, None], ahead, left)[:, 0]

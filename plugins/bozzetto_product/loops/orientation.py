@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.network.half_edges import half_edges
 from bozzetto_product.network.net import Loop, Net
@@ -143,7 +143,7 @@ def _faces_inward(
     for ring in rings:
         points = ring - centre
         following = np.roll(points, -1, axis=0)
-        areas = 0.5 * np.cross(points, following)
+        areas = 0.5 * cross_product(points, following)
         volume += float((areas @ points.mean(axis=0)).sum())
         area += areas.sum(axis=0)
         size += float(np.linalg.norm(areas, axis=1).sum())

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto_product.loops.finding import FoundLoops
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.network.half_edges import half_edges
@@ -70,12 +70,12 @@ def _depth(ring: Array, origin: Array, direction: Array) -> float | None:
     """
     apex = ring.mean(axis=0)
     first, second = ring - apex, np.roll(ring, -1, axis=0) - apex
-    across = np.cross(direction, second)
+    across = cross_product(direction, second)
     volume = (first * across).sum(axis=1)
     scale = np.where(np.abs(volume) > 0, volume, np.inf)
     to_origin = origin - apex
     u = across @ to_origin / scale
-    other = np.cross(to_origin, first)
+    other = cross_product(to_origin, first)
     v = other @ direction / scale
     depth = (second * other).sum(axis=1) / scale
     met = (np.abs(volume) > 0) & (u >= 0) & (v >= 0) & (u + v <= 1) & (depth > 0)

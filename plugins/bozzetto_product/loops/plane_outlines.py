@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto_product.loops.sampling import SampledNet
 
 FLAT: Final = 1e-3
@@ -45,7 +45,7 @@ def plane_outlines(sampled: SampledNet) -> list[tuple[int, ...]]:
         if len(halves) < 2:
             continue
         ends = sampled.leaving[list(halves)]
-        normals = np.cross(ends[:, None], ends)
+        normals = cross_product(ends[:, None], ends)
         sines = np.linalg.norm(normals, axis=2)
         for one, two in np.argwhere(sines >= LEAST_SINE).tolist():
             first, second = halves[one], halves[two]

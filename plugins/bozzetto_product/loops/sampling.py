@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
 from bozzetto_product.network.half_edges import half_edge_images
@@ -145,7 +145,7 @@ def _frame_turns(lines: Array) -> Array:
     total = np.broadcast_to(np.eye(3), (len(lines), 3, 3))
     for step in range(chords.shape[1] - 1):
         first, second = chords[:, step], chords[:, step + 1]
-        axis, cosine = np.cross(first, second), (first * second).sum(axis=1)
+        axis, cosine = cross_product(first, second), (first * second).sum(axis=1)
         cross = np.zeros((len(lines), 3, 3))
         cross[:, [2, 0, 1], [1, 2, 0]] = axis
         cross[:, [1, 2, 0], [2, 0, 1]] = -axis

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import Spline
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.joints import Joint, Meeting
@@ -186,7 +186,7 @@ def _crossing(
         return None
     ways = one.spline.derivative([at[0]])[0], other.spline.derivative([at[1]])[0]
     size = float(np.linalg.norm(ways[0]) * np.linalg.norm(ways[1]))
-    if not np.linalg.norm(np.cross(*ways)) > FLATTEST * size:
+    if not np.linalg.norm(cross_product(*ways)) > FLATTEST * size:
         return None
     for course, place in zip((one, other), places, strict=True):
         ends = course.spline.control_points[[0, -1]]

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import Spline
 from bozzetto_product.projection.spline_basis import bent, chord_length
 
@@ -84,11 +84,11 @@ def similar(points: Array, start: Array, end: Array) -> Array | None:
     cosine = float(old @ new)
     if cosine <= -1.0 + 1e-9:
         return None
-    turned = reach / length * _led_over(points - points[0], np.cross(old, new), cosine)
+    turned = reach / length * _led_over(points - points[0], cross_product(old, new), cosine)
     before = points - start
     across = turned - np.outer(turned @ new, new)
     goal = before - np.outer(before @ new, new)
-    sine, same = float((np.cross(across, goal) @ new).sum()), float((across * goal).sum())
+    sine, same = float((cross_product(across, goal) @ new).sum()), float((across * goal).sum())
     size = float(np.hypot(sine, same))
     # A straight curve has no roll.
     if size > STRAIGHT**2 * reach * reach:
@@ -101,13 +101,13 @@ def similar(points: Array, start: Array, end: Array) -> Array | None:
 def _led_over(vectors: Array, cross: Array, cosine: float) -> Array:
     """Rotate vectors by the smallest turn between two unit vectors: their products."""
     along = np.outer(vectors @ cross, cross) / (1.0 + cosine)
-    return np.asarray(cosine * vectors + np.cross(cross, vectors) + along)
+    return np.asarray(cosine * vectors + cross_product(cross, vectors) + along)
 
 
 def _rolled(vectors: Array, axis: Array, sine: float, cosine: float) -> Array:
     """Rotate vectors about a unit axis."""
     along = np.outer(vectors @ axis, axis)
-    return np.asarray(along + cosine * (vectors - along) + sine * np.cross(axis, vectors))
+    return np.asarray(along + cosine * (vectors - along) + sine * cross_product(axis, vectors))
 
 
 def _is_gentle(spline: Spline, moved: Array) -> bool:
@@ -129,4 +129,4 @@ def _is_gentle(spline: Spline, moved: Array) -> bool:
 
 def _angle(one: Array, other: Array) -> float:
     """Return the angle between two vectors, degrees; 0 where one has no direction."""
-    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other)))
+    return float(np.degrees(np.arctan2(np.linalg.norm(cross_product(one, other)), one @ other)))

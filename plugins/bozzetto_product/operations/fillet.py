@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import Strokes
@@ -113,7 +113,7 @@ def _from_corner(spline: Spline, at: float) -> Spline:
 def _sides(one: Spline, other: Spline) -> list[_Side]:
     """Return both curves from the corner on, with the frame of the corner's plane."""
     ways = end_direction(one, 0.0), end_direction(other, 0.0)
-    if np.linalg.norm(np.cross(*ways)) < np.sin(NARROWEST):
+    if np.linalg.norm(cross_product(*ways)) < np.sin(NARROWEST):
         raise UserError("These curves make no corner: they run on or back over one another.")
     sides = []
     for spline, way, toward in ((one, ways[0], ways[1]), (other, ways[1], ways[0])):
@@ -167,7 +167,7 @@ def _centre(side: _Side, frame: Array, at: float, radius: float) -> Array:
 def _arc(sides: list[_Side], at: Array, radius: float) -> Spline:
     """Return the arc between two curves, with their directions at its ends."""
     frame = np.stack((sides[0].along, sides[0].inward))
-    upright = np.cross(*frame)
+    upright = cross_product(*frame)
     origin = sides[0].origin
     ends = [side.spline.value([at[k]])[0] for k, side in enumerate(sides)]
     ways = [side.spline.derivative([at[k]])[0] for k, side in enumerate(sides)]

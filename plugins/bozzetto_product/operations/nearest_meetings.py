@@ -42,15 +42,20 @@ def nearest_inside(
         Only places in the symmetry plane count: where curves cross it, or those that lie in it.
     """
     best: tuple[float, tuple[float, ...], Meeting] | None = None
-    for curve in state.of_kind(Curve):
+    curves = [curve for curve in state.of_kind(Curve) if curve.spline is not None]
+    low, high = _boxes(tuple(curve.spline for curve in curves))
+    both = place, mirror_image(place, state.symmetry)
+    far = (np.maximum(low - here, here - high).max(axis=1, initial=-np.inf) for here in both)
+    near = [own <= reach for own in far]
+    for number in np.flatnonzero(near[0] | near[1]):
+        curve = curves[number]
         spline = curve.spline
         if spline is None or curve.id in busy:
             continue
         across = flat and not lies_in(curve, state.symmetry)
-        low, high = _box(spline)
         for mirrored in (False, True) if curve.mirrored else (False,):
-            here = mirror_image(place, state.symmetry) if mirrored else place
-            if (np.maximum(low - here, here - high) > reach).any():
+            here = both[mirrored]
+            if not near[mirrored][number]:
                 continue
             ends = np.linalg.norm(spline.control_points[[0, -1]] - here, axis=1)
             if not spline.closed and ends.min() <= reach:
@@ -72,10 +77,14 @@ def nearest_inside(
     return None if best is None else (best[2], best[0])
 
 
-@remembered(limit=4000)
-def _box(spline: Spline) -> tuple[Array, Array]:
-    points = spline.control_points
-    return points.min(axis=0), points.max(axis=0)
+@remembered(limit=8)
+def _boxes(splines: tuple[Spline | None, ...]) -> tuple[Array, Array]:
+    """Return the least and the largest coordinates of control points, (n, 3) each."""
+    points = [spline.control_points for spline in splines if spline is not None]
+    return (
+        np.array([own.min(axis=0) for own in points]).reshape(-1, 3),
+        np.array([own.max(axis=0) for own in points]).reshape(-1, 3),
+    )
 
 
 def _foot_share(spline: Spline, place: Array) -> float:

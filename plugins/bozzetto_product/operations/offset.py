@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Spline, closest_on_mesh
 from bozzetto.ink import spline_weights
@@ -73,7 +73,7 @@ def offset_spline(spline: Spline, distance: float, mesh: Mesh) -> Spline:
     points = start + 0.0
     normals = _normals(mesh, points)
     tangents = _unit(spline.derivative(at))
-    ways = _unit(np.cross(normals, tangents))
+    ways = _unit(cross_product(normals, tangents))
     for _ in range(STEPS):
         stepped = points + distance / STEPS * ways
         found = closest_on_mesh(mesh, stepped)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from typing import Final
 
@@ -23,6 +24,11 @@ NO_LENGTH: Final = 1e-12
 SQUARE: Final = 15.0
 """Angle between the end of a curve and the normal of the symmetry plane, degrees, up to which the
 curve is meant to run smoothly into its mirror image: twice what a hand is off."""
+
+
+RUN_ON: Final = 10.0
+"""Angle at which two curves that end in one joint meet, degrees, up to which one is meant to run on
+into the other: as that at which a side of a surface ends."""
 
 
 def end_direction(spline: Spline, at: float) -> Array:
@@ -149,6 +155,48 @@ def smooth_over_plane(state: ProductState, meetings: Iterable[Meeting]) -> Produ
         if abs(upright) >= np.cos(np.radians(SQUARE)):
             new[meet.curve] = with_end_direction(spline, meet.at, np.sign(upright) * normal)
     return settled_state(state, new) if new else state
+
+
+def smooth_over_joints(state: ProductState, joints: Iterable[str]) -> ProductState:
+    """Return the network with curves that nearly run on into one another doing so.
+
+    Two that were drawn as one line in two goes meet at some degrees, and the surfaces beside have a
+    corner there that CAD cuts them at. Both give way, but a curve that stays in a plane.
+
+    Parameters
+    ----------
+    state : ProductState
+        The network, in the frame of the model.
+    joints : iterable of str
+        Ids of joints; at those in the symmetry plane curves run on into their mirror images.
+    """
+    for name in joints:
+        joint, splines = joint_of(state, name), splines_of(state)
+        if joint.in_plane:
+            continue
+        ends = []
+        for meet in joint.meetings:
+            if meet.curve in splines and is_end(splines, meet) and _has_length(splines[meet.curve]):
+                way = end_direction(splines[meet.curve], meet.at)
+                ends.append((meet.curve, _across(way, state) if meet.mirrored else way))
+        pairs = [
+            (one, other)
+            for (one, way), (other, back) in itertools.combinations(ends, 2)
+            if float(way @ back) <= -np.cos(np.radians(RUN_ON))
+        ]
+        used = [curve for pair in pairs for curve in pair]
+        for one, other in pairs:
+            if one == other or used.count(one) + used.count(other) > 2:
+                continue
+            flat = [each for each in (one, other) if curve_of(state, each).plane is not None]
+            if len(flat) < 2:
+                state = match_tangents(state, name, one, other, lead="".join(flat))
+    return state
+
+
+def _has_length(spline: Spline) -> bool:
+    points = spline.control_points
+    return bool(np.isfinite(points).all() and np.ptp(points, axis=0).max() > 0.0)
 
 
 def _across(direction: Array, state: ProductState) -> Array:

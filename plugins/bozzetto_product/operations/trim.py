@@ -31,7 +31,7 @@ from bozzetto_product.operations.meetings import (
 from bozzetto_product.operations.nearest_meetings import nearest_inside
 from bozzetto_product.operations.plane_crossings import lies_in
 from bozzetto_product.operations.settling import settled_state
-from bozzetto_product.operations.tangents import smooth_over_plane
+from bozzetto_product.operations.tangents import smooth_over_joints, smooth_over_plane
 from bozzetto_product.projection.planes import heights, in_plane, mirror_image
 from bozzetto_product.projection.spline_basis import chord_length
 
@@ -113,7 +113,20 @@ def trim(
         return Trimmed(state)
     ended, joined = ends_joined(state, width, only)
     crossed, more = crossings_joined(ended, width, only)
-    return Trimmed(crossed, (*joined, *more), proposals_of(crossed, width, only))
+    moved = {name for name, own in splines_of(crossed).items() if own is not splines[name]}
+    at = [
+        joint.id
+        for joint in crossed.joints
+        if joint.id in joined or any(meet.curve in moved for meet in joint.meetings)
+    ]
+    flat = [
+        meet
+        for joint in crossed.joints
+        for meet in joint.meetings
+        if joint.in_plane and meet.curve in moved
+    ]
+    smooth = smooth_over_plane(smooth_over_joints(crossed, at), flat)
+    return Trimmed(smooth, (*joined, *more), proposals_of(smooth, width, only))
 
 
 def ends_joined(
@@ -441,13 +454,20 @@ def nearest_gap(end: End, ends: Sequence[End], state: ProductState) -> Proposal 
     splines = splines_of(state)
     mine = Meeting(end.curve, end.at)
     found: list[tuple[float, tuple[Meeting, ...], Array]] = []
-    for other in ends:
+    places = np.array([other.place for other in ends])
+    reaches = np.minimum([other.gap for other in ends], end.gap)
+    ways = [
+        np.linalg.norm(own - end.place, axis=1)
+        for own in (places, mirror_image(places, state.symmetry))
+    ]
+    for number in np.flatnonzero(np.minimum(*ways) <= reaches):
+        other = ends[int(number)]
         if other is end or is_tail(end, other):
             continue
         for mirrored in (False, True) if end.image or other.image else (False,):
             place = mirror_image(other.place, state.symmetry) if mirrored else other.place
-            distance = float(np.linalg.norm(place - end.place))
-            if distance > min(end.gap, other.gap):
+            distance = float(ways[mirrored][number])
+            if distance > reaches[number]:
                 continue
             if other.joint:
                 joint = next(one for one in state.joints if one.id == other.joint)

@@ -20,7 +20,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto_product.paper.neighbours import held_back, neighbour_means
 from bozzetto_product.paper.triangulation import Triangles
 from bozzetto_product.paper.v_spring import vertex_normals
@@ -67,7 +67,7 @@ def voronoi_areas(points: Array, faces: Index) -> Array:
     corners = points[faces]
     ways = np.roll(corners, -1, axis=1) - corners
     squares = (ways**2).sum(axis=2)
-    whole = 0.5 * np.linalg.norm(np.cross(ways[:, 0], ways[:, 1]), axis=1)
+    whole = 0.5 * np.linalg.norm(cross_product(ways[:, 0], ways[:, 1]), axis=1)
     dots = -(ways * np.roll(ways, 1, axis=1)).sum(axis=2)
     cotangents = dots / np.maximum(2.0 * whole, 1e-300)[:, None]
     # Of each corner: the edge to the next one faces the corner before it, and the other way round.
@@ -136,7 +136,7 @@ def _volume_by(points: Array, way: Array, faces: Index, size: float) -> Callable
 
     def under(places: Array) -> float:
         a, b, c = (places[faces[:, k]] for k in range(3))
-        return float(np.einsum("ij,ij->", a, np.cross(b, c))) / (6.0 * size**3)
+        return float(np.einsum("ij,ij->", a, cross_product(b, c))) / (6.0 * size**3)
 
     start = under(points)
     return lambda scale: under(points + scale * way) - start

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_product.fill.edge_pieces import EdgePiece
@@ -70,7 +70,7 @@ class PaperSurface:
 
 def _across(triangles: Triangles) -> Array:
     a, b, c = (triangles.points[triangles.faces[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
+    return cross_product(b - a, c - a)
 
 
 def border_points(

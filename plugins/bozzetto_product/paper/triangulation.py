@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto_product.fill.fill_mesh import corner_ratios
 from bozzetto_product.paper.neighbours import edges_of, neighbour_means
 
@@ -124,7 +124,7 @@ def _fan(boundary: Array) -> Triangles:
 
 def _areas(points: Array, faces: Index) -> Array:
     a, b, c = (points[faces[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
+    return cross_product(b - a, c - a)
 
 
 def _ratios(points: Array, faces: Index) -> Array:

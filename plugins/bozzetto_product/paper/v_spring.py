@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto_product.paper.neighbours import edges_of
 
 STEP: Final = 0.5
@@ -59,7 +59,7 @@ class Relaxed:
 def vertex_normals(points: Array, faces: Index) -> Array:
     """Return unit normals of vertices: the mean over their triangles by area, (n, 3)."""
     a, b, c = (points[faces[:, k]] for k in range(3))
-    across = np.cross(b - a, c - a)
+    across = cross_product(b - a, c - a)
     rows = faces.ravel()
     sums = [np.bincount(rows, np.repeat(across[:, k], 3), len(points)) for k in range(3)]
     made = np.column_stack(sums)

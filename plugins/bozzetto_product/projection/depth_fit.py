@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags
+from bozzetto.arrays import Array, Flags, cross_product
 from bozzetto.geometry import Spline
 from bozzetto.ink import spline_weights
 from bozzetto.scene import Hits, Scene, cast_rays, depth_breaks, unbroken_runs
@@ -190,7 +190,7 @@ def _face_under(sight: Sight) -> Plane | None:
     if not sight.on.all():
         return None
     points, normals = sight.hits.points, sight.hits.normals
-    if float(np.linalg.norm(np.cross(normals, normals[0]), axis=1).max()) > FLAT_SINE:
+    if float(np.linalg.norm(cross_product(normals, normals[0]), axis=1).max()) > FLAT_SINE:
         return None
     face = plane_of(points.mean(axis=0), normals[0])
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -224,9 +224,9 @@ def _depths(sight: Sight, closed: bool) -> tuple[Array, Array, Array]:
 def _across(directions: Array) -> Array:
     """Return two unit vectors across each ray, (n, 2, 3)."""
     least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
-    first = np.cross(directions, least)
+    first = cross_product(directions, least)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack((first, np.cross(directions, first)), axis=1)
+    return np.stack((first, cross_product(directions, first)), axis=1)
 
 
 def _sought(curve: Spline, places: Array, origins: Array, across: Array) -> Array:

@@ -13,7 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import Stroke, distances_to_polyline, spline_weights
 from bozzetto.plugin import Context
-from bozzetto.scene import Scene, project_stroke
+from bozzetto.scene import Scene, cast_rays, project_stroke
 from bozzetto.view import Camera
 from bozzetto_product.model.planes import Plane, Point
 from bozzetto_product.projection.depth_fit import SAMPLES, at_depth, look_along
@@ -24,6 +24,16 @@ from bozzetto_product.projection.views import pixel_size, seen_at
 
 AT_PLANE: Final = 6.0
 """Distance of an end from the mirror plane, px, within which it is meant to lie in it."""
+
+DEEPER: Final = 3.0
+"""Distance of such an end from the plane in space, in lengths of that on the sheet, up to which it
+is near it in space, too."""
+
+OUTLINE: Final = 12.0
+"""Distance from the outline of a surface, px, up to which the depth of an end is uncertain."""
+
+LOOKS: Final = 16
+"""Places around an end at which the outline is looked for."""
 
 STEEPEST: Final = 20.0
 """How much farther a place may go in a plane than it seems to on the sheet: the plane is seen
@@ -101,7 +111,8 @@ def curve_from_ink(
     plane : Plane, optional
         The curve lies in it, whatever is under the ink.
     mirror_plane : Plane, optional
-        Ends that are seen within 6 px of it lie in it.
+        Ends that are seen within 6 px of it lie in it, unless the surface there faces the view and
+        is far before it.
     anchor : (x, y, z), optional
         Where the last curve was, mm: what is drawn beside every surface has its depth. Default the
         middle of what is seen.
@@ -123,7 +134,7 @@ def curve_from_ink(
         drawn = _on_surface(sheet, scene, anchor)
     spline = drawn.spline
     if mirror_plane is not None and not spline.closed:
-        spline = _ends_at(spline, mirror_plane, sheet.camera)
+        spline = _ends_at(spline, mirror_plane, sheet.camera, scene)
         if plane is not None:
             spline = with_controls(spline, in_plane(spline.control_points, plane))
     warnings = drawn.warnings if sheet.sure else (*drawn.warnings, _UNSURE)
@@ -227,11 +238,25 @@ def _is_edge_on(points: Array, pixels: Array, camera: Camera) -> bool:
     return bool(way.sum() > STEEPEST * max(float(seen.sum()), 1e-9))
 
 
-def _ends_at(spline: Spline, plane: Plane, camera: Camera) -> Spline:
-    """Return the curve with ends in a plane that are seen near it."""
+def _ends_at(spline: Spline, plane: Plane, camera: Camera, scene: Scene) -> Spline:
+    """Return the curve with ends in a plane that are seen near it.
+
+    In a view along its normal all is seen near a plane: there the end must be near it in space,
+    too, or at the outline of what it lies on, where depth is uncertain.
+    """
     ends = spline.control_points[[0, -1]]
     flat = in_plane(ends, plane)
     seen = np.linalg.norm(seen_at(camera, ends) - seen_at(camera, flat), axis=1)
     size = np.abs(heights(ends, plane)) <= 0.5 * chord_length(spline)
-    goal = np.where(((seen <= AT_PLANE) & size)[:, None], flat, ends)
+    near = np.abs(heights(ends, plane)) <= DEEPER * AT_PLANE * pixel_size(camera, ends)
+    for number in np.flatnonzero(~near & (seen <= AT_PLANE) & size):
+        near[number] = _at_outline(seen_at(camera, ends[number : number + 1])[0], camera, scene)
+    goal = np.where(((seen <= AT_PLANE) & size & near)[:, None], flat, ends)
     return bent(spline, goal[0], goal[1])
+
+
+def _at_outline(pixel: Array, camera: Camera, scene: Scene) -> bool:
+    """Whether what is seen at a place on the sheet ends beside it."""
+    turn = 2.0 * np.pi * np.arange(LOOKS) / LOOKS
+    around = pixel + OUTLINE * np.column_stack((np.cos(turn), np.sin(turn)))
+    return not bool(cast_rays(scene, camera.rays(around)).hit.all())

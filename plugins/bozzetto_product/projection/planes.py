@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.scene import Scene, cast_rays
@@ -55,7 +55,7 @@ def plane_through(points: ArrayLike) -> Plane:
     if place.shape != (3, 3) or not np.isfinite(place).all():
         raise UserError("A plane needs three points. Mark three places.")
     one, other = place[1] - place[0], place[2] - place[0]
-    normal = np.cross(one, other)
+    normal = cross_product(one, other)
     if not np.linalg.norm(normal) > STRAIGHT * np.linalg.norm(one) * np.linalg.norm(other):
         raise UserError("The three points lie on a line. Mark a place beside it.")
     return plane_of(place[0], normal)
@@ -125,7 +125,7 @@ def plane_standing_on(stroke: Stroke, scene: Scene) -> Plane:
     first, last = seen[0], seen[-1]
     along = hits.points[last] - hits.points[first]
     upright = hits.normals[first] + hits.normals[last]
-    normal = np.cross(along, upright)
+    normal = cross_product(along, upright)
     if not np.linalg.norm(normal) > STRAIGHT * np.linalg.norm(along) * np.linalg.norm(upright):
         raise UserError("The plane is not determined. Begin and end the curve apart.")
     return plane_of(hits.points[first], normal)

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.exact_patches import exact_patches
 from bozzetto_product.fill.fair_solution import RIDGE, TANGENCY, FairSolution
@@ -298,5 +298,5 @@ def _load(solution: FairSolution) -> Array:
     space: PatchSpace = solution.space
     weights, values, by_u, by_v = _gauss_tables()
     points = solution.nets.reshape(space.count, -1, 3)
-    across = np.cross(by_u @ points, by_v @ points) * weights[:, None]
+    across = cross_product(by_u @ points, by_v @ points) * weights[:, None]
     return _paired(values @ space.own_basis, across)

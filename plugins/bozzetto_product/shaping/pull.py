@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto.ink import Stroke, resample
 from bozzetto_product.fill.exact_patches import exact_patches
 from bozzetto_product.fill.fair_solution import RIDGE, TANGENCY
@@ -155,9 +155,9 @@ class _Sights:
             origins = mirror.points(origins)
             directions = directions - 2.0 * (directions @ mirror.normal)[:, None] * mirror.normal
             way = way - 2.0 * float(way @ mirror.normal) * mirror.normal
-        upward = np.cross(directions, way)
+        upward = cross_product(directions, way)
         upward /= np.maximum(np.linalg.norm(upward, axis=1, keepdims=True), 1e-300)
-        return cls(origins, upward, np.cross(upward, directions))
+        return cls(origins, upward, cross_product(upward, directions))
 
     def sense(self, fill: PatchFill, tie: float) -> tuple[float, bool]:
         """Return to which side the contour is farthest that the stroke is near, and if on edge.

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import BSplineSurface
 from bozzetto_product.fill.quintic import DEGREE
 
@@ -52,7 +52,7 @@ def _volume_under(net: Array, knots_u: Array, knots_v: Array) -> float:
     place = (values_u @ along.reshape(len(net), -1)).reshape(shape)
     by_u = (slopes_u @ along.reshape(len(net), -1)).reshape(shape)
     by_v = (values_u @ bent.reshape(len(net), -1)).reshape(shape)
-    height = (place * np.cross(by_u, by_v)).sum(axis=-1)
+    height = (place * cross_product(by_u, by_v)).sum(axis=-1)
     return float(weights_u @ height @ weights_v) / 3.0
 
 

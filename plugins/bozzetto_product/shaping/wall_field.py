@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto.geometry import Mesh
 
 CELLS_PER_WALL: Final = 3.0
@@ -37,7 +37,7 @@ def places_on(mesh: Mesh, spacing: float) -> Array:
     """Return places of a mesh so dense that every other one is within about the spacing."""
     corners = mesh.vertices.astype(float)[mesh.faces]
     edges = corners - np.roll(corners, 1, axis=1)
-    area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    area = 0.5 * np.linalg.norm(cross_product(edges[:, 0], edges[:, 1]), axis=1)
     spacing = max(spacing, float(np.sqrt(area.sum() / MOST_SAMPLES)))
     longest = np.linalg.norm(edges, axis=2).max(axis=1)
     steps = np.maximum(np.ceil(longest / spacing), 1.0).astype(int)
@@ -98,7 +98,7 @@ def offset_by_field(
     vertices, faces, _, _ = marching_cubes(field, thickness)
     vertices = low + cell * vertices.astype(float)
     corners = vertices[faces]
-    volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    volume = np.einsum("ij,ij->", corners[:, 0], cross_product(corners[:, 1], corners[:, 2]))
     return vertices, faces.astype(np.intp)[:, :: 1 if volume > 0.0 else -1]
 
 

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto.geometry import Mesh
 
 SMOOTH: Final = float(np.cos(np.radians(10.0)))
@@ -82,7 +82,7 @@ def _near_turned(vertices: Array, ways: Array, faces: Index) -> Flags:
 
 
 def _across(corners: Array) -> Array:
-    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return cross_product(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +200,7 @@ def _gapes(sheets: Sheets, one: Use, two: Use, offset: float) -> bool:
     """Whether slabs leave a gap between them; else they overlap."""
     ends = sheets.vertices[one[0]][[*one[1:]]]
     here, there = (sheets.normals[use[0]][[*use[1:]]].sum(axis=0) for use in (one, two))
-    return bool(offset * float(np.cross(here, ends[1] - ends[0]) @ there) < 0.0)
+    return bool(offset * float(cross_product(here, ends[1] - ends[0]) @ there) < 0.0)
 
 
 def _lean(sheets: Sheets, ways: list[Array], own: Use, other: Use, offset: float) -> None:
@@ -265,8 +265,8 @@ def _wedge(sheets: Sheets, one: Use, two: Use, offset: float) -> Array:
     """Return the wedge between two slabs along a side of their meshes."""
     ends = sheets.vertices[one[0]][[*one[1:]]]
     here, there = sheets.normals[one[0]][[*one[1:]]], sheets.normals[two[0]][[*two[1:]]]
-    inward = _unit(np.cross(here[0] + here[1], ends[1] - ends[0]))
-    beside = _unit(np.cross(there[0] + there[1], ends[0] - ends[1]))
+    inward = _unit(cross_product(here[0] + here[1], ends[1] - ends[0]))
+    beside = _unit(cross_product(there[0] + there[1], ends[0] - ends[1]))
     away = -_unit(inward + beside)
     sense = float(np.sign(offset))
     rows = [ends]

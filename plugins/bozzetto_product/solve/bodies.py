@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bozzetto.arrays import Flags, Index
+from bozzetto.arrays import Flags, Index, cross_product
 from bozzetto.geometry import CornerNormals, FaceGroup, Mesh
 from bozzetto.plugin import Job, remembered
 from bozzetto_product.details.bodies import DetailedBodies, detailed_bodies
@@ -202,4 +202,6 @@ def is_closed_mesh(mesh: Mesh) -> bool:
 
 def _volume(mesh: Mesh) -> float:
     corners = (mesh.vertices - mesh.vertices[:1])[mesh.faces].astype(np.float64)
-    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6)
+    return float(
+        np.einsum("ij,ij->", corners[:, 0], cross_product(corners[:, 1], corners[:, 2])) / 6
+    )

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.ink import Drawing
 from bozzetto.plugin import Context, Drag, Gesture, Job, NextStep, Tap, override
@@ -188,7 +188,7 @@ def _middle(ground: Ground) -> Array:
     """Return the middle of a surface, by area, (3,) mm."""
     mesh = ground.fill.mesh
     corners = mesh.vertices[mesh.faces].astype(float)
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    across = cross_product(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(across, axis=1)
     return np.asarray(area @ corners.mean(axis=1) / area.sum())
 

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import Mesh, Spline, flattened
 from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Layer, Lines, Paint, Points, Scene, Shaded
@@ -228,7 +228,7 @@ def _plane(state: ProductState) -> Iterator[Points | Lines]:
     reach = float(np.linalg.norm(places - middle, axis=1).max())
     normal = np.asarray(plane_through(places).normal)
     along = (places[1] - places[0]) / np.linalg.norm(places[1] - places[0])
-    across = np.cross(normal, along)
+    across = cross_product(normal, along)
     corners = np.array(((1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)))
     square = middle + AROUND * reach * (corners @ np.stack((along, across)))
     yield lines([square], "second", DRAWN_WIDTH)

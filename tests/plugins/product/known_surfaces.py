@@ -15,7 +15,7 @@ from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.normal_field import NormalField, frame_parameters
-from bozzetto_product.fill.normals import LoopNormals, common_fields
+from bozzetto_product.fill.normals import LoopNormals, common_fields, fitted_to_corners
 from bozzetto_product.network.net import Edge, Loop, Net
 
 
@@ -222,6 +222,13 @@ def estimated_normals(known):
 
 
 def filled(known, normals) -> Fill:
+    """The surface of a loop with these normals, which the corners' own planes hold at its ends."""
+    ends = zip(normals.corners, (*normals.corners[1:], normals.corners[0]), strict=True)
+    fields = tuple(
+        None if field is None else fitted_to_corners(field, pair, True)
+        for field, pair in zip(normals.fields, ends, strict=True)
+    )
+    normals = LoopNormals(normals.corners, fields)
     count = piece_count(normals.corners)
     pieces = [pieces_of(edge.spline, count) for edge in known.net.edges]
     return fill_loop(sides_of_loop(known.loop, normals, pieces), loop=known.loop)

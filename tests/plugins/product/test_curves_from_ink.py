@@ -10,7 +10,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement, closest_on_mesh
 from bozzetto.ink import Stroke, distances_to_polyline
-from bozzetto.scene import Scene
+from bozzetto.scene import Scene, cast_rays
 from bozzetto.view import Camera
 from bozzetto_product.model.planes import Plane
 from bozzetto_product.projection.ink_curve import curve_from_ink
@@ -174,6 +174,23 @@ def test_ends_near_the_mirror_plane_lie_in_it() -> None:
     got = curve_from_ink([one_stroke(ink)], on_canvas(rough("sphere")), mirror_plane=mirror)
     assert got.spline.control_points[0, 0] == 0.0
     assert got.spline.control_points[-1, 0] > 10.0
+
+
+def test_ends_that_only_seem_near_the_mirror_plane_stay_on_their_surface() -> None:
+    """In a view along the plane's normal all is seen near it; at the outline it is meant."""
+    scene = on_canvas(rough("sphere"))
+    ahead = SHEET.axes[2]
+    mirror = Plane((0.0, 0.0, 0.0), (float(ahead[0]), float(ahead[1]), float(ahead[2])))
+    middle = SHEET.project(np.zeros((1, 3)))[0][0]
+    ray = cast_rays(scene, SHEET.rays(middle[None] + np.linspace((0, 0), (600, 0), 601)))
+    radius = float(np.flatnonzero(ray.hit)[-1])
+    for share, is_flat in ((0.5, False), (0.985, True)):
+        ink = middle + radius * np.linspace((-0.5, 0.0), (share, 0.0), 60)
+        spline = curve_from_ink([one_stroke(ink)], scene, mirror_plane=mirror).spline
+        plain = curve_from_ink([one_stroke(ink)], scene).spline
+        far = heights(spline.control_points[[0, -1]], mirror)
+        assert abs(far[0]) == pytest.approx(abs(heights(plain.control_points[0], mirror)))
+        assert (abs(far[1]) < 1e-9) == is_flat
 
 
 def test_planes_hold_what_they_are_made_of() -> None:

@@ -190,6 +190,23 @@ def test_lines_of_curvature_of_a_torus_keep_their_normals():
     assert max(map(worst_turn, rings)) < 0.3
 
 
+@pytest.mark.parametrize("seed", [8_000_149, 8_000_215, 8_000_175])
+def test_the_unit_of_a_network_changes_no_normal(seed):
+    """What changes along edges was weighed by their length, against weights that were not."""
+    known = random_loop(seed)
+    larger = Net(
+        1024.0 * known.net.nodes,
+        tuple(
+            replace(edge, spline=Spline(edge.spline.knots, 1024.0 * edge.spline.control_points))
+            for edge in known.net.edges
+        ),
+    )
+    one = estimated_normals(known).fields
+    other = estimated_normals(replace(known, net=larger)).fields
+    for mine, theirs in zip(one, other, strict=True):
+        assert np.abs(mine.normals - theirs.normals).max() < 1e-9
+
+
 @pytest.mark.parametrize("seed", [46010, 46036])
 def test_where_both_energies_are_evened_to_one_surface_that_is_believed(seed):
     """The surfaces of least energy are off by 0.06 and 0.09 % here."""

@@ -9,6 +9,7 @@ import pytest
 
 from bozzetto.geometry import Spline
 from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.operations.curve_edits import move_joint
@@ -327,6 +328,22 @@ def test_an_end_nearly_square_to_the_plane_runs_on_into_its_image(degrees: float
     assert moved.max() < 1.0
 
 
+def test_an_end_in_the_plane_stays_square_while_the_other_end_is_joined() -> None:
+    """What brings the other end to a joint turns the whole curve by some degrees."""
+    _, first = _meets_plane(4.0)
+    ends = first.control_points[0] + np.array([(1.2, -0.3, 0.8), (30.0, -50.0, 8.0)])
+    other = _line(*map(tuple, ends))
+    state = trim(_curves(first, mirrored=True), gap=1.0).state
+    state = state.with_node(Curve(id="late", spline=other, mirrored=True))
+    done = trim(state, gap=2.0, only={"late"}).state
+    assert len(done.joints) == 2
+    after = splines_of(done)["c0"]
+    assert not np.array_equal(after.control_points, splines_of(state)["c0"].control_points)
+    last, beside = after.control_points[-1], after.control_points[-2]
+    assert last[1] == 0.0
+    assert (beside[[0, 2]] == last[[0, 2]]).all()
+
+
 def test_an_end_that_comes_to_the_plane_at_an_angle_keeps_it() -> None:
     _, after = _meets_plane(30.0)
     way = after.control_points[-1] - after.control_points[-2]
@@ -337,3 +354,53 @@ def test_a_curve_without_an_image_keeps_its_direction_at_the_plane() -> None:
     before, _ = _meets_plane(11.0)
     state = _curves(before, mirrored=False)
     assert _same(trim(state, gap=1.0).state, state)
+
+
+def _fork(*degrees: float, gap: float = 0.4) -> ProductState:
+    """A line along x to the origin, and lines on from beside it, turned from x by some degrees."""
+    lines = [_line((-60.0, 0.0, 0.0), (0.0, 0.0, 0.0))]
+    for k, turn in enumerate(np.radians(degrees)):
+        start = np.array((gap, 0.1 * k, 0.0))
+        way = np.array((np.cos(turn), 0.0, np.sin(turn)))
+        lines.append(_line(tuple(start), tuple(start + 50.0 * way)))
+    return _curves(*lines)
+
+
+def _kink(state: ProductState, one: str, other: str) -> float:
+    """Angle between the end of a curve and the start of another, degrees."""
+    splines = splines_of(state)
+    ways = splines[one].derivative(np.ones(1))[0], splines[other].derivative(np.zeros(1))[0]
+    first, second = (way / np.linalg.norm(way) for way in ways)
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second)))
+
+
+@pytest.mark.parametrize("degrees", [0.5, 7.0, 9.5])
+def test_a_curve_that_goes_on_where_another_ends_runs_on_without_a_kink(degrees: float) -> None:
+    state = _fork(degrees)
+    done = trim(state, gap=1.0).state
+    assert len(done.joints) == 1
+    assert _kink(state, "c0", "c1") == pytest.approx(degrees, abs=1e-9)
+    assert _kink(done, "c0", "c1") < 1e-6
+    assert max(largest_move(state, done).values()) < 1.5
+    assert trim(done, gap=1.0).state is done
+    mixed = replace(state, nodes=state.nodes[::-1])
+    assert _same(trim(mixed, gap=1.0).state, done)
+
+
+@pytest.mark.parametrize("degrees", [(14.0,), (170.0,), (3.0, -6.0)])
+def test_a_kink_that_is_meant_and_a_fork_stay(degrees: tuple[float, ...]) -> None:
+    """Of two curves that both go on where one ends, neither is meant more."""
+    state = _fork(*degrees)
+    done = trim(state, gap=1.0).state
+    assert len(done.joints) == 1
+    for number, turn in enumerate(degrees, 1):
+        assert _kink(done, "c0", f"c{number}") == pytest.approx(abs(turn), abs=0.6)
+
+
+def test_a_curve_in_a_plane_keeps_its_direction_and_the_other_gives_way() -> None:
+    state = _fork(7.0)
+    first = state.of_kind(Curve)[0]
+    flat = state.with_node(replace(first, plane=Plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))))
+    done = trim(flat, gap=1.0).state
+    assert _kink(done, "c0", "c1") < 1e-6
+    assert np.abs(splines_of(done)["c0"].control_points[:, 2]).max() < 1e-9
