@@ -216,6 +216,57 @@ def test_a_blueprint_has_true_scale_and_dimensions_and_stays_in_its_frame(size):
     assert 1.0 in widths
 
 
+def words_box(text):
+    """The rectangle of a dimension's number or of words in the title block."""
+    import shapely
+
+    x, y = text.place
+    wide = 0.6 * text.height * len(text.words)
+    if text.upwards:
+        return shapely.box(x - 0.7 * text.height, y - wide / 2, x, y + wide / 2)
+    left = x - wide / 2 if text.centered else x
+    return shapely.box(left, y - 0.7 * text.height, left + wide, y)
+
+
+@pytest.mark.parametrize("seed", range(914_300, 914_340))
+def test_nothing_on_a_blueprint_lies_on_anything_else(seed):
+    """Of things of any size and shape; numbers stay free of lines, and views of one another."""
+    import shapely
+
+    random = np.random.default_rng(seed)
+    size = 10.0 ** random.uniform(-4, 8) * 10.0 ** random.uniform(-2.5, 0.0, 3)
+    page = blueprint_page(of(block(size.tolist())), "block", hidden=True)
+    sheet = shapely.box(20.0, 10.0, SHEET[0] - 10.0, SHEET[1] - 10.0)
+    drawn = [(line.layer, shapely.LineString(line.points)) for line in page.lines]
+    boxes = [words_box(text) for text in page.texts]
+    assert all(sheet.contains(box) for box in boxes)
+    for k, box in enumerate(boxes):
+        assert not any(box.intersects(other) for other in boxes[:k]), page.texts[k]
+        assert not any(box.intersects(line) for _, line in drawn), page.texts[k]
+    assert all(line.within(sheet) for layer, line in drawn if layer != "frame")
+    views = [line.buffer(0.5) for layer, line in drawn if layer in ("visible", "hidden")]
+    views = shapely.get_parts(shapely.union_all(views))
+    hulls = [shapely.box(*view.bounds) for view in views]
+    assert len(hulls) == 4
+    title = shapely.box(SHEET[0] - 190.0, SHEET[1] - 37.0, SHEET[0] - 10.0, SHEET[1] - 10.0)
+    for k, hull in enumerate(hulls):
+        assert not any(hull.intersects(other) for other in [*hulls[:k], title, *boxes])
+    largest = max(max(hull.bounds[2] - hull.bounds[0], hull.bounds[3] - hull.bounds[1])
+                  for hull in hulls)  # fmt: skip
+    assert largest > 60.0
+
+
+def test_what_is_flat_has_two_dimensions_and_numbers_have_no_exponents():
+    corners = np.array([[0, 0, 0], [80, 0, 0], [80, 50, 0], [0, 50, 0]], np.float32)
+    sheet = Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    page = blueprint_page(Shapes(surfaces=(Surface(sheet, "sheet"),)), "a", hidden=False)
+    assert [text.words for text in page.texts if text.centered] == ["80", "50"]
+    page = blueprint_page(of(block((45_678_900, 4e5, 0.5))), "a", hidden=False)
+    assert [text.words for text in page.texts if text.centered] == ["45678900", "400000"]
+    page = blueprint_page(of(block((0.000012, 0.00002, 0.00003))), "a", hidden=False)
+    assert [text.words for text in page.texts][:3] == ["0.000012", "0.00003", "0.00002"]
+
+
 def test_dimensions_are_in_the_unit_asked_for():
     page = blueprint_page(of(block((254.0, 508.0, 127.0))), "block", "in", hidden=False)
     words = {text.words for text in page.texts}
