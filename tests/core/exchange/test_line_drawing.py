@@ -291,6 +291,34 @@ def test_a_drawing_in_svg_has_layers_ids_and_true_size(tmp_path):
     assert made.data == prepare_export(shapes, "a.svg", handover=wanted).data
 
 
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e7])
+@pytest.mark.parametrize("away", [0.0, 3e3])
+def test_outlines_look_the_same_at_any_size_and_place(size, away):
+    """Lines are as wide, and places as exact, as those of the same thing at the origin."""
+    turned = Handover(lines="outlines", hidden=True)
+
+    def seen(scale, offset):
+        mesh = block((30.0 * scale, 20.0 * scale, 2.0 * scale))
+        mesh = Mesh(mesh.vertices.astype(float) + offset, mesh.faces)
+        made = prepare_export(of(mesh), "a.svg", handover=turned).data
+        root = ElementTree.fromstring(made)
+        corner = np.array(root.get("viewBox").split(), float)
+        widths = [float(one.get("stroke-width")) for one in root.iter() if one.get("stroke-width")]
+        rows = [one.get("d").strip("MZ").split("L") for one in root.iter() if one.get("d")]
+        places = [np.array([pair.split(",") for pair in row], float) for row in rows]
+        assert all(np.ptp(row, axis=0).max() > 0.0 for row in places)
+        return [
+            np.array(widths) / scale,
+            corner[2:] / scale,
+            *((row - corner[:2]) / scale for row in places),
+        ]
+
+    usual, found = seen(1.0, 0.0), seen(size, away * 30.0 * size)
+    assert usual[0].max() > 0.03
+    for one, other in zip(usual, found, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-2, atol=0.02)
+
+
 def test_a_drawing_in_dxf_has_layers_and_millimetres():
     ezdxf = pytest.importorskip("ezdxf")
     import io

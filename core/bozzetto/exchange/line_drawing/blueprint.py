@@ -19,7 +19,9 @@ from bozzetto.exchange.line_drawing.page import (
     PageLine,
     PageText,
     bounds_of,
+    moved,
     net_to_draw,
+    page_lines,
     parallel_lines,
 )
 from bozzetto.geometry.shapes import Shapes
@@ -149,11 +151,7 @@ def blueprint_page(shapes: Shapes, title: str, unit: Unit = "mm", *, hidden: boo
 
 
 def _placed(lines: list[DrawnLine], scale: float, offset: Array, *, hidden: bool) -> list[PageLine]:
-    return [
-        PageLine(line.points * scale + offset, "visible" if line.visible else "hidden", line.name)
-        for line in lines
-        if line.visible or hidden
-    ]
+    return [moved(line, scale, offset) for line in page_lines(lines, hidden=hidden)]
 
 
 def _small_view(
