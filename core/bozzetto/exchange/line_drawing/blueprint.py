@@ -110,7 +110,7 @@ def blueprint_page(shapes: Shapes, title: str, unit: Unit = "mm", *, hidden: boo
     width, depth, tall = size.tolist()
     left, rim = BORDER
     room = np.array(SHEET) - (left + rim, 2 * rim) - 2 * GAP
-    room[1] -= TITLE[1] - GAP / 2
+    room[1] -= TITLE[1] - GAP / 4
     scale = next(
         (s for s in SCALES
          if s * (width + depth) + GAP <= room[0] and s * (tall + depth) + GAP <= room[1]),

@@ -96,7 +96,11 @@ def _path(line: PageLine, digits: int) -> str:
     points = line.points
     closed = len(points) > 3 and bool((points[0] == points[-1]).all())
     rows = points[:-1] if closed else points
-    return "M" + "L".join(f"{x:.{digits}f},{y:.{digits}f}" for x, y in rows.tolist()) + ("Z" if closed else "")
+    return (
+        "M"
+        + "L".join(f"{x:.{digits}f},{y:.{digits}f}" for x, y in rows.tolist())
+        + ("Z" if closed else "")
+    )
 
 
 def _text(text: PageText) -> str:
