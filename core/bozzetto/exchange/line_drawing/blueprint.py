@@ -192,7 +192,7 @@ def _small_view(
 
 
 def _said(value: float, unit: Unit) -> str:
-    """Return a length in a unit, of four digits or all before the point; never as a power of ten."""
+    """Return a length in a unit: four digits or all before the point, never a power of ten."""
     length = value / MM_PER[unit]
     words = f"{length:.{max(0, 3 - int(np.floor(np.log10(length))))}f}"
     return words.rstrip("0").rstrip(".") if "." in words else words

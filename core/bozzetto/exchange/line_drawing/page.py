@@ -154,6 +154,7 @@ def page_lines(lines: Sequence[DrawnLine], *, hidden: bool) -> list[PageLine]:
     Parameters
     ----------
     lines : sequence of DrawnLine
+        Of one view.
     hidden : bool
         Whether lines that are hidden are shown, too.
     """
