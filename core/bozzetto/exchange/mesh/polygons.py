@@ -91,7 +91,7 @@ def weld_rounded(
     points = vertices[kept[border]].astype(np.float64)
     cell = 2.0 * ROUNDING * max(float(np.abs(points).max()), 1e-30)
     nearest = KDTree(points).query(points, [2], p=np.inf, distance_upper_bound=2.0 * cell)[0]
-    close = np.isfinite(nearest[:, 0])
+    close = np.isfinite(np.asarray(nearest)[:, 0])
     if not close.any():
         return kept, faces
     border, points = border[close], points[close]
