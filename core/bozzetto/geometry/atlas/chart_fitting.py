@@ -41,10 +41,10 @@ IDLE: Final = 4
 CHOICES: Final = 4
 """How many groups of twins are tried to be cut each time."""
 
-LINES: Final = 6
+LINES: Final = 3
 """In how many ways each."""
 
-MADE: Final = 3
+MADE: Final = 2
 """How many of these cuts are made each time, to choose among them: triangles fray their borders."""
 
 PIECES: Final = 3
