@@ -176,15 +176,28 @@ def _check_count(data: bytes) -> None:
 def entities_of(document: Any, wanted: Callable[[Any], bool]) -> tuple[list[Any], Counter[str]]:
     """Return the entities that are wanted and can be seen, blocks taken apart; and other kinds.
 
-    Where the model space is empty they are those of the first sheet that is not: drawings of
+    Where the model space has none, they are those of the first sheet that has some: drawings of
     SolidWorks and others lie there, in the units of the paper.
     """
     hidden = {layer.dxf.name.lower() for layer in document.layers
               if layer.is_off() or layer.is_frozen()}  # fmt: skip
+    model = document.modelspace()  # the layouts come in any order
+    answers = []
+    for space in (model, *(sheet for sheet in document.layouts if sheet is not model)):
+        found, others = _seen_in(space, hidden, wanted)
+        if found:
+            return found, others
+        answers.append(others)
+    return [], next(filter(None, answers), Counter())
+
+
+def _seen_in(
+    space: Any, hidden: set[str], wanted: Callable[[Any], bool]
+) -> tuple[list[Any], Counter[str]]:
+    """Return the same of one space, without what lies on hidden layers."""
     found: list[Any] = []
     others: Counter[str] = Counter()
-    space = next((one for one in document.layouts if len(one)), ())
-    _check_blocks(document, space, hidden)
+    _check_blocks(space, hidden)
     waiting = [(entity, 0) for entity in reversed(list(space))]
     seen = 0
     while waiting:
@@ -215,7 +228,7 @@ def _is_seen(entity: Any, hidden: set[str]) -> bool:
     return layer not in hidden and not entity.dxf.get("invisible", 0)
 
 
-def _check_blocks(document: Any, space: Iterable[Any], hidden: set[str]) -> None:
+def _check_blocks(space: Any, hidden: set[str]) -> None:
     """Refuse blocks that hold too much when they are taken apart, before they are: that is slow.
 
     Level by level it is counted how often each block is seen; what is in it is counted once.
@@ -229,7 +242,7 @@ def _check_blocks(document: Any, space: Iterable[Any], hidden: set[str]) -> None
         deeper: Counter[str] = Counter()
         for name, times in inside.items():
             if name not in contents:
-                contents[name] = _content(document.blocks.get(name) or (), hidden)
+                contents[name] = _content(space.doc.blocks.get(name) or (), hidden)
             own, blocks = contents[name]
             lines += times * (own + 1)
             at_most(lines, MAX_STROKES, "lines")
