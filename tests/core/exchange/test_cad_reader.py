@@ -12,6 +12,7 @@ from bozzetto.exchange.export import export
 from bozzetto.exchange.import_file import read_mesh_file
 from bozzetto.exchange.mesh.manifold_check import enclosed_volume
 from bozzetto.geometry import Curve, Shapes
+from bozzetto.geometry.shapes import FaceGroup
 
 pytest.importorskip("OCP", reason="the extra “cad” is not installed")
 pytestmark = pytest.mark.interop
@@ -128,6 +129,74 @@ def test_assemblies_keep_names_places_and_colours(tmp_path, trusted):
     assert {(group.color, group.count) for group in case.groups} == {
         ((0, 255, 0), 2),
         ((0, 0, 255), 10),
+    }
+
+
+def looks(path, alpha):
+    """Red wheels, one used in green; a blue pane; and in a yellow assembly a box without colour."""
+    from OCP.Quantity import Quantity_Color, Quantity_ColorRGBA, Quantity_TypeOfColor
+    from OCP.STEPCAFControl import STEPCAFControl_Writer
+    from OCP.TCollection import TCollection_ExtendedString as Text
+    from OCP.TDataStd import TDataStd_Name
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
+
+    make, _, _, gp = kit()
+    document = TDocStd_Document(Text("x"))
+    tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    paint = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+
+    def color(what, rgb, alpha=1.0):
+        shade = Quantity_Color(*rgb, Quantity_TypeOfColor.Quantity_TOC_sRGB)
+        seen = Quantity_ColorRGBA(shade, alpha) if alpha < 1.0 else shade
+        paint.SetColor(what, seen, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+
+    def place(x):
+        move = gp.gp_Trsf()
+        move.SetTranslation(gp.gp_Vec(x, 0.0, 0.0))
+        return TopLoc_Location(move)
+
+    wheel = tool.AddShape(make.BRepPrimAPI_MakeCylinder(5.0, 2.0).Shape(), False)
+    pane = tool.AddShape(make.BRepPrimAPI_MakeBox(5.0, 2.0, 1.0).Shape(), False)
+    plain = tool.AddShape(make.BRepPrimAPI_MakeBox(7.0, 2.0, 1.0).Shape(), False)
+    color(wheel, (1.0, 0.0, 0.0))
+    color(pane, (0.0, 0.0, 1.0), alpha)
+    inner, whole = tool.NewShape(), tool.NewShape()
+    tool.AddComponent(inner, plain, place(0.0))
+    tool.AddComponent(inner, wheel, place(10.0))
+    tool.AddComponent(whole, wheel, place(0.0))
+    green = tool.AddComponent(whole, wheel, place(100.0))
+    tool.AddComponent(whole, pane, place(50.0))
+    yellow = tool.AddComponent(whole, inner, place(200.0))
+    color(green, (0.0, 1.0, 0.0))
+    color(yellow, (1.0, 1.0, 0.0))
+    named = ((wheel, "Wheel"), (pane, "Pane"), (plain, "Plain"), (inner, "Inner"), (whole, "Cart"))
+    for label, name in named:
+        TDataStd_Name.Set_s(label, Text(name))
+    tool.UpdateAssemblies()
+    writer = STEPCAFControl_Writer()
+    writer.Transfer(document)
+    writer.Write(str(path))
+    return path
+
+
+@pytest.mark.parametrize(("alpha", "finish"), [(0.3, "glass"), (0.95, "matt"), (1.0, "matt")])
+def test_where_a_part_is_used_it_may_have_another_colour_and_clear_ones_are_glass(
+    tmp_path, alpha, finish
+):
+    parts = read_mesh_file(looks(tmp_path / "a.step", alpha)).shapes.solids
+    found = {}
+    for part in parts:
+        (group,) = part.groups or (FaceGroup(part.name, 0, part.color),)
+        at = round(float(part.mesh.bounds[:, 0].mean()))
+        found[part.name, at] = (group.color or part.color, group.finish)
+    assert found == {
+        ("Wheel", 0): ((255, 0, 0), "matt"),
+        ("Wheel", 100): ((0, 255, 0), "matt"),
+        ("Pane", 52): ((0, 0, 255), finish),
+        ("Plain", 204): ((255, 255, 0), "matt"),
+        ("Wheel", 210): ((255, 0, 0), "matt"),
     }
 
 

@@ -181,6 +181,48 @@ def test_a_file_of_endless_blocks_is_refused(monkeypatch):
         read_drawing(drawn(bomb), "a")
 
 
+@pytest.mark.parametrize("seed", range(914_200, 914_206))
+def test_blocks_hold_as_much_as_is_counted_before_they_are_taken_apart(seed, monkeypatch):
+    """Nested blocks in rows, some hidden: read at a limit of all they hold, refused one below."""
+    import ezdxf
+
+    source = random.Random(seed)
+    document = ezdxf.new("R2010")
+    document.layers.add("off").off()
+    for level in range(4):
+        block = document.blocks.new(f"B{level}")
+        for k in range(source.randint(1, 3)):
+            block.add_line((0, k), (9, k), dxfattribs={"layer": source.choice(["0", "off"])})
+        block.add_lwpolyline([(0, 0), (1, 2), (3, 1)])
+        for _ in range(source.randint(0, 3) if level else 0):
+            rows = {"row_count": source.randint(1, 3), "row_spacing": 5.0}
+            hidden = {"layer": source.choice(["0", "0", "off"])}
+            block.add_blockref(f"b{source.randrange(level)}", (1, 1), dxfattribs=rows | hidden)
+    space = document.modelspace()
+    for level in range(4):
+        space.add_blockref(f"B{level}", (level, 0))
+    found, _ = dxf_document.entities_of(document, lambda entity: True)
+
+    def count(entities):
+        total = 0
+        for entity in entities:
+            hidden = entity.dxf.layer == "off"
+            if entity.dxftype() != "INSERT":
+                total += 1
+            elif not hidden:
+                copies = list(entity.multi_insert()) if entity.mcount > 1 else [entity]
+                total += sum(1 + count(one.virtual_entities()) for one in copies)
+        return total
+
+    holds = count(space)
+    assert len(found) <= holds
+    monkeypatch.setattr(dxf_document, "MAX_STROKES", holds + len(space))
+    assert len(dxf_document.entities_of(document, lambda entity: True)[0]) == len(found)
+    monkeypatch.setattr(dxf_document, "MAX_STROKES", holds - 1)
+    with pytest.raises(FormatError, match="more than"):
+        dxf_document.entities_of(document, lambda entity: True)
+
+
 def outcome(data):
     """Return what is said of a file; nothing where it is read."""
     try:

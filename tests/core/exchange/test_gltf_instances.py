@@ -60,6 +60,44 @@ def test_every_copy_is_a_part_at_its_place(tmp_path):
     np.testing.assert_allclose(boxes, 1000.0 * np.array(wanted), atol=1e-2)
 
 
+def test_colours_of_copies_are_told(tmp_path):
+    """three.js writes them; no reader has to know them."""
+
+    def tinted(scene):
+        copies = scene["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]
+        copies["attributes"]["_COLOR_0"] = 2
+
+    rows = {"TRANSLATION": [[0, 0, 0], [5, 0, 0]]}
+    read = file(tmp_path, rows, tinted)
+    assert len(read.shapes.solids) == 2
+    assert [one for one in read.left_out if "colours of a part's copies" in one]
+    assert not file(tmp_path, rows).left_out
+
+
+@pytest.mark.parametrize(
+    ("material", "finish"),
+    [
+        ({"roughnessFactor": 0.1}, "gloss"),
+        ({"roughnessFactor": 0.1, "transmission": 1.0}, "glass"),
+        ({"roughnessFactor": 0.1, "transmission": 0.0}, "gloss"),
+        ({"roughnessFactor": 0.1, "baseColorFactor": [1, 1, 1, 0.4]}, "glass"),
+        ({"roughnessFactor": 0.1, "transmission": "much"}, "gloss"),
+    ],
+)
+def test_what_lets_light_through_is_glass(tmp_path, material, finish):
+    def looks(scene):
+        own = dict(material)
+        through = own.pop("transmission", None)
+        scene["materials"] = [{"name": "m", "pbrMetallicRoughness": {"metallicFactor": 0, **own}}]
+        if through is not None:
+            named = {"KHR_materials_transmission": {"transmissionFactor": through}}
+            scene["materials"][0]["extensions"] = named
+        scene["meshes"][0]["primitives"][0]["material"] = 0
+
+    (solid,) = file(tmp_path, {"TRANSLATION": [[0, 0, 0]]}, looks).shapes.solids
+    assert [group.finish for group in solid.groups] == [finish]
+
+
 @pytest.mark.parametrize(
     "rows",
     [

@@ -216,6 +216,57 @@ def test_a_blueprint_has_true_scale_and_dimensions_and_stays_in_its_frame(size):
     assert 1.0 in widths
 
 
+def words_box(text):
+    """The rectangle of a dimension's number or of words in the title block."""
+    import shapely
+
+    x, y = text.place
+    wide = 0.6 * text.height * len(text.words)
+    if text.upwards:
+        return shapely.box(x - 0.7 * text.height, y - wide / 2, x, y + wide / 2)
+    left = x - wide / 2 if text.centered else x
+    return shapely.box(left, y - 0.7 * text.height, left + wide, y)
+
+
+@pytest.mark.parametrize("seed", range(914_300, 914_340))
+def test_nothing_on_a_blueprint_lies_on_anything_else(seed):
+    """Of things of any size and shape; numbers stay free of lines, and views of one another."""
+    import shapely
+
+    random = np.random.default_rng(seed)
+    size = 10.0 ** random.uniform(-4, 8) * 10.0 ** random.uniform(-2.5, 0.0, 3)
+    page = blueprint_page(of(block(size.tolist())), "block", hidden=True)
+    sheet = shapely.box(20.0, 10.0, SHEET[0] - 10.0, SHEET[1] - 10.0)
+    drawn = [(line.layer, shapely.LineString(line.points)) for line in page.lines]
+    boxes = [words_box(text) for text in page.texts]
+    assert all(sheet.contains(box) for box in boxes)
+    for k, box in enumerate(boxes):
+        assert not any(box.intersects(other) for other in boxes[:k]), page.texts[k]
+        assert not any(box.intersects(line) for _, line in drawn), page.texts[k]
+    assert all(line.within(sheet) for layer, line in drawn if layer != "frame")
+    views = [line.buffer(0.5) for layer, line in drawn if layer in ("visible", "hidden")]
+    views = shapely.get_parts(shapely.union_all(views))
+    hulls = [shapely.box(*view.bounds) for view in views]
+    assert len(hulls) == 4
+    title = shapely.box(SHEET[0] - 190.0, SHEET[1] - 37.0, SHEET[0] - 10.0, SHEET[1] - 10.0)
+    for k, hull in enumerate(hulls):
+        assert not any(hull.intersects(other) for other in [*hulls[:k], title, *boxes])
+    largest = max(max(hull.bounds[2] - hull.bounds[0], hull.bounds[3] - hull.bounds[1])
+                  for hull in hulls)  # fmt: skip
+    assert largest > 60.0
+
+
+def test_what_is_flat_has_two_dimensions_and_numbers_have_no_exponents():
+    corners = np.array([[0, 0, 0], [80, 0, 0], [80, 50, 0], [0, 50, 0]], np.float32)
+    sheet = Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    page = blueprint_page(Shapes(surfaces=(Surface(sheet, "sheet"),)), "a", hidden=False)
+    assert [text.words for text in page.texts if text.centered] == ["80", "50"]
+    page = blueprint_page(of(block((45_678_900, 4e5, 0.5))), "a", hidden=False)
+    assert [text.words for text in page.texts if text.centered] == ["45678900", "400000"]
+    page = blueprint_page(of(block((0.000012, 0.00002, 0.00003))), "a", hidden=False)
+    assert [text.words for text in page.texts][:3] == ["0.000012", "0.00003", "0.00002"]
+
+
 def test_dimensions_are_in_the_unit_asked_for():
     page = blueprint_page(of(block((254.0, 508.0, 127.0))), "block", "in", hidden=False)
     words = {text.words for text in page.texts}
@@ -238,6 +289,34 @@ def test_a_drawing_in_svg_has_layers_ids_and_true_size(tmp_path):
     points = np.concatenate([stroke.points for stroke in back.strokes])
     assert np.ptp(points[:, 0]) == pytest.approx(30, rel=1e-4)
     assert made.data == prepare_export(shapes, "a.svg", handover=wanted).data
+
+
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e7])
+@pytest.mark.parametrize("away", [0.0, 3e3])
+def test_outlines_look_the_same_at_any_size_and_place(size, away):
+    """Lines are as wide, and places as exact, as those of the same thing at the origin."""
+    turned = Handover(lines="outlines", hidden=True)
+
+    def seen(scale, offset):
+        mesh = block((30.0 * scale, 20.0 * scale, 2.0 * scale))
+        mesh = Mesh(mesh.vertices.astype(float) + offset, mesh.faces)
+        made = prepare_export(of(mesh), "a.svg", handover=turned).data
+        root = ElementTree.fromstring(made)
+        corner = np.array(root.get("viewBox").split(), float)
+        widths = [float(one.get("stroke-width")) for one in root.iter() if one.get("stroke-width")]
+        rows = [one.get("d").strip("MZ").split("L") for one in root.iter() if one.get("d")]
+        places = [np.array([pair.split(",") for pair in row], float) for row in rows]
+        assert all(np.ptp(row, axis=0).max() > 0.0 for row in places)
+        return [
+            np.array(widths) / scale,
+            corner[2:] / scale,
+            *((row - corner[:2]) / scale for row in places),
+        ]
+
+    usual, found = seen(1.0, 0.0), seen(size, away * 30.0 * size)
+    assert usual[0].max() > 0.03
+    for one, other in zip(usual, found, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-2, atol=0.02)
 
 
 def test_a_drawing_in_dxf_has_layers_and_millimetres():

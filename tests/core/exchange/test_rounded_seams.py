@@ -68,3 +68,20 @@ def test_many_borders_at_one_place_take_no_time():
     start = time.process_time()
     weld_rounded(points, *weld(points, np.arange(3 * count).reshape(-1, 3)))
     assert time.process_time() - start < 10.0
+
+
+@pytest.mark.parametrize("seed", range(914_100, 914_112))
+def test_borders_within_rounding_are_joined_wherever_they_are(seed):
+    """Against all pairs: what is within rounding is joined, what is far from all others is not."""
+    random = np.random.default_rng(seed)
+    size = 10.0 ** float(random.integers(-3, 6))
+    corners = size * random.choice([-1.0, -0.5, 0.25, 1.0], size=(24, 3))
+    points = corners[random.integers(0, 24, 90)] + size * random.normal(0.0, 1e-6, (90, 3))
+    points = points.astype(np.float32)
+    kept, exact = weld(points, np.arange(90).reshape(-1, 3))
+    _, faces = weld_rounded(points, kept, exact)
+    apart = np.abs(points[:, None].astype(float) - points).max(axis=2)
+    one = faces.ravel()[:, None] == faces.ravel()
+    rounding = 1e-6 * float(np.abs(points).max())
+    assert one[apart <= rounding].all()
+    assert not one[apart > 0.01 * size].any()

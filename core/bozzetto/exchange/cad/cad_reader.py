@@ -12,17 +12,18 @@ import re
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, at_most
+from bozzetto.exchange.mesh.gltf_scene import LOOKS
 from bozzetto.exchange.mesh.polygons import checked_mesh, without_degenerate
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.exchange.reading import Reading
-from bozzetto.geometry.shapes import Color, FaceGroup, Shapes, Surface
+from bozzetto.geometry.shapes import Color, FaceGroup, Finish, Shapes, Surface
 
 OFF: Final = 5e-4
 """How far triangles may be off their surface, as a share of the size of all."""
@@ -47,6 +48,13 @@ NAMED: Final = 4
 """Files that a sentence names."""
 
 
+class _Look(NamedTuple):
+    """The colour of something, and of what it seems to be made."""
+
+    color: Color | None
+    finish: Finish = "matt"
+
+
 @dataclass(frozen=True)
 class _Body:
     """A body of the file.
@@ -58,7 +66,7 @@ class _Body:
     place : TopLoc_Location
         Of the product.
     name : str
-    color : (r, g, b), optional
+    look : _Look
     path : tuple of str
         Names of the assemblies that it is in, the outermost first.
     """
@@ -66,7 +74,7 @@ class _Body:
     shape: Any
     place: Any
     name: str
-    color: Color | None
+    look: _Look
     path: tuple[str, ...]
 
 
@@ -178,34 +186,41 @@ class _Kernel:
         return document
 
     def bodies(self, document: Any) -> Iterator[_Body]:
-        """Yield the products of a document, assemblies taken apart, each at its place."""
+        """Yield the products of a document, assemblies taken apart, each at its place.
+
+        Where a product is used it may have another colour than its own, which comes first then;
+        that of an assembly is for what has none.
+        """
         self._main = document.Main()
         tool = self.XCAFDoc.XCAFDoc_DocumentTool.ShapeTool_s(self._main)
         roots = self._labels()
         tool.GetFreeShapes(roots)
         nowhere = self.TopLoc.TopLoc_Location()
-        waiting: list[tuple[Any, Any, str, Color | None, tuple[str, ...], int]]
-        waiting = [(one, nowhere, "", None, (), 0) for one in roots]
+        waiting: list[tuple[Any, Any, str, _Look | None, _Look | None, tuple[str, ...], int]]
+        waiting = [(one, nowhere, "", None, None, (), 0) for one in roots]
         seen = 0
         while waiting:
-            label, place, name, color, path, depth = waiting.pop(0)
+            label, place, name, around, used, path, depth = waiting.pop(0)
             seen += 1
             at_most(seen, 4 * MAX_BODIES, "products")
             at_most(depth, MAX_DEPTH, "levels of assemblies")
             own = self._name(label) or name
-            color = self._color_of(label) or color
+            look = used or self._look_of(label)
             if tool.IsReference_s(label):
                 place = place.Multiplied(tool.GetLocation_s(label))
                 referred = self.TDF.TDF_Label()
                 tool.GetReferredShape_s(label, referred)
-                waiting.append((referred, place, own, color, path, depth + 1))
+                waiting.append((referred, place, own, around, look, path, depth + 1))
             elif tool.IsAssembly_s(label):
                 parts = self._labels()
                 tool.GetComponents_s(label, parts)
                 inside = (*path, own) if own else path
-                waiting += [(one, place, own, color, inside, depth + 1) for one in parts]
+                waiting += [
+                    (one, place, own, look or around, None, inside, depth + 1) for one in parts
+                ]
             else:
-                yield _Body(tool.GetShape_s(label), place, own, color, path)
+                look = look or around or _Look(None)
+                yield _Body(tool.GetShape_s(label), place, own, look, path)
 
     def _labels(self) -> Any:
         """Return an empty row of labels, which is called otherwise since Open CASCADE 8."""
@@ -220,16 +235,17 @@ class _Kernel:
         text = "".join(sign for sign in text if sign.isprintable()).strip()
         return "" if UNNAMED.fullmatch(text) else text
 
-    def _color_of(self, thing: Any, tool: Any = None) -> Color | None:
-        """Return the colour of a label, or with a tool that of a shape."""
-        found = self.Quantity.Quantity_Color()
+    def _look_of(self, thing: Any, tool: Any = None) -> _Look | None:
+        """Return the look of a label, or with a tool that of a shape."""
+        found = self.Quantity.Quantity_ColorRGBA()
         kinds = self.XCAFDoc.XCAFDoc_ColorType
         ask = self.XCAFDoc.XCAFDoc_ColorTool.GetColor_s if tool is None else tool.GetColor
         for kind in (kinds.XCAFDoc_ColorSurf, kinds.XCAFDoc_ColorGen):
             if ask(thing, kind, found):
-                values = found.Values(self.Quantity.Quantity_TypeOfColor.Quantity_TOC_sRGB)
+                values = found.GetRGB().Values(self.Quantity.Quantity_TypeOfColor.Quantity_TOC_sRGB)
                 red, green, blue = (round(255 * min(max(float(v), 0.0), 1.0)) for v in values)
-                return red, green, blue
+                clear = float(found.Alpha()) < 0.5 * (1.0 + LOOKS["glass"][2])
+                return _Look((red, green, blue), "glass" if clear else "matt")
         return None
 
     def meshed(self, bodies: list[_Body]) -> float:
@@ -268,12 +284,12 @@ class _Kernel:
         """Return the triangles of faces in groups of one colour; None where there are none."""
         tool = self.XCAFDoc.XCAFDoc_DocumentTool.ColorTool_s(self._main)
         places: list[Array] = []
-        corners: dict[Color | None, list[Index]] = {}
+        corners: dict[_Look, list[Index]] = {}
         count = 0
         for face in faces:
             nodes, triangles = self._triangles(face)
-            color = self._color_of(face, tool) or body.color
-            corners.setdefault(color, []).append(triangles + count)
+            look = self._look_of(face, tool) or body.look
+            corners.setdefault(look, []).append(triangles + count)
             places.append(nodes)
             count += len(nodes)
         if not count:
@@ -291,13 +307,13 @@ class _Kernel:
             return None
         mesh = checked_mesh(_moved(whole[first], body.place), np.concatenate(rows))
         groups = tuple(
-            FaceGroup(body.name, len(row), color)
-            for color, row in zip(corners, rows, strict=True)
+            FaceGroup(body.name, len(row), *look)
+            for look, row in zip(corners, rows, strict=True)
             if len(row)
         )
-        color = groups[0].color if len(groups) == 1 else body.color
-        kept = groups if len(groups) > 1 else ()
-        return Surface(mesh, body.name, color, kept, path=body.path)
+        plain = len(groups) == 1 and groups[0].finish == "matt"
+        color = groups[0].color if len(groups) == 1 else body.look.color
+        return Surface(mesh, body.name, color, () if plain else groups, path=body.path)
 
     def _triangles(self, face: Any) -> tuple[Array, Index]:
         """Return the places (n, 3) and triangles (m, 3) of one face, in its product."""

@@ -6,10 +6,11 @@ Blocks are taken apart; what lies on layers that are off or frozen is not seen.
 from __future__ import annotations
 
 import io
+import itertools
 import logging
 import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from bozzetto.errors import FormatError
@@ -32,9 +33,14 @@ ENTITY: Final = re.compile(rb"\n[ \t]*0[ \t]*\r?\n[ \t]*[A-Z]")
 FACES: Final = frozenset((b"3DFACE", b"MESH"))
 """Entities that are faces; a POLYLINE may be some, too."""
 
+SEEN: Final = (
+    "3DFACE", "MESH", "POLYLINE", "LINE", "LWPOLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE",
+    "HELIX",
+)  # fmt: skip
+"""Entities that are lines or faces."""
+
 KIND: Final = re.compile(
-    rb"\n[ \t]*0[ \t]*\r?\n[ \t]*(3DFACE|MESH|POLYLINE|LINE|LWPOLYLINE|ARC|CIRCLE|ELLIPSE|SPLINE"
-    rb"|HELIX)[ \t]*\r?\n"
+    rb"\n[ \t]*0[ \t]*\r?\n[ \t]*(" + "|".join(SEEN).encode() + rb")[ \t]*\r?\n"
 )
 
 FLAGS: Final = re.compile(rb"\n[ \t]*70[ \t]*\r?\n[ \t]*(\d{1,5})")
@@ -50,9 +56,7 @@ CLASSES: Final = {
 }  # fmt: skip
 """Classes of lines that came with release 13."""
 
-REMOVED: Final = re.compile(
-    r"Removed (3DFACE|MESH|POLYLINE|LINE|LWPOLYLINE|ARC|CIRCLE|ELLIPSE|SPLINE|HELIX)\("
-)
+REMOVED: Final = re.compile(rf"Removed ({'|'.join(SEEN)})\(")
 """What the library says of an entity that it takes out of a file."""
 
 VERSION: Final = re.compile(rb"(\$ACADVER\s+1\s+)AC10(?:0\d|1[0-4])")
@@ -193,6 +197,7 @@ def _seen_in(
     """Return the same of one space, without what lies on hidden layers."""
     found: list[Any] = []
     others: Counter[str] = Counter()
+    _check_blocks(space, hidden)
     waiting = [(entity, 0) for entity in reversed(list(space))]
     seen = 0
     while waiting:
@@ -204,7 +209,7 @@ def _seen_in(
         if not entity.is_supported_dxf_attrib("layer"):  # of a program that the library ignores
             others[kind] += 1
             continue
-        if str(entity.dxf.get("layer", "0")).lower() in hidden or entity.dxf.get("invisible", 0):
+        if not _is_seen(entity, hidden):
             continue
         if kind == "INSERT":
             inside, corners = _taken_apart(entity, seen + len(waiting))
@@ -215,6 +220,48 @@ def _seen_in(
         elif kind not in ("VERTEX", "SEQEND", "VIEWPORT", "ATTDEF"):
             others[kind] += 1
     return found, others
+
+
+def _is_seen(entity: Any, hidden: set[str]) -> bool:
+    """Whether neither an entity nor its layer is hidden."""
+    layer = str(entity.dxf.get("layer", "0")).lower()
+    return layer not in hidden and not entity.dxf.get("invisible", 0)
+
+
+def _check_blocks(space: Any, hidden: set[str]) -> None:
+    """Refuse blocks that hold too much when they are taken apart, before they are: that is slow.
+
+    Level by level it is counted how often each block is seen; what is in it is counted once.
+    """
+    contents: dict[str, tuple[int, Counter[str]]] = {}
+    lines, inside = _content(space, hidden)
+    for depth in itertools.count(1):
+        if not inside:
+            return
+        at_most(depth, MAX_DEPTH, "levels of blocks")
+        deeper: Counter[str] = Counter()
+        for name, times in inside.items():
+            if name not in contents:
+                contents[name] = _content(space.doc.blocks.get(name) or (), hidden)
+            own, blocks = contents[name]
+            lines += times * (own + 1)
+            at_most(lines, MAX_STROKES, "lines")
+            for other, count in blocks.items():
+                deeper[other] += times * count
+        inside = deeper
+
+
+def _content(entities: Iterable[Any], hidden: set[str]) -> tuple[int, Counter[str]]:
+    """Return how many of the lines and faces are seen, and how often which blocks are."""
+    lines = 0
+    blocks: Counter[str] = Counter()
+    for entity in entities:
+        kind = entity.dxftype()
+        if kind == "INSERT" and _is_seen(entity, hidden):
+            blocks[str(entity.dxf.get("name", "")).lower()] += max(1, entity.mcount)
+        elif kind in SEEN:
+            lines += 1 + (len(entity.vertices) if kind == "POLYLINE" else 0)
+    return lines, blocks
 
 
 def _taken_apart(insert: Any, seen: int) -> tuple[list[Any], int]:

@@ -19,7 +19,9 @@ from bozzetto.exchange.line_drawing.page import (
     PageLine,
     PageText,
     bounds_of,
+    moved,
     net_to_draw,
+    page_lines,
     parallel_lines,
 )
 from bozzetto.geometry.shapes import Shapes
@@ -37,7 +39,7 @@ GAP: Final = 24.0
 """Between views, mm: dimensions lie there."""
 
 SCALES: Final = tuple(
-    sorted((m * 10.0**e for m in (1.0, 2.0, 5.0) for e in range(-6, 4)), reverse=True)
+    sorted((m * 10.0**e for m in (1.0, 2.0, 5.0) for e in range(-9, 9)), reverse=True)
 )
 """Of the ISO: 1, 2 and 5 by powers of ten."""
 
@@ -45,6 +47,15 @@ LETTERS: Final = 3.5
 """Height of letters, mm (ISO 3098)."""
 
 TITLE_LETTERS: Final = 7.0
+
+LETTER_WIDTH: Final = 0.65
+"""Of a digit, as a share of its height, with what is free beside it."""
+
+CLEAR: Final = 1.0
+"""Between a number and the lines around it, mm."""
+
+FLAT: Final = 1e-6
+"""Share of the size below which an extent is none, and has no dimension."""
 
 ARROW: Final = (3.0, 0.5)
 """Length and half width of an arrowhead, mm."""
@@ -99,7 +110,7 @@ def blueprint_page(shapes: Shapes, title: str, unit: Unit = "mm", *, hidden: boo
     width, depth, tall = size.tolist()
     left, rim = BORDER
     room = np.array(SHEET) - (left + rim, 2 * rim) - 2 * GAP
-    room[1] -= TITLE[1] - GAP / 2
+    room[1] -= TITLE[1] - GAP / 4
     scale = next(
         (s for s in SCALES
          if s * (width + depth) + GAP <= room[0] and s * (tall + depth) + GAP <= room[1]),
@@ -119,66 +130,109 @@ def blueprint_page(shapes: Shapes, title: str, unit: Unit = "mm", *, hidden: boo
         first = np.minimum(axes @ low, axes @ high), np.maximum(axes @ low, axes @ high)
         corner = np.array((first[0][0], -first[1][1]))
         lines += _placed(drawn, scale, np.array(corners[name]) - scale * corner, hidden=hidden)
-    lines += _small_view(oblique, corners["right"][0], scale, hidden=hidden)
     texts: list[PageText] = []
     (fx, fy), (sx, sy) = corners["front"], corners["right"]
     bottom = fy + scale * tall
-    for begin, end, value, upright in (
-        ((fx, bottom), (fx + scale * width, bottom), width, False),
-        ((fx, fy), (fx, bottom), tall, True),
-        ((sx, sy + scale * tall), (sx + scale * depth, sy + scale * tall), depth, False),
+    lines += _small_view(oblique, (x, y), (sx, sy), (sx + scale * depth, bottom), scale)
+    for begin, end, value, upright, after in (
+        ((fx, bottom), (fx + scale * width, bottom), width, False, False),
+        ((fx, fy), (fx, bottom), tall, True, False),
+        ((sx, bottom), (sx + scale * depth, bottom), depth, False, True),
     ):
-        drawn_dimension, words = _dimension(begin, end, _said(value, unit), upright=upright)
+        if value <= FLAT * float(size.max()):
+            continue
+        words = _said(value, unit)
+        drawn_dimension, text = _dimension(begin, end, words, upright=upright, after=after)
         lines += drawn_dimension
-        texts.append(words)
+        texts.append(text)
     lines += _frame()
     texts += _title(title, scale, unit)
     return Page((0.0, 0.0), *SHEET, "mm", tuple(lines), tuple(texts))
 
 
 def _placed(lines: list[DrawnLine], scale: float, offset: Array, *, hidden: bool) -> list[PageLine]:
-    return [
-        PageLine(line.points * scale + offset, "visible" if line.visible else "hidden", line.name)
-        for line in lines
-        if line.visible or hidden
-    ]
+    return [moved(line, scale, offset) for line in page_lines(lines, hidden=hidden)]
 
 
-def _small_view(lines: list[DrawnLine], x: float, scale: float, *, hidden: bool) -> list[PageLine]:
-    """Return the three-quarter view in the upper right corner, smaller where it does not fit."""
+def _small_view(
+    lines: list[DrawnLine],
+    begin: tuple[float, float],
+    side: tuple[float, float],
+    end: tuple[float, float],
+    scale: float,
+) -> list[PageLine]:
+    """Return the three-quarter view where the sheet has most room for it, smaller if need be.
+
+    Parameters
+    ----------
+    lines : list of DrawnLine
+        Of the view, mm.
+    begin, side, end : (x, y)
+        Upper left corners of the top view and of the side view, and the lower right one of that.
+    scale : float
+        Of the other views.
+    """
     low, high = bounds_of(lines)
-    left = x
-    top, right = BORDER[1] + GAP / 2, SHEET[0] - BORDER[1] - GAP / 2
-    below = SHEET[1] / 2 - GAP / 2
-    room = np.array((right - left, below - top))
-    fitting = min(scale, float((room / np.maximum(high - low, 1e-9)).min()))
-    middle = np.array(((left + right) / 2, (top + below) / 2))
-    offset = middle - fitting * (low + high) / 2
-    return _placed(lines, fitting, offset, hidden=False)
+    left, top = BORDER[0] + GAP / 2, BORDER[1] + GAP / 2
+    right, bottom = SHEET[0] - BORDER[1] - GAP / 2, SHEET[1] - BORDER[1] - GAP / 2
+    title_left, title_top = right + GAP / 2 - TITLE[0], bottom + GAP / 2 - TITLE[1]
+    rooms = [
+        ((side[0], top), (right, side[1] - GAP / 2)),
+        ((end[0] + GAP, top), (right, title_top - GAP / 2)),
+        ((left, top), (right, begin[1] - GAP / 2)),
+        ((left, end[1] + GAP), (title_left - GAP / 2, bottom)),
+    ]
+    fitting = [
+        min(scale, float((np.subtract(*room[::-1]) / np.maximum(high - low, 1e-9)).min()))
+        for room in rooms
+    ]
+    best = int(np.argmax(fitting))
+    offset = np.mean(rooms[best], axis=0) - fitting[best] * (low + high) / 2
+    return _placed(lines, fitting[best], offset, hidden=False)
 
 
 def _said(value: float, unit: Unit) -> str:
-    return f"{value / MM_PER[unit]:.4g}"
+    """Return a length in a unit: four digits or all before the point, never a power of ten."""
+    length = value / MM_PER[unit]
+    words = f"{length:.{max(0, 3 - int(np.floor(np.log10(length))))}f}"
+    return words.rstrip("0").rstrip(".") if "." in words else words
 
 
 def _dimension(
-    begin: tuple[float, float], end: tuple[float, float], words: str, *, upright: bool
+    begin: tuple[float, float],
+    end: tuple[float, float],
+    words: str,
+    *,
+    upright: bool,
+    after: bool,
 ) -> tuple[list[PageLine], PageText]:
-    """Return extension lines, a line with two arrowheads, and its number (ISO 129-1)."""
+    """Return extension lines, a line with two arrowheads, and its number (ISO 129-1).
+
+    A number that does not fit between the extension lines stands beside them, on the longer line:
+    beyond the end if it is to be `after`, else before the beginning.
+    """
     a, b = np.array(begin), np.array(end)
     away = np.array((-1.0, 0.0) if upright else (0.0, 1.0))
     first, second = a + away * STAND_OFF, b + away * STAND_OFF
     rows = [np.stack((p + away, q + away * OVERHANG)) for p, q in ((a, first), (b, second))]
-    rows.append(np.stack((first, second)))
-    along = (b - a) / max(float(np.linalg.norm(b - a)), 1e-9)
-    inward = 1.0 if np.linalg.norm(b - a) > 4 * ARROW[0] else -1.0
+    length = float(np.linalg.norm(b - a))
+    along = np.array((0.0, 1.0) if upright else (1.0, 0.0))
+    wide = LETTER_WIDTH * LETTERS * len(words)
+    inward = 1.0 if length > 4 * ARROW[0] else -1.0
+    beyond = 0.0 if inward > 0 else 2.0 * ARROW[0]
+    ends = [first - along * beyond, second + along * beyond]
+    middle = 0.5 * (first + second)
+    if wide + 2 * CLEAR > length:
+        beyond = max(beyond, CLEAR)
+        middle, way = (second, along) if after else (first, -along)
+        middle = middle + way * (beyond + 0.5 * wide)
+        ends[int(after)] = middle + way * 0.5 * wide
+    rows.append(np.stack(ends))
     for tip, way in ((first, along), (second, -along)):
         back = tip + inward * way * ARROW[0]
         side = np.array((-way[1], way[0])) * ARROW[1]
         rows.append(np.stack((back + side, tip, back - side, back + side)))
-    x, y = (0.5 * (first + second) + (away * 1.0 if upright else -away * 1.0)).tolist()
-    if upright:
-        x -= 2.0
+    x, y = (middle + CLEAR * (away if upright else -away)).tolist()
     place = PageText(words, (x, y), LETTERS, upwards=upright)
     return [PageLine(row, "dimensions") for row in rows], place
 
@@ -204,7 +258,7 @@ def _frame() -> list[PageLine]:
 def _title(title: str, scale: float, unit: Unit) -> list[PageText]:
     x = SHEET[0] - BORDER[1] - TITLE[0] + 3.0
     y = SHEET[1] - BORDER[1] - TITLE[1]
-    ratio = f"{scale:g} : 1" if scale >= 1 else f"1 : {1 / scale:g}"
+    ratio = f"{scale:.0f} : 1" if scale >= 1 else f"1 : {1 / scale:.0f}"
     low = y + TITLE[1] - 4.5
     cells = (f"Scale {ratio}", f"Dimensions in {unit}", "Third angle projection")
     return [

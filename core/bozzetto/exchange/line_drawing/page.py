@@ -25,7 +25,10 @@ MARGIN: Final = 0.05
 """Paper left around a drawing, as a share of its size."""
 
 LEAST: Final = 1e-3
-"""Least side of a page, mm."""
+"""Paper left around what is a point in its view, mm."""
+
+POINT: Final = 1e-9
+"""Extent of a line that is seen from its end, as a share of that of the drawing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,19 +136,36 @@ def outlines_page(shapes: Shapes, camera: Camera | None, *, hidden: bool) -> Pag
         places, distance = camera.project(net.points)
         with np.errstate(all="ignore"):
             lines = drawn_lines(net, places, -1.0 / distance)
-    lines = [line for line in lines if line.visible or hidden]
-    if not lines:
+    drawn = tuple(page_lines(lines, hidden=hidden))
+    if not drawn:
         raise UserError("All of it lies behind the eye. Turn the view to it, then export.")
-    drawn = tuple(
-        PageLine(line.points, "visible" if line.visible else "hidden", line.name) for line in lines
-    )
     if camera is not None and camera.kind == "perspective":
         return Page((0.0, 0.0), *camera.viewport, "px", drawn)
-    low, high = bounds_of(lines)
-    rim = max(MARGIN * float((high - low).max()), LEAST)
+    low, high = bounds_of(drawn)
+    rim = MARGIN * float((high - low).max()) or LEAST
     x, y = (low - rim).tolist()
     width, height = (high - low + 2 * rim).tolist()
     return Page((x, y), width, height, "mm", drawn)
+
+
+def page_lines(lines: Sequence[DrawnLine], *, hidden: bool) -> list[PageLine]:
+    """Return the lines that a page shows; those seen from their ends only where nothing else is.
+
+    Parameters
+    ----------
+    lines : sequence of DrawnLine
+        Of one view.
+    hidden : bool
+        Whether lines that are hidden are shown, too.
+    """
+    shown = [
+        PageLine(line.points, "visible" if line.visible else "hidden", line.name)
+        for line in lines
+        if line.visible or hidden
+    ]
+    extents = [float(np.ptp(line.points, axis=0).max()) for line in shown]
+    least = POINT * float(np.ptp(bounds_of(shown), axis=0).max()) if shown else 0.0
+    return [line for line, extent in zip(shown, extents, strict=True) if extent >= least]
 
 
 def parallel_lines(net: Net, axes: Array) -> list[DrawnLine]:

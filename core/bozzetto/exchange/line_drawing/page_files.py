@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Iterable
 from typing import Final
 from xml.sax.saxutils import escape, quoteattr
@@ -23,13 +24,19 @@ WIDTHS: Final[dict[LayerName, float]] = {
     "dimensions": 0.25,
     "frame": 0.35,
 }
-"""Widths of lines on a sheet of `USUAL` height, mm (ISO 128-2)."""
+"""Widths of lines on a sheet of `USUAL` size, mm (ISO 128-2)."""
 
-USUAL: Final = 297.0
-"""Height of a sheet to which line widths and dashes belong; other pages have them in proportion."""
+USUAL: Final = (420.0, 297.0)
+"""Sheet to which line widths and dashes belong, mm; other pages have them in proportion."""
 
 DASHES: Final = (3.0, 1.5)
 """Lengths of dashes and gaps, mm."""
+
+DIGITS: Final = 7
+"""Of a place, as many as the longer side of a page has."""
+
+DXF_DASH: Final = 0.5
+"""Length of a dash of the library's line type, in drawing units."""
 
 DXF_VERSION: Final = "R2010"
 
@@ -42,7 +49,8 @@ DXF_LINETYPES: Final[dict[LayerName, str]] = {"hidden": "DASHED"}
 def page_svg(page: Page) -> bytes:
     """Return a page as SVG: a group for each layer, and in it one for each part, with ids."""
     x, y = page.corner
-    share = page.height / USUAL
+    share = _share(page)
+    digits = max(0, DIGITS - 1 - math.floor(math.log10(max(page.width, page.height))))
     rows = [
         f'<svg xmlns="{SPACE}" viewBox="{x:.9g} {y:.9g} {page.width:.9g} {page.height:.9g}" '
         f'width="{page.width:.9g}{page.unit}" height="{page.height:.9g}{page.unit}">',
@@ -59,7 +67,7 @@ def page_svg(page: Page) -> bytes:
         for number, (name, lines) in enumerate(_by_name(own), 1):
             label = f" data-part={quoteattr(writable(name))}" if name else ""
             rows.append(f'<g id="{layer}-{number}"{label}>')
-            rows += [f'<path d="{_path(line)}"/>' for line in lines]
+            rows += [f'<path d="{_path(line, digits)}"/>' for line in lines]
             rows.append("</g>")
         rows.append("</g>")
     rows.append("</g>")
@@ -78,11 +86,21 @@ def _by_name(lines: Iterable[PageLine]) -> list[tuple[str, list[PageLine]]]:
     return list(found.items())
 
 
-def _path(line: PageLine) -> str:
+def _share(page: Page) -> float:
+    """Return how large a page is beside a usual sheet."""
+    return max(page.width / USUAL[0], page.height / USUAL[1])
+
+
+def _path(line: PageLine, digits: int) -> str:
+    """Return a line as path data, with so many digits after the point."""
     points = line.points
     closed = len(points) > 3 and bool((points[0] == points[-1]).all())
     rows = points[:-1] if closed else points
-    return "M" + "L".join(f"{x:.7g},{y:.7g}" for x, y in rows.tolist()) + ("Z" if closed else "")
+    return (
+        "M"
+        + "L".join(f"{x:.{digits}f},{y:.{digits}f}" for x, y in rows.tolist())
+        + ("Z" if closed else "")
+    )
 
 
 def _text(text: PageText) -> str:
@@ -115,6 +133,7 @@ def page_dxf(page: Page, unit: Unit = "mm") -> bytes:
     share = 1.0 / MM_PER[unit] if measured else 1.0
     units = UNIT_NUMBERS[unit] if measured else UNITLESS
     document = ezdxf.new(DXF_VERSION, setup=["linetypes"], units=units)
+    document.header["$LTSCALE"] = share * _share(page) * DASHES[0] / DXF_DASH
     space = document.modelspace()
     for layer in LAYERS:
         weight = round(100 * WIDTHS[layer])

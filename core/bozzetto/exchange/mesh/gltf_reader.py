@@ -6,6 +6,7 @@ Meshes may be compressed by Draco; other compression is not read.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
@@ -35,6 +36,7 @@ from bozzetto.exchange.mesh.gltf_scene import (
     Material,
     Primitive,
     ShownMesh,
+    Transmission,
     item,
     placed_meshes,
 )
@@ -55,6 +57,7 @@ HARMLESS: Final = ("KHR_materials_", "KHR_texture_transform", "KHR_technique", "
 """Beginnings of extensions that change the looks only, never the geometry."""
 
 LIGHT: Final = "KHR_lights_punctual"
+TRANSMISSION: Final = "KHR_materials_transmission"
 
 UNDERSTOOD: Final = frozenset(("cut", "MSFT_screencoverage", "targetNames"))
 """Notes of nodes and meshes (``extras``) that are read, or whose subject is told."""
@@ -205,6 +208,11 @@ def _finish(material: Material) -> Finish:
     """Return of what a material seems to be made: the finish whose looks are nearest."""
     looks = material.pbr_metallic_roughness
     opacity = 1.0 if looks.base_color_factor is None else looks.base_color_factor[3]
+    raw = material.extensions.get(TRANSMISSION)
+    if raw is not None:
+        with contextlib.suppress(msgspec.MsgspecError):
+            through: Transmission = decode_json(raw, Transmission)
+            opacity *= 1.0 - through.transmission_factor
     # All that a look is made of lies between 0 and 1; in a file it may be any number.
     own = np.clip((looks.metallic_factor, looks.roughness_factor, opacity), 0.0, 1.0)
     return min(LOOKS, key=lambda finish: float(np.square(np.subtract(LOOKS[finish], own)).sum()))
@@ -312,6 +320,7 @@ def _tell(gltf: Gltf, reading: Reading, bodies: Skins) -> None:
     levels = sum("MSFT_lod" in node.extensions for node in gltf.nodes)
     lights = sum(LIGHT in node.extensions for node in gltf.nodes)
     noted = [*(node.extras for node in gltf.nodes), *(mesh.extras for mesh in gltf.meshes)]
+    tinted = sum(b'COLOR_0"' in bytes(node.extensions.get(INSTANCING, b"")) for node in gltf.nodes)
     notes = sum(isinstance(one, dict) and not one.keys() <= UNDERSTOOD for one in noted)
     if any(has_unused_places(gltf, one) for mesh in gltf.meshes for one in mesh.primitives):
         reading.tell_of_unused_places("glTF")
@@ -325,6 +334,8 @@ def _tell(gltf: Gltf, reading: Reading, bodies: Skins) -> None:
          "the export makes them again"),
         (sum(node.camera is not None for node in gltf.nodes), "a camera", "{} cameras",
          "only shapes are read"),
+        (tinted, "the colours of a part's copies", "the colours of {} parts' copies",
+         "each has that of its material"),
         (lights, "a light", "{} lights", "only shapes are read"),
         (notes, "what is noted of a part besides", "what is noted of {} parts besides",
          "custom properties are not kept"),

@@ -216,6 +216,13 @@ class Material(Record):
     normal_texture: Any = None
     occlusion_texture: Any = None
     emissive_texture: Any = None
+    extensions: dict[str, msgspec.Raw] = {}
+
+
+class Transmission(Record):
+    """The share of light that passes through (KHR_materials_transmission)."""
+
+    transmission_factor: float = 0.0
 
 
 class SceneRecord(Record):

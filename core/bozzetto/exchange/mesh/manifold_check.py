@@ -37,7 +37,8 @@ def _unpaired_edges(mesh: Mesh) -> int:
     count = np.int64(len(mesh.vertices))
     keys, times = np.unique(forth[:, 0] * count + forth[:, 1], return_counts=True)
     back = (keys % count) * count + keys // count
-    paired = np.isin(back, keys) & (times == 1)
+    found = np.minimum(np.searchsorted(keys, back), max(len(keys) - 1, 0))
+    paired = (keys[found] == back) & (times == 1)
     return int((~paired).sum())
 
 

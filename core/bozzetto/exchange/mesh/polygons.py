@@ -80,24 +80,31 @@ def weld_rounded(
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import KDTree
 
     one, other = faces.astype(np.int64), np.roll(faces, -1, axis=1).astype(np.int64)
     edges = np.minimum(one, other) * len(kept) + np.maximum(one, other)
     edges, uses = np.unique(edges, return_counts=True)
     border = np.unique(np.divmod(edges[uses == 1], max(len(kept), 1)))
-    if not len(border):
+    if len(border) < 2:
         return kept, faces
     points = vertices[kept[border]].astype(np.float64)
     cell = 2.0 * ROUNDING * max(float(np.abs(points).max()), 1e-30)
-    # Two within half a cell of each other are in one cell of at least one of eight grids.
-    nodes, numbers, count = [], [], len(border)
-    for shift in np.ndindex(2, 2, 2):
-        cells = np.floor(points / cell + 0.5 * np.array(shift)).astype(np.int64)
-        _, number = np.unique(cells, axis=0, return_inverse=True)
-        nodes.append(np.arange(len(border)))
-        numbers.append(count + number.ravel())
-        count += int(number.max()) + 1
-    ends = np.concatenate(nodes), np.concatenate(numbers)
+    nearest = KDTree(points).query(points, [2], p=np.inf, distance_upper_bound=2.0 * cell)[0]
+    close = np.isfinite(np.asarray(nearest)[:, 0])
+    if not close.any():
+        return kept, faces
+    border, points = border[close], points[close]
+    # Two within half a cell of each other are in one cell of at least one of eight grids, whose
+    # cells have numbers of 20 bits along each axis.
+    shifts = np.array(list(np.ndindex(2, 2, 2)))
+    cells = np.floor(points / cell + 0.5 * shifts[:, None]).astype(np.int64) + (1 << 19)
+    keys = np.arange(8)[:, None]
+    for k in range(3):
+        keys = (keys << 20) | cells[..., k]
+    _, number = np.unique(keys, return_inverse=True)
+    ends = np.tile(np.arange(len(border)), 8), len(border) + number.ravel()
+    count = int(ends[1].max()) + 1
     graph = coo_array((np.ones(len(ends[0]), np.int8), ends), shape=(count, count))
     label = connected_components(graph, directed=False)[1][: len(border)]
     _, first, which = np.unique(label, return_index=True, return_inverse=True)

@@ -40,6 +40,9 @@ MAX_CROSSINGS: Final = 20_000
 PAIRS_AT_ONCE: Final = 1_000_000
 """Pairs of sides that are held in memory at a time."""
 
+PAIRS_BETWEEN: Final = 10_000
+"""Pairs that are looked at before it is asked again which lines are connected by now."""
+
 ARC_CORNERS: Final = 32
 """Corners that a whole turn gets where a tip is rounded by a hair."""
 
@@ -116,22 +119,26 @@ def _without_overlaps(
     meeting += [(n, n) for n, k in enumerate(rings) if _meets_itself(lines[k])]
     element_of = {k: area.element for k in rings if (area := areas[k]) is not None}
     group_of = _groups([(element_of[rings[a]], element_of[rings[b]]) for a, b in meeting])
+    members_of: dict[int, list[int]] = {}
+    for k in rings:
+        if (group := group_of.get(element_of[k])) is not None:
+            members_of.setdefault(group, []).append(k)
     result: list[tuple[int, Array]] = []
-    done: set[int] = set()
     for k in kept:
         group = group_of.get(element_of.get(k, -1))
         if group is None:
             result.append((k, lines[k]))
-        elif group not in done:
-            done.add(group)
-            members = [j for j in rings if group_of.get(element_of[j]) == group]
+        elif members := members_of.pop(group, []):
             joined = _joined([lines[j] for j in members], [areas[j] for j in members])
             result.extend((k, ring) for ring in joined)
     return result
 
 
 def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
-    """Return pairs of different rings that share a point. Raises `TooManyPairs`."""
+    """Return pairs of different rings that share a point: enough to connect all that meet.
+
+    Sides of rings that others connect already are not looked at. Raises `TooManyPairs`.
+    """
     import shapely
 
     if len(rings) < 2:
@@ -145,16 +152,16 @@ def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
     owner = np.repeat(involved, [len(part) for part in sides])
     row = np.concatenate(sides)
     tested = 0
-    found: set[tuple[int, int]] = set()
+    joined = _Joined(len(rings))
     for pairs in _near(row, MAX_NEAR):
-        pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
-        tested += len(pairs)
-        if tested > MAX_TESTED:
-            raise TooManyPairs
-        hit = pairs[shapely.intersects(row[pairs[:, 0]], row[pairs[:, 1]])]
-        rows = np.unique(np.sort(owner[hit], axis=1), axis=0)
-        found.update((int(i), int(j)) for i, j in rows)
-    return sorted(found)
+        for first in range(0, len(pairs), PAIRS_BETWEEN):
+            some = pairs[first : first + PAIRS_BETWEEN]
+            some = some[joined.apart(owner[some])]
+            tested += len(some)
+            if tested > MAX_TESTED:
+                raise TooManyPairs
+            joined.take(owner[some[shapely.intersects(row[some[:, 0]], row[some[:, 1]])]])
+    return joined.pairs
 
 
 def _sides(ring: Array) -> NDArray[np.object_]:
@@ -231,18 +238,54 @@ def _meets_itself(ring: Array) -> bool:
 
 def _groups(pairs: Sequence[tuple[int, int]]) -> dict[int, int]:
     """Return the numbers that pairs connect, each with the smallest of those it is connected to."""
-    parent: dict[int, int] = {}
+    numbers = np.array(pairs, np.int64).reshape(-1, 2)
+    joined = _Joined(int(numbers.max(initial=-1)) + 1)
+    joined.take(numbers)
+    return {k: int(joined.smallest[k]) for k in np.unique(numbers).tolist()}
 
-    def root(k: int) -> int:
-        while parent.setdefault(k, k) != k:
-            parent[k] = parent[parent[k]]
-            k = parent[k]
-        return k
 
-    for a, b in pairs:
-        low, high = sorted((root(a), root(b)))
-        parent[high] = low
-    return {k: root(k) for k in list(parent)}
+class _Joined:
+    """Numbers below `count`, some of which are connected.
+
+    Attributes
+    ----------
+    smallest : (count,) int
+        For each, the smallest number that it is connected to.
+    pairs : list of (int, int)
+        The taken pairs without those whose numbers others had connected before.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.smallest = np.arange(count)
+        self.pairs: list[tuple[int, int]] = []
+
+    def apart(self, pairs: Index) -> NDArray[np.bool_]:
+        """Tell which of some pairs (n, 2) are not connected yet."""
+        return np.asarray(self.smallest[pairs[:, 0]] != self.smallest[pairs[:, 1]])
+
+    def take(self, pairs: Index) -> None:
+        """Connect the numbers of each of some pairs (n, 2)."""
+        parent = dict[int, int]()
+
+        def root(k: int) -> int:
+            while (above := parent.get(k, k)) != k:
+                parent[k] = parent.get(above, above)
+                k = above
+            return k
+
+        pairs = pairs[self.apart(pairs)]
+        ends = np.sort(self.smallest[pairs], axis=1)
+        _, once = np.unique(ends[:, 0] * len(self.smallest) + ends[:, 1], return_index=True)
+        for k in np.sort(once).tolist():
+            low, high = sorted((root(int(ends[k, 0])), root(int(ends[k, 1]))))
+            if low != high:
+                parent[high] = low
+                self.pairs.append((int(pairs[k, 0]), int(pairs[k, 1])))
+        if parent:
+            now = np.arange(len(self.smallest))
+            changed = list(parent)
+            now[changed] = [root(k) for k in changed]
+            self.smallest = now[self.smallest]
 
 
 def _joined(rings: Sequence[Array], areas: Sequence[Area | None]) -> list[Array]:
