@@ -21,6 +21,7 @@ from bozzetto_polyhedron.graph.likelihood import LONGEST_TICK, Line, strain_of
 from bozzetto_polyhedron.graph.shared_segments import (
     contracted,
     exchanged,
+    overlapping,
     passing_straight,
 )
 from bozzetto_polyhedron.graph.surroundings import Surroundings, placed
@@ -70,6 +71,7 @@ def steps(draft: Draft, corners: Collection[int] | None = None) -> Iterator[Chan
         yield from _absorbed(around, key, along[key])
         yield from exchanged(around, key, along[key])
         yield from contracted(around, key)
+        yield from overlapping(around, key)
         if len(draft.lines[key].line.members) > 1:
             yield from _told_apart(around, key, along[key])
 
