@@ -276,12 +276,6 @@ def cover(rng: Random) -> Manifold:
     return made + box((0.3 * w, 0.3 * d, 0.4), (0.35 * w, 0.3 * d, h))
 
 
-def ramp_beside_step(rng: Random) -> Manifold:
-    w, d, h = rng.uniform((2.8, 1.8, 1.4), (3.6, 2.6, 2.0))
-    made = upright([(0, 0), (w, 0), (0.35 * w, h), (0, h)], d)
-    return made - box((9, 9, 9), (0.3 * w, 0.5 * d, 0.45 * h))
-
-
 def octagonal_ring(rng: Random) -> Manifold:
     h, r = rng.uniform((0.5, 0.65), (1.2, 0.8))
     inner = extruded(regular(8, r), 9).translate((0, 0, -1))
@@ -311,7 +305,7 @@ MACHINE: dict[str, Callable[[Random], Manifold]] = {
         wedge_with_slot, pyramid_beside_the_middle, pencil, block_chamfered_all_round,
         block_with_chamfered_edges_and_pocket, block_with_three_cut_corners, rib_between_blocks,
         two_bosses_on_plate, boss_with_hole, v_block_with_cross_slot, crank, hook, clamp, bridge,
-        plug, cover, ramp_beside_step, octagonal_ring, chevron, rod_end,
+        plug, cover, octagonal_ring, chevron, rod_end,
     )
 }  # fmt: skip
 
