@@ -31,7 +31,7 @@ Checkpoint = Callable[[float, str], None]
 DEAREST: Final = 12.0
 """Cost on the sheet that a change may add to be looked at in space."""
 
-MOST_OTHERS: Final = 2
+MOST_OTHERS: Final = 3
 """Changes that are looked at in space from one draft."""
 
 MOST_CHANGES: Final = 2
