@@ -29,6 +29,9 @@ MOST_UNSURE: Final = 6
 OVER: Final = np.radians(16.0)
 """Angle up to which two lines that meet in a corner may be lines that run over one another."""
 
+CLOSE_BY: Final = 0.06
+"""Distance of a corner from a line on which it may lie instead."""
+
 FEWEST: Final = 3
 """Segments of two lines from which on they are dealt out anew."""
 
@@ -177,6 +180,59 @@ def passing_straight(around: Surroundings, corner: int) -> Iterator[Change]:
         if not all(straight):
             ways, parts, ends = (way,), parts[:1], ends[:1]
         yield Change(tuple(k for each in ways for k in each), _lines(around, parts, ends))
+
+
+def on_another_line(around: Surroundings, corner: int) -> Iterator[Change]:
+    """Let a corner through which two lines go straight on lie on another line close by instead.
+
+    The two become one that passes it, and the other line becomes two that end there.
+    """
+    draft = around.draft
+    keys = draft.at(corner)
+    ends = {k: _other_end(draft.lines[k], corner) for k in keys}
+    ways = [
+        way
+        for way in combinations(keys, 2)
+        if ends[way[0]] != ends[way[1]] and _is_straight(around, corner, *(ends[k] for k in way))
+    ]
+    if not ways:
+        return
+    cut = [
+        (key, parts)
+        for key in around.keys
+        if corner not in draft.lines[key].pair
+        and (parts := _cut_at(around, draft.lines[key], around.place[corner])) is not None
+    ]
+    for one, two in ways:
+        members = (*draft.lines[one].line.members, *draft.lines[two].line.members)
+        passing = _lines(around, (members,), ((ends[one], ends[two]),))
+        for key, parts in cut:
+            each = draft.lines[key]
+            if not {ends[one], ends[two]} & {each.start, each.stop}:
+                pairs = (each.start, corner), (corner, each.stop)
+                yield Change((one, two, key), (*passing, *_lines(around, parts, pairs)))
+
+
+def _cut_at(
+    around: Surroundings, each: Joined, place: tuple[float, float]
+) -> tuple[Members, Members] | None:
+    """Return the segments of a line before and beyond a place close to it; None where it is far."""
+    members, length = each.line.members, each.line.length
+    if len(members) < 2 or length < CLOSE_BY:
+        return None
+    (x, y), (x1, y1) = each.line.start, each.line.stop
+    ux, uy = (x1 - x) / length, (y1 - y) / length
+    dx, dy = place[0] - x, place[1] - y
+    at = ux * dx + uy * dy
+    if abs(ux * dy - uy * dx) > CLOSE_BY or not 0.0 < at < length:
+        return None
+    rows = around.draft.fits.rows
+    middles = {
+        m: sum((a - x) * ux + (b - y) * uy for a, b in rows[m]) / len(rows[m]) for m in members
+    }
+    before = tuple(m for m in members if middles[m] < at)
+    beyond = tuple(m for m in members if middles[m] >= at)
+    return (before, beyond) if before and beyond else None
 
 
 def _is_straight(around: Surroundings, corner: int, one: int, two: int) -> bool:
