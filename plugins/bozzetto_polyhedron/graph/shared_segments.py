@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from math import atan2, pi
+from math import atan2, pi, radians
 from typing import Final
 
 import numpy as np
@@ -17,7 +17,7 @@ from bozzetto_polyhedron.graph.surroundings import Surroundings, placed
 SHORT: Final = 0.15
 """Length up to which a line may be what two other lines share at their beginning."""
 
-STRAIGHT: Final = np.radians(12.0)
+STRAIGHT: Final = radians(12.0)
 """Angle up to which a line goes straight on through a corner."""
 
 CUTS: Final = (0.25, 0.5, 0.75)
@@ -26,7 +26,7 @@ CUTS: Final = (0.25, 0.5, 0.75)
 MOST_UNSURE: Final = 6
 """Segments about as near to both lines that are tried at either."""
 
-OVER: Final = np.radians(16.0)
+OVER: Final = radians(16.0)
 """Angle up to which two lines that meet in a corner may be lines that run over one another."""
 
 CLOSE_BY: Final = 0.06
@@ -104,28 +104,24 @@ def overlapping(around: Surroundings, key: int) -> Iterator[Change]:
     """
     draft = around.draft
     middle = draft.lines[key]
-    ways = (middle.start, middle.stop), (middle.stop, middle.start)
-    for near, far in ways:
+    for near, far in ((middle.start, middle.stop), (middle.stop, middle.start)):
+        on = _beside(around, key, near, far)
         back = _beside(around, key, far, near, going_on=False)
-        for one in (on := _beside(around, key, near, far)):
-            end = _other_end(draft.lines[one], near)
-            yield from _dealt_anew(around, (one, key), ((end, far), (near, far)))
-            for two in back:
-                pairs = (end, far), (near, _other_end(draft.lines[two], far)), (near, far)
-                yield from _dealt_anew(around, (one, two, key), pairs)
-        for two in back:
-            pairs = (near, _other_end(draft.lines[two], far)), (near, far)
-            yield from _dealt_anew(around, (two, key), pairs)
-        if near != middle.start:
-            continue
         for one in on:
-            for two in _beside(around, key, far, near):
-                pairs = (
-                    (_other_end(draft.lines[one], near), far),
-                    (near, _other_end(draft.lines[two], far)),
-                )
-                yield from _dealt_anew(around, (one, key, two), pairs)
-                yield from _dealt_anew(around, (one, key, two), (*pairs, (near, far)))
+            first = _other_end(draft.lines[one], near), far
+            yield from _dealt_anew(around, (one, key), (first, (near, far)))
+            for two in back:
+                second = near, _other_end(draft.lines[two], far)
+                yield from _dealt_anew(around, (one, two, key), (first, second, (near, far)))
+        for two in back:
+            second = near, _other_end(draft.lines[two], far)
+            yield from _dealt_anew(around, (two, key), (second, (near, far)))
+    for one in _beside(around, key, middle.start, middle.stop):
+        first = _other_end(draft.lines[one], middle.start), middle.stop
+        for two in _beside(around, key, middle.stop, middle.start):
+            second = middle.start, _other_end(draft.lines[two], middle.stop)
+            yield from _dealt_anew(around, (one, key, two), (first, second))
+            yield from _dealt_anew(around, (one, key, two), (first, second, middle.pair))
 
 
 def _beside(
