@@ -8,6 +8,7 @@ import pytest
 from bozzetto_polyhedron.graph import steps
 from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.reconstruction.answers import answers_of
+from bozzetto_polyhedron.solve.line_readings import decided
 from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT, outcome_of
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
 from tests.plugins.polyhedron.hand import CLEAN, SIZE, strokes_of
@@ -24,6 +25,7 @@ from tests.plugins.polyhedron.objects import (
     polyhedron_of,
     view,
 )
+from tests.plugins.polyhedron.untidy_parts import untidy
 
 
 def seen_part(name: str, seed: int) -> View:
@@ -93,6 +95,9 @@ def test_marks_tell_two_bosses_from_holes(heights: tuple[float, float], seed: in
     assert_first_is_right(seen, 0.003, seed)
 
 
+WRONG = "hexagonal shaft with square ends", 400
+NOTCHED = "hexagonal shaft with keyway", 401
+
 CLOSE = [("dovetail key", 400), ("pyramid beside the middle", 400), ("t slot nut", 401)]
 
 
@@ -122,3 +127,20 @@ def test_strokes_become_the_exact_solid(name: str) -> None:
     right = [each.first for each in found if each is not None]
     assert len(right) >= 1
     assert all(right)
+
+
+@pytest.mark.slow
+def test_lines_that_leave_faces_open_are_told_and_a_notch_leaves_none() -> None:
+    """Neither graph is 3-connected; the first is wrong, with three lines at every corner."""
+    strokes, places, edges = untidy(machine_part(*WRONG), WRONG[1])
+    live = searched(strokes)
+    assert not live.graph.health
+    assert not is_right_graph(live.graph, places, edges)
+    found = decided(live, CAMERA, lambda *_: None)
+    assert [each.what for each in found.graph.health] == ["open faces"]
+    middles = found.graph.places[found.graph.lines].mean(axis=1)
+    assert np.linalg.norm(middles - found.graph.health[0].place, axis=1).min() < 1.0
+    strokes, places, edges = untidy(machine_part(*NOTCHED), NOTCHED[1])
+    right = decided(searched(strokes), CAMERA, lambda *_: None).graph
+    assert is_right_graph(right, places, edges)
+    assert right.health == ()
