@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import PIL.Image
+    from PySide6.QtWidgets import QWidget
 
     from bozzetto_app.main_window import Window
 
@@ -38,24 +39,19 @@ def save(pixels: object, name: str, folder: Path | None = None, *, smooth: bool 
 
 
 def reduced(image: PIL.Image.Image) -> PIL.Image.Image:
-    """The same picture in 256 colours."""
+    """The same picture in 256 colours, dithered: shades would fall into steps."""
     import numpy as np
     from PIL import Image
 
     # The papers and panels keep their very colours; the rest, few pixels of the accent too,
     # goes to what covers it best, where the usual median cut makes the accent brown.
-    colors, inverse, counts = np.unique(
-        np.asarray(image).reshape(-1, 3), axis=0, return_inverse=True, return_counts=True
-    )
+    colors, counts = np.unique(np.asarray(image).reshape(-1, 3), axis=0, return_counts=True)
     common = colors[np.argsort(counts)[::-1][:EXACT]]
     covering = image.quantize(256 - len(common), Image.Quantize.MAXCOVERAGE).getpalette()
-    palette = np.concatenate((common, np.reshape(covering, (-1, 3)))).astype(float)
-    square = (palette**2).sum(axis=1)
-    nearest = np.argmin(square - 2.0 * colors @ palette.T, axis=1)
-    indices = nearest[inverse].reshape(image.height, image.width)
-    small = Image.fromarray(indices.astype(np.uint8), "P")
-    small.putpalette(palette.astype(np.uint8).ravel().tolist())
-    return small
+    palette = np.concatenate((common, np.reshape(covering, (-1, 3)))).astype(np.uint8)
+    kept = Image.new("P", (1, 1))
+    kept.putpalette(palette.ravel().tolist())
+    return image.quantize(palette=kept, dither=Image.Dither.FLOYDSTEINBERG)
 
 
 def pen_stroke(
@@ -124,11 +120,15 @@ def opened() -> Window:
     return window
 
 
-def grab(widget: object, name: str) -> None:
-    """Save what a widget shows."""
+def grab(widget: QWidget, name: str) -> None:
+    """Save what a widget shows once its frames, which a worker draws, are there."""
     import numpy as np
     from PySide6.QtGui import QImage
 
+    from bozzetto_app.canvas.viewport.software import SoftwareViewport
+
+    viewports = widget.findChildren(SoftwareViewport)
+    until(lambda: not any(viewport.is_waiting for viewport in viewports))
     image = widget.grab().toImage().convertToFormat(QImage.Format.Format_RGBA8888)
     pixels = np.frombuffer(image.constBits(), np.uint8)
     save(pixels.reshape(image.height(), image.width(), 4), name)

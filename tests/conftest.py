@@ -63,7 +63,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--share",
         default="1",
         metavar="PARTS[:NUMBER]",
-        help="run one of so many cases of each test; with another number another one",
+        help="run one of so many cases; with another number others",
     )
 
 

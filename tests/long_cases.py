@@ -9,13 +9,14 @@ Of a test with many cases the first stays in the default run. All others have th
 are run by ``python3 bootstrap.py test -m long``.
 
 Where not even that has the time, as in `.ci/run`, ``--share 3:7`` takes a third of the cases of
-each test, at least one, and with another number than 7 another third.
+each test, and with another number than 7 another third. Tests of fewer cases take turns.
 """
 
 from __future__ import annotations
 
 import re
 import sys
+import zlib
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -79,7 +80,8 @@ def taken(names: Iterable[str], share: str) -> list[bool]:
     ----------
     names : iterable of str
     share : str
-        ``"3"`` or ``"3:7"``: one of three cases of each test; which one, by the number.
+        ``"3"`` or ``"3:7"``: one of three cases of each test; which one, by the number. In three
+        numbers that follow one another every case has its turn once.
 
     Raises
     ------
@@ -89,12 +91,11 @@ def taken(names: Iterable[str], share: str) -> list[bool]:
     parts, number = (int(each) for each in (*share.split(":"), "0")[:2])
     if parts < 1:
         raise ValueError(f"a share is one of 1 or more, not of {parts}")
-    tests = [name.split("[")[0] for name in names]
-    counts = Counter(tests)
     met: Counter[str] = Counter()
     answers = []
-    for name in tests:
-        answers.append((met[name] + number) % min(parts, counts[name]) == 0)
+    for name in (full.split("[")[0] for full in names):
+        turn = met[name] + zlib.crc32(name.encode())  # not all first cases in one share
+        answers.append((turn + number) % parts == 0)
         met[name] += 1
     return answers
 

@@ -185,6 +185,12 @@ def _parameter_fields(state_type: type[Any]) -> tuple[Field, ...]:
             default = entry.default_factory()
         else:
             raise TypeError(f"{state_type.__name__}.{entry.name}: a parameter needs a default")
+        unknown = [value for value, _ in notes[0].choices if value not in values]
+        if unknown:
+            raise TypeError(
+                f"{state_type.__name__}.{entry.name}: choices names {unknown[0]!r}, which is no "
+                "value of its; its type is a Literal of all values"
+            )
         found.append(Field(entry.name, notes[0], kind, default, values))
     _check_idle(state_type, found)
     return tuple(found)

@@ -218,3 +218,16 @@ def test_a_condition_that_cannot_be_is_refused(condition):
     )
     with pytest.raises(TypeError, match="speed"):
         parameter_fields(made)
+
+
+@pytest.mark.parametrize(
+    "hint", [str, int, Literal["round", "sharp"]], ids=["a text", "a number", "another value"]
+)
+def test_choices_are_values_that_the_field_can_have(hint):
+    ends = Parameter("Ends", choices=(("round", "Round"), ("flat", "Flat")))
+    kind = make_dataclass("Kind", [("ends", Annotated[hint, ends], "round")], frozen=True)
+    with pytest.raises(TypeError, match=r"Kind\.ends: .*'(flat|round)'"):
+        parameter_fields(kind)
+    fine = Annotated[Literal["round", "flat"], ends]
+    kind = make_dataclass("Kind", [("ends", fine, "round")], frozen=True)
+    assert parameter_fields(kind)[0].kind == "choice"

@@ -61,6 +61,7 @@ class Toolbox(QObject):
         self.tool = ""
         self.tools: tuple[ToolInfo, ...] = ()
         self.last_used: dict[str, str] = {}
+        self._known: dict[str, tuple[ToolInfo, ...]] = {}
         self.channel = Channel("tools", time_limit=TOOLS_LIMIT, is_patient=True, parent=self)
         self.channel.slow.connect(notices.tell_slow)
         self._workbench, self._selection, self._notices = workbench, selection, notices
@@ -98,12 +99,17 @@ class Toolbox(QObject):
 
     def prefer(self, modeler_id: str) -> None:
         """Draw with another modeler, without asking for its tools yet."""
-        self.modeler, self.tools, self.tool = modeler_id, (), ""
+        self.modeler, self.tools, self.tool = modeler_id, self._known.get(modeler_id, ()), ""
         self.modeler_changed.emit()
 
     def ask_for_tools(self) -> None:
-        """Ask for the tools of the active modeler, whose plugin is imported for that."""
+        """Ask for the tools of the active modeler, whose plugin is imported for that.
+
+        Those that are known stand at once: a worker may still be importing another plugin.
+        """
         bench, modeler_id = self._workbench, self.modeler
+        if self.tools and not self.tool:
+            self.take_first_tool()
         if self.tools or not modeler_id:
             return
         info = self._registry.info(modeler_id)
@@ -127,6 +133,7 @@ class Toolbox(QObject):
             )
 
         def found(tools: tuple[ToolInfo, ...]) -> None:
+            self._known[modeler_id] = tools
             if self.modeler == modeler_id:
                 self.tools = tools
                 self.modeler_changed.emit()
@@ -136,6 +143,7 @@ class Toolbox(QObject):
 
     def drop_if_gone(self) -> None:
         """Replace the active modeler by the first one if its plugin was switched off."""
+        self._known.clear()
         gone = self.modeler
         if not gone or any(info.id == gone for info in self.modelers):
             return

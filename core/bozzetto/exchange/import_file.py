@@ -13,7 +13,7 @@ from pathlib import Path, PurePath
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Faces, Index
 from bozzetto.damaged_files import as_format_errors
@@ -25,6 +25,7 @@ from bozzetto.exchange.limits import MAX_INK_BYTES, MAX_MESH_BYTES, budget_for, 
 from bozzetto.exchange.linked_pictures import drawings_named_in, pictures_named_in
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.exchange.mesh.polygons import is_degenerate, weld, weld_rounded
+from bozzetto.exchange.mesh.touching_edges import apart_at_touching_edges
 from bozzetto.exchange.read_files import file_size, read_bytes, read_start
 from bozzetto.exchange.read_process.parent import Checkpoint, read_in_child
 from bozzetto.exchange.reading import MeshFile, Reading
@@ -294,12 +295,10 @@ def _with_solids(shapes: Shapes, stem: str) -> Shapes:
 
 def _without_strays(part: Surface) -> Surface:
     """Return a part without the vertices that no face uses: they would count for its size."""
-    used: Index = np.unique(part.mesh.faces).astype(np.intp)
+    used, faces = np.unique(part.mesh.faces, return_inverse=True)
     if len(used) == len(part.mesh.vertices):
         return part
-    back = np.zeros(len(part.mesh.vertices), np.intp)
-    back[used] = np.arange(len(used))
-    return replace(part, mesh=_welded(part.mesh, used, back), skin=_skin_of(part.skin, used, back))
+    return _rearranged(part, used.astype(np.intp), faces.reshape(-1, 3))
 
 
 def _as_closed(part: Surface) -> Surface | None:
@@ -312,48 +311,60 @@ def _as_closed(part: Surface) -> Surface | None:
     skin = part.skin
     rest = part.mesh if skin is None or skin.rest is None else skin.rest
     kept, faces = weld(rest.vertices, rest.faces)
-    if len(kept) < len(rest.vertices):
-        closed = _joined(part, kept, faces)
-        if closed is not None:
-            return closed
+    closed = _joined(part, kept, faces)
+    if closed is not None:
+        return closed
     fewer, faces = weld_rounded(rest.vertices, kept, faces)
     return _joined(part, fewer, faces) if len(fewer) < len(kept) else None
 
 
 def _joined(part: Surface, kept: Index, faces: Faces) -> Surface | None:
-    """Return a surface with some of its vertices, if it bounds a volume then."""
+    """Return a surface with some of its vertices, if it bounds a volume then.
+
+    Where it touches itself along edges, it is taken apart there.
+    """
     if is_degenerate(faces).any():
         return None
     mesh, skin = part.mesh, part.skin
-    back = np.zeros(len(mesh.vertices), np.intp)
-    back[mesh.faces] = faces
     if skin is not None:
-        same = (skin.joints[kept][back] == skin.joints) & (skin.weights[kept][back] == skin.weights)
-        if not same[np.unique(mesh.faces)].all():
+        here, there = mesh.faces, kept[faces]
+        if not all((each[there] == each[here]).all() for each in (skin.joints, skin.weights)):
             return None  # what lies at one place goes its own ways
-    joined = _welded(mesh, kept, back)
-    if not bounds_volume(joined):
-        return None
-    return replace(part, mesh=joined, skin=_skin_of(skin, kept, back))
+    joined = _rearranged(part, kept, faces)
+    if bounds_volume(joined.mesh):
+        return joined
+    apart = apart_at_touching_edges(joined.mesh.vertices, joined.mesh.faces)
+    joined = joined if apart is None else _rearranged(joined, *apart)
+    return joined if bounds_volume(joined.mesh) else None
 
 
-def _skin_of(skin: Skin | None, kept: Index, back: Index) -> Skin | None:
-    """Return the skin of some of a mesh's vertices."""
-    if skin is None:
-        return None
-    rest = None if skin.rest is None else _welded(skin.rest, kept, back)
-    return Skin(skin.rig, skin.joints[kept], skin.weights[kept], rest, skin.clips)
+def _rearranged(part: Surface, kept: Index, faces: ArrayLike) -> Surface:
+    """Return a surface of the same triangles over vertices that are taken from its own.
+
+    Parameters
+    ----------
+    part : Surface
+        Its texture lies by corners of triangles, and stays.
+    kept : (k,) int
+        The vertex that each of the new ones is a copy of.
+    faces : (m, 3) array_like of int
+        The triangles, in their order, over these.
+    """
+    corners = np.asarray(faces, np.int32)
+    skin = part.skin
+    if skin is not None:
+        rest = None if skin.rest is None else _over(skin.rest, kept, corners)
+        skin = Skin(skin.rig, skin.joints[kept], skin.weights[kept], rest, skin.clips)
+    return replace(part, mesh=_over(part.mesh, kept, corners), skin=skin)
 
 
-def _welded(mesh: Mesh, kept: Index, back: Index) -> Mesh:
-    """Return a mesh of some of its vertices; normals only where those at one place are one."""
+def _over(mesh: Mesh, kept: Index, faces: Faces) -> Mesh:
+    """Return a mesh over some of its vertices; normals only where those at one place are one."""
     normals = mesh.normals
-    used = np.unique(mesh.faces)
-    if normals is not None and (normals[kept][back[used]] != normals[used]).any():
+    if normals is not None and (normals[kept][faces] != normals[mesh.faces]).any():
         normals = None
     colors = None if mesh.colors is None else mesh.colors[kept]
-    normals = None if normals is None else normals[kept]
-    return Mesh(mesh.vertices[kept], back[mesh.faces].astype(np.int32), normals, colors)
+    return Mesh(mesh.vertices[kept], faces, None if normals is None else normals[kept], colors)
 
 
 def _chosen(kind: str, path: str | os.PathLike[str]) -> tuple[Format, int]:

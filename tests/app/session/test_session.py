@@ -176,14 +176,24 @@ def test_a_gesture_overtaken_by_an_edit_is_worked_out_again(session, boxes, draw
 
 
 def test_ink_waits_while_the_tools_are_still_being_imported(make_session, boxes, settle):
-    session = make_session(MODELER, extra=[boxes.package])
-    session.toolbox.take_modeler("bozzetto.silhouette")
+    session = make_session(extra=[boxes.package])
     session.toolbox.take_modeler(MODELER)
     assert session.toolbox.tool == ""
     session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
     settle(session)
     assert len(session.drawing.document) == 1
     assert session.toolbox.tool == "draw"
+
+
+def test_tools_that_are_known_stand_at_once(session, settle):
+    settle(session)
+    tools = session.toolbox.tools
+    session.toolbox.take_modeler("bozzetto.silhouette")
+    session.toolbox.take_modeler(MODELER)
+    assert session.toolbox.tools == tools
+    assert session.toolbox.tool == tools[0].id
+    settle(session)
+    assert session.toolbox.tools == tools
 
 
 def test_changing_the_modeler_keeps_waiting_ink_and_leaves_others_models_alone(session, draw):

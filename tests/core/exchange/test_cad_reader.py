@@ -223,6 +223,17 @@ def test_loose_curves_are_told(tmp_path):
     assert "Left out: a curve" in read.left_out[0]
 
 
+@pytest.mark.parametrize("entry", ["SOLID", "COMPOUND", "=>[0:1:1:3]"])
+def test_what_the_library_calls_a_shape_is_no_name(tmp_path, entry):
+    """A product of a body and curves beside it, as older programs write them."""
+    text = nested(tmp_path / "a.step", "MM").read_text()
+    (tmp_path / "b.step").write_text(text.replace("'Pin'", f"'{entry}'"))
+    named = [part.name for part in read_mesh_file(tmp_path / "a.step", trusted=True).shapes.solids]
+    found = [part.name for part in read_mesh_file(tmp_path / "b.step", trusted=True).shapes.solids]
+    assert "Pin" in named
+    assert found == ["Bracket" if name == "Pin" else name for name in named]
+
+
 def test_parts_that_lie_in_other_files_are_named(tmp_path):
     """An assembly of CATIA or Creo with external references has products, and no faces."""
     places = np.array([[0, 0, 0], [30, 0, 0], [30, 20, 0], [0, 20, 0]], float)

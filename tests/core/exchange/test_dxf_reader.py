@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import random
+import re
 
 import numpy as np
 import pytest
@@ -270,6 +271,32 @@ def test_a_drawing_that_lies_on_a_sheet_alone_is_read():
     document.write(text)
     (line,) = lines_of(read_drawing(document.encode(text.getvalue()), "a"))
     assert np.ptp(line, axis=0) == pytest.approx([40.0, 40.0], abs=1e-3)
+
+
+LAYOUTS = re.compile(r"( *3\nModel\n *350\n\w+\n)( *3\nLayout1\n *350\n\w+\n)")
+
+
+def test_the_model_counts_and_not_its_sheets_whatever_their_order():
+    """Layouts stand in the file in any order; views of the model are on them, and frames."""
+    import ezdxf
+
+    for alone in (False, True):
+        document = ezdxf.new("R2010", units=4)
+        sheet = document.layout("Layout1")
+        sheet.add_viewport((50, 50), (80, 80), (0, 0), 80)
+        sheet.add_line((0, 0), (297, 0))
+        document.modelspace().add_text("a note")
+        if not alone:
+            square(document.modelspace())
+        text = io.StringIO()
+        document.write(text)
+        content, swaps = LAYOUTS.subn(r"\2\1", text.getvalue())
+        assert swaps == 1
+        assert next(one.name for one in ezdxf.read(io.StringIO(content)).layouts) == "Layout1"
+        for each in (text.getvalue(), content):
+            (line,) = lines_of(read_drawing(document.encode(each), "a"))
+            size = np.ptp(line, axis=0).tolist()
+            assert size == pytest.approx([297.0, 0.0] if alone else [40.0, 40.0], abs=1e-3)
 
 
 def test_an_entity_that_is_damaged_is_told():

@@ -316,3 +316,46 @@ def test_inkml_without_a_unit_says_how_large_it_is_read(units, told):
     assert [line.split(":")[0] for line in drawing.left_out] == (
         ["Read as millimetres, 4,755 × 1,297"] if told else []
     )
+
+
+STEPS = (
+    '<ink xmlns="http://www.w3.org/2003/InkML"><definitions><context xml:id="c">'
+    '<inkSource xml:id="s">'
+    '<traceFormat><channel name="X" type="{type}"{units}/><channel name="Y" type="{type}"{units}/>'
+    '<channel name="OTx" type="integer" units="deg"/></traceFormat><channelProperties>'
+    '<channelProperty channel="X" name="resolution" value="1000" units="1/cm"/>'
+    '<channelProperty channel="Y" name="resolution" value="1000" units="1/cm"/>'
+    '<channelProperty channel="OTx" name="resolution" value="100" units="1/deg"/>'
+    "</channelProperties></inkSource></context></definitions>"
+    '<trace contextRef="#c">0 0 1902, 4000 300 -500</trace></ink>'
+)
+
+
+@pytest.mark.parametrize(
+    ("kind", "units", "mm"),
+    [
+        ("integer", ' units="cm"', 0.01),  # Word and Journal
+        ("integer", "", 0.01),  # OneNote
+        ("decimal", "", 0.01),
+        ("decimal", ' units="cm"', 10.0),
+        ("decimal", ' units="mm"', 1.0),
+    ],
+)
+def test_steps_of_a_device_are_as_large_as_its_resolution_says(kind, units, mm):
+    from bozzetto.exchange.ink.inkml import read_drawing as read_inkml
+
+    drawing = read_inkml(STEPS.format(type=kind, units=units).encode(), "a")
+    assert not drawing.left_out
+    size = np.ptp(front(drawing.strokes[0]), axis=0)
+    np.testing.assert_allclose(size, [4000 * mm, 300 * mm], rtol=1e-4)
+    np.testing.assert_allclose(drawing.strokes[0].tilt_x, [19.02, -5.0], atol=1e-4)
+
+
+@pytest.mark.parametrize("value", ["0", "-5", "x", "", "1e99", "nan"])
+def test_a_resolution_that_cannot_be_is_passed_over(value):
+    from bozzetto.exchange.ink.inkml import read_drawing as read_inkml
+
+    text = STEPS.format(type="integer", units="").replace('"1000"', f'"{value}"')
+    drawing = read_inkml(text.encode(), "a")
+    assert "does not say its unit" in drawing.left_out[0]
+    np.testing.assert_allclose(np.ptp(front(drawing.strokes[0]), axis=0), [4000, 300], rtol=1e-4)

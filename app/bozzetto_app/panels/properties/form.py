@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
-from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtWidgets import QApplication, QLabel, QVBoxLayout, QWidget
 
 from bozzetto_app.i18n import tr
@@ -26,9 +26,19 @@ if TYPE_CHECKING:
 
 __all__ = ["ParametersPanel"]
 
+KEPT: Final = 6
+"""Forms that are kept for when their fields are chosen again: to make one takes longer than a
+person who undoes quickly, or goes from one object to another, leaves between two keys."""
+
 
 class ParametersPanel(PanelScroll):
-    """The forms of the selected model and of its chosen part, and the figures of its result."""
+    """The forms of the selected model and of its chosen part, and the figures of its result.
+
+    Attributes
+    ----------
+    form : Form
+        The one that is shown.
+    """
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -43,11 +53,8 @@ class ParametersPanel(PanelScroll):
         for words in (self._empty, self._locked):
             words.setWordWrap(True)
             words.setProperty("tone", "quiet")
-        self._form = QWidget()
-        self._rows: dict[tuple[str, str], ParameterRow] = {}
-        self._values: dict[tuple[str, str], Any] = {}
-        self._paces: list[DragPace] = []
-        self._part_section: Section | None = None
+        self.form = Form()
+        self._forms: dict[tuple[object, ...], Form] = {}
         self._fields: tuple[object, ...] = ()
         self._owner: tuple[str | None, str] = (None, "")
         self.place = PlaceForm()
@@ -66,7 +73,7 @@ class ParametersPanel(PanelScroll):
         self._column.setContentsMargins(12, 8, 12, 12)
         self._column.setSpacing(8)
         for widget in (
-            self._empty, self._locked, self._form, self._place_section, self._line,
+            self._empty, self._locked, self.form, self._place_section, self._line,
             self._figures_section,
         ):  # fmt: skip
             self._column.addWidget(widget)
@@ -82,7 +89,7 @@ class ParametersPanel(PanelScroll):
 
     def focus_parameter(self, name: str) -> None:
         """Bring a parameter, of the model or of the chosen part, into sight and reach."""
-        row = self._rows.get(("", name)) or self._rows.get(("part", name))
+        row = self.form.rows.get(("", name)) or self.form.rows.get(("part", name))
         if row is None:
             return
         around = row.parentWidget()
@@ -110,18 +117,17 @@ class ParametersPanel(PanelScroll):
         chosen = (session.selection.id, "" if part is None else part.id)
         fields = (*(field for field, _ in own), "", *(field for field, _ in inner))
         if chosen != self._owner:
-            for pace in (*self._paces, self._place_pace):
+            for pace in (*self.form.paces, self._place_pace):
                 pace.forget()
         if fields != self._fields or (chosen != self._owner and self._is_in_use()):
-            self._fields = fields
-            self._rebuild()
+            self._exchange(fields)
         if chosen != self._owner:
             if chosen[0] != self._owner[0]:
                 self.verticalScrollBar().setValue(0)
             QTimer.singleShot(0, self, self._bring_into_sight)  # once it is laid out
         self._owner = chosen
-        if self._part_section is not None and part is not None:
-            self._part_section.rename(part.name)
+        if self.form.part is not None and part is not None:
+            self.form.part.rename(part.name)
         model = session.selection.model
         if model is not None:
             self.place.show_placement(model.placement)
@@ -130,17 +136,18 @@ class ParametersPanel(PanelScroll):
             idle = idle_parameters(found)
             for field, value in found:
                 key = owner, field.name
-                self._rows[key].show_idle(idle.get(field.name, ""))
-                if not dragging or key not in self._values or self._values[key] != value:
-                    self._values[key] = value
-                    self._rows[key].show_value(value)
+                row, values = self.form.rows[key], self.form.values
+                row.show_idle(idle.get(field.name, ""))
+                if not dragging or key not in values or values[key] != value:
+                    values[key] = value
+                    row.show_value(value)
         if dragging:
             return
         locked = any(
             model.locked for model in session.drawing.document if model.id == session.selection.id
         )
         self._locked.setVisible(locked)
-        self._form.setEnabled(not locked)
+        self.form.setEnabled(not locked)
         self._place_section.setVisible(model is not None)
         self.place.setEnabled(not locked)
         self._empty.setText(
@@ -149,11 +156,11 @@ class ParametersPanel(PanelScroll):
             else tr("Parameters", "This object has no parameters.")
         )
         self._empty.setVisible(not own and not inner)
-        self._form.setVisible(bool(own or inner))
+        self.form.setVisible(bool(own or inner))
 
     def _bring_into_sight(self) -> None:
         """Scroll to the form of the chosen part, if its heading is out of sight."""
-        section = self._part_section
+        section = self.form.part
         if section is None:
             return
         top = section.mapTo(self.viewport(), QPoint()).y()
@@ -169,64 +176,51 @@ class ParametersPanel(PanelScroll):
     def _is_in_use(self) -> bool:
         """Whether something is being typed: it is meant for what was chosen by then."""
         focus = QApplication.focusWidget()
-        return focus is not None and self._form.isAncestorOf(focus)
+        return focus is not None and self.form.isAncestorOf(focus)
 
-    def _rebuild(self) -> None:
+    def _exchange(self, fields: tuple[object, ...]) -> None:
+        """Show the form of other fields, or another one of the same.
+
+        One in which something is being typed or dragged is not kept: that was not meant for what
+        is chosen when it is shown again.
+        """
+        old, is_kept = self.form, not (self._is_in_use() or self._session.drawing.is_dragging)
+        if is_kept:
+            self._forms[self._fields] = old
+        kept = self._forms.pop(fields, None)
+        self.form, self._fields = kept or self._made(), fields
+        self.form.fold_as_kept()
+        self._column.replaceWidget(old, self.form)
+        put_in_tab_order(self, (self.form, self._place_section, self._figures_section))
+        old.hide()
+        gone = [] if is_kept else [old]
+        while len(self._forms) > KEPT:
+            gone.append(self._forms.pop(next(iter(self._forms))))
+        for form in gone:
+            form.deleteLater()
+
+    def _made(self) -> Form:
+        """Return a form for what is chosen."""
         session = self._session
-        old, self._form = self._form, QWidget()
-        self._rows = {}
-        self._values = {}
-        self._paces = []
-        self._part_section = None
-        column = QVBoxLayout(self._form)
+        form = Form()
+        form.drag_ended.connect(session.objects.end_drag)
+        column = QVBoxLayout(form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(12)
         if session.objects.parameters:
-            self._fill(column, session.objects.parameters, "", session.objects.set_parameter)
+            form.fill(column, "", session.objects.parameters, session.objects.set_parameter)
         part = session.parts.chosen
         if part is not None and session.parts.parameters:
             inner = QWidget()
             below = QVBoxLayout(inner)
             below.setContentsMargins(0, 4, 0, 0)
             below.setSpacing(12)
-            self._fill(below, session.parts.parameters, "part", session.parts.set_parameter)
+            form.fill(below, "part", session.parts.parameters, session.parts.set_parameter)
             if column.count():
                 column.addWidget(hairline())
-            self._part_section = _section(part.name, inner, "panels/part", True)
-            column.addWidget(self._part_section)
-        self._column.replaceWidget(old, self._form)
-        put_in_tab_order(self, (self._form, self._place_section, self._figures_section))
-        old.hide()
-        old.deleteLater()
-
-    def _fill(
-        self,
-        column: QVBoxLayout,
-        found: Iterable[tuple[Field, Any]],
-        owner: str,
-        change: Callable[..., None],
-    ) -> None:
-        """Make the rows of a model's or a part's parameters; advanced ones are folded."""
-        from bozzetto_app.panels.properties.parameter_row import ParameterRow
-
-        advanced = QWidget()
-        folded = QVBoxLayout(advanced)
-        folded.setContentsMargins(0, 4, 0, 0)
-        folded.setSpacing(12)
-        for field, _ in found:
-            row = ParameterRow(field)
-            pace = DragPace(partial(_changed, change, field.name), row)
-            row.changed.connect(pace.change)
-            row.drag_ended.connect(pace.end)
-            row.drag_ended.connect(self._session.objects.end_drag)
-            self._paces.append(pace)
-            self._rows[owner, field.name] = row
-            (folded if field.parameter.advanced else column).addWidget(row)
-        if folded.count():
-            words = tr("Parameters", "Advanced")
-            column.addWidget(_section(words, advanced, "panels/advanced", False))
-        else:
-            advanced.deleteLater()
+            form.part = form.section(part.name, inner, "panels/part", True)
+            column.addWidget(form.part)
+        return form
 
     def _put(self, placement: Placement, going: bool) -> None:
         model_id = self._session.selection.id
@@ -245,8 +239,82 @@ def _changed(change: Callable[..., None], name: str, value: Any, going: bool) ->
     change(name, value, dragging=going)
 
 
+class Form(QWidget):
+    """The rows of the fields of a model and of a part.
+
+    Attributes
+    ----------
+    rows : dict of ParameterRow
+        By "" for the model's or "part", and the name of the field.
+    values : dict
+        What the rows show, by the same.
+    paces : list of DragPace
+    part : Section or None
+        The rows of the part.
+
+    Signals
+    -------
+    drag_ended
+        A slider was let go.
+    """
+
+    drag_ended = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.rows: dict[tuple[str, str], ParameterRow] = {}
+        self.values: dict[tuple[str, str], Any] = {}
+        self.paces: list[DragPace] = []
+        self.part: Section | None = None
+        self._sections: list[tuple[Section, str, bool]] = []
+
+    def fill(
+        self,
+        column: QVBoxLayout,
+        owner: str,
+        found: Iterable[tuple[Field, Any]],
+        change: Callable[..., None],
+    ) -> None:
+        """Make the rows of a model's or a part's parameters; advanced ones are folded."""
+        from bozzetto_app.panels.properties.parameter_row import ParameterRow
+
+        advanced = QWidget()
+        folded = QVBoxLayout(advanced)
+        folded.setContentsMargins(0, 4, 0, 0)
+        folded.setSpacing(12)
+        for field, _ in found:
+            row = ParameterRow(field)
+            pace = DragPace(partial(_changed, change, field.name), row)
+            row.changed.connect(pace.change)
+            row.drag_ended.connect(pace.end)
+            row.drag_ended.connect(self.drag_ended)
+            self.paces.append(pace)
+            self.rows[owner, field.name] = row
+            (folded if field.parameter.advanced else column).addWidget(row)
+        if folded.count():
+            words = tr("Parameters", "Advanced")
+            column.addWidget(self.section(words, advanced, "panels/advanced", False))
+        else:
+            advanced.deleteLater()
+
+    def section(self, title: str, content: QWidget, key: str, is_open: bool) -> Section:
+        """Return a section in the form that is folded as its like were left."""
+        section = _section(title, content, key, is_open)
+        self._sections.append((section, key, is_open))
+        return section
+
+    def fold_as_kept(self) -> None:
+        """Fold and unfold the sections as their like in other forms were left."""
+        for section, key, is_open in self._sections:
+            section.set_open(_is_open(key, is_open))
+
+
+def _is_open(key: str, is_open: bool) -> bool:
+    return bool(settings().value(key, is_open, bool))
+
+
 def _section(title: str, content: QWidget, key: str, is_open: bool) -> Section:
     """Return a section that stays folded or open; the settings keep that under a key."""
-    section = Section(title, content, open_=bool(settings().value(key, is_open, bool)))
+    section = Section(title, content, open_=_is_open(key, is_open))
     section.folded.connect(lambda shown: settings().setValue(key, shown))
     return section

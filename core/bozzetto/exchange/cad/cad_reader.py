@@ -40,6 +40,9 @@ OTHER_FILE: Final = re.compile(
 )
 """A part of an assembly that a STEP file only names (ISO 10303-203, external references)."""
 
+UNNAMED: Final = re.compile(r"COMPOUND|COMPSOLID|SOLID|SHELL|FACE|WIRE|EDGE|=>\[[\d:]*\]")
+"""What the library calls shapes that the file does not name, such as several of one product."""
+
 NAMED: Final = 4
 """Files that a sentence names."""
 
@@ -214,7 +217,8 @@ class _Kernel:
         if not label.FindAttribute(self.TDataStd.TDataStd_Name.GetID_s(), found):
             return ""
         text = str(found.Get().ToExtString())[:200]
-        return "".join(sign for sign in text if sign.isprintable()).strip()
+        text = "".join(sign for sign in text if sign.isprintable()).strip()
+        return "" if UNNAMED.fullmatch(text) else text
 
     def _color_of(self, thing: Any, tool: Any = None) -> Color | None:
         """Return the colour of a label, or with a tool that of a shape."""

@@ -172,14 +172,27 @@ def _check_count(data: bytes) -> None:
 def entities_of(document: Any, wanted: Callable[[Any], bool]) -> tuple[list[Any], Counter[str]]:
     """Return the entities that are wanted and can be seen, blocks taken apart; and other kinds.
 
-    Where the model space is empty they are those of the first sheet that is not: drawings of
+    Where the model space has none, they are those of the first sheet that has some: drawings of
     SolidWorks and others lie there, in the units of the paper.
     """
     hidden = {layer.dxf.name.lower() for layer in document.layers
               if layer.is_off() or layer.is_frozen()}  # fmt: skip
+    model = document.modelspace()  # the layouts come in any order
+    answers = []
+    for space in (model, *(sheet for sheet in document.layouts if sheet is not model)):
+        found, others = _seen_in(space, hidden, wanted)
+        if found:
+            return found, others
+        answers.append(others)
+    return [], next(filter(None, answers), Counter())
+
+
+def _seen_in(
+    space: Any, hidden: set[str], wanted: Callable[[Any], bool]
+) -> tuple[list[Any], Counter[str]]:
+    """Return the same of one space, without what lies on hidden layers."""
     found: list[Any] = []
     others: Counter[str] = Counter()
-    space = next((one for one in document.layouts if len(one)), ())
     waiting = [(entity, 0) for entity in reversed(list(space))]
     seen = 0
     while waiting:

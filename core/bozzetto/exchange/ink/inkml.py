@@ -50,10 +50,12 @@ MILLIMETRES: Final = {
     "m": 1000.0,
     "in": 25.4,
     "pt": 25.4 / 72,
+    "pc": 25.4 / 6,
     "himetric": 0.01,
 }
 SECONDS: Final = {"s": 1.0, "ms": 1e-3}
 DEGREES: Final = {"deg": 1.0, "rad": 180.0 / np.pi}
+UNITS: Final = {**MILLIMETRES, **SECONDS, **DEGREES}
 
 # Blanks are taken as they come, and no quantifier gives anything back: one pass, whatever it is.
 VALUE: Final = re.compile(
@@ -69,8 +71,19 @@ Annotation = dict[str, str]
 
 @dataclass(frozen=True)
 class _Channel:
+    """A column of the traces.
+
+    Attributes
+    ----------
+    name : str
+    unit : float, optional
+        What 1 stands for, in mm, s or degrees; None where the file does not say.
+    top : float, optional
+        Largest value of the device.
+    """
+
     name: str
-    units: str = ""
+    unit: float | None = None
     top: float | None = None
 
 
@@ -143,7 +156,7 @@ def read_drawing(data: bytes, name: str) -> Drawing:
 def _unit_told(ink: _Ink, sheet: Sheet) -> tuple[str, ...]:
     """Return a sentence about the size of a drawing whose file says no unit; tablets differ."""
     channels = [channel for channels in ink.formats.values() for channel in channels]
-    if any(one.name.upper() == "X" and one.units in MILLIMETRES for one in channels):
+    if any(one.name.upper() == "X" and one.unit is not None for one in channels):
         return ()
     size = " × ".join(
         f"{side:,.0f}" if side >= 100.0 else f"{side:.3g}" for side in (sheet.width, sheet.height)
@@ -163,10 +176,11 @@ def _camera(text: str) -> Camera:
 
 def _find_formats(element: Element, ink: _Ink) -> None:
     """Collect trace formats by the ids of all elements that hold one; "" is the first one."""
+    resolutions = _resolutions(element)
     for child in element.children:
         if child.tag == "traceFormat":
             channels = [
-                _channel(c)
+                _channel(c, resolutions)
                 for holder in (child, *(c for c in child.children if c.tag != "channel"))
                 for c in holder.children
                 if c.tag == "channel"
@@ -185,15 +199,38 @@ def _find_formats(element: Element, ink: _Ink) -> None:
             ink.formats.setdefault(element.attributes["id"], ink.formats[target])
 
 
-def _channel(element: Element) -> _Channel:
-    top = element.attributes.get("max", "")
+def _resolutions(source: Element) -> dict[str, float]:
+    """Return what one step of a device is in each channel, in mm, s or degrees."""
+    found = {}
+    for holder in source.children:
+        for one in holder.children if holder.tag == "channelProperties" else ():
+            unit = UNITS.get(one.attributes.get("units", "").removeprefix("1/"))
+            steps = _number(one.attributes.get("value", ""))
+            if unit is not None and steps and one.attributes.get("name") == "resolution":
+                found[one.attributes.get("channel", "")] = unit / steps
+    return found
+
+
+def _channel(element: Element, resolutions: dict[str, float]) -> _Channel:
+    """Return a channel of a trace format.
+
+    Whole numbers are steps of the device, whatever unit stands there (Microsoft writes "cm" beside
+    hundredths of millimetres); so are others without a unit.
+    """
+    name, unit = (element.attributes.get(key, "") for key in ("name", "units"))
+    scale = UNITS.get(unit)
+    if name in resolutions and (scale is None or element.attributes.get("type") == "integer"):
+        scale = resolutions[name]
+    return _Channel(name, scale, _number(element.attributes.get("max", "")))
+
+
+def _number(text: str) -> float | None:
+    """Return a positive number that can be reckoned with, or None."""
     try:
-        limit = float(top) if top else None
+        number = float(text)
     except ValueError:
-        limit = None
-    if limit is not None and not 1 / MAX_COORDINATE <= limit <= MAX_COORDINATE:
-        limit = None
-    return _Channel(element.attributes.get("name", ""), element.attributes.get("units", ""), limit)
+        return None
+    return number if 1 / MAX_COORDINATE <= number <= MAX_COORDINATE else None
 
 
 def _walk(element: Element, context: str, ink: _Ink) -> None:
@@ -272,13 +309,10 @@ class _Running:
 
 
 def _scaled(values: NDArray[np.float64], column: str, channel: _Channel) -> NDArray[np.float64]:
-    if column in ("x", "y"):
-        return values * MILLIMETRES.get(channel.units, 1.0)
-    if column == "t":
-        return values * SECONDS.get(channel.units, SECONDS["ms"])
     if column == "pressure":
         return values / channel.top if channel.top is not None else values
-    return values * DEGREES.get(channel.units, 1.0)
+    usual = SECONDS["ms"] if column == "t" else 1.0
+    return values * (usual if channel.unit is None else channel.unit)
 
 
 def _stroke(

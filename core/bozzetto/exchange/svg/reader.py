@@ -8,6 +8,7 @@ does (``width="100mm"``), the drawing has that size. The point (x, y) of the fil
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Final
@@ -64,8 +65,19 @@ UNREAD: Final = {"text": "text", "image": "picture", "foreignObject": "embedded 
 NEARLY_ROUND: Final = 0.1
 """Gap between the ends of a filled line that is closed, as a share of its length."""
 
-FRAME: Final = ("x", "y", "width", "height", "viewBox")
+FRAME: Final = ("x", "y", "width", "height", "viewBox", "preserveAspectRatio")
 """Attributes that say where a viewport is."""
+
+SPILLING: Final = ("visible", "auto")
+"""Values of ``overflow`` with which an inner viewport hides nothing."""
+
+FITTED: Final = re.compile(
+    r"\s*(?:none|x(Min|Mid|Max)Y(Min|Mid|Max))(?:\s+(meet|slice))?\s*", re.ASCII
+)
+"""How a view box lies in its viewport: scaled along each axis, or alike, within or around it."""
+
+SHARES: Final = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
+"""Where it lies, as a share of the room that is left."""
 
 ROUNDED: Final = 1e-6
 """Departure of a scale from 1 that comes from rounded numbers."""
@@ -122,6 +134,7 @@ class _Reader:
         self.canvas = _canvas(root)
         self.page = None if self.canvas is None else (self.canvas.width, self.canvas.height)
         self.clips: dict[Element, Clip] = {}
+        self.borders: dict[tuple[str, ...], Element] = {}
         self.regions: dict[tuple[Element, bytes], Region | None] = {}
         self.clip_corners = 0
         self.cut = 0
@@ -221,14 +234,27 @@ class _Reader:
         if element.tag == "use":
             self.repeat(element, matrix, look, depth)
         elif element.tag in GROUPS or frame is not None:
-            if frame is not None or (element.tag == "svg" and not outermost):
-                matrix = matrix @ _nested_viewport(frame or element)
+            viewport = frame or (element if element.tag == "svg" and not outermost else None)
+            begin, around = len(self.found), matrix
+            if viewport is not None:
+                matrix = matrix @ _nested_viewport(viewport, self.page)
             for child in _chosen(element) if element.tag == "switch" else element.children:
                 self.collect(child, matrix, look, depth=depth + 1)
+            if viewport is not None and own.properties.get("overflow") not in SPILLING:
+                self.clip(begin, self.border(viewport), around)
         elif element.tag in UNREAD:
             self.unread[UNREAD[element.tag]] += look.visible
         else:
             self.take(own, element, matrix, look)
+
+    def border(self, viewport: Element) -> Element:
+        """Return the clip of an inner viewport: one for each that is written alike."""
+        sides = tuple(viewport.attributes.get(side, "") for side in FRAME[:4])
+        if sides not in self.borders:
+            given = {side: said for side, said in zip(FRAME[:4], sides, strict=True) if said}
+            area = Element("", "rect", {"width": "100%", "height": "100%", **given})
+            self.borders[sides] = Element("", "clipPath", {}, [area])
+        return self.borders[sides]
 
     def clip(self, begin: int, target: Element, matrix: Array) -> None:
         """Drop lines that a clip hides altogether, and note it on those that it may cut in two."""
@@ -323,11 +349,8 @@ class _Reader:
         target = self.named.get(name[1:])
         if target is None:
             return
-        frame = None
-        if target.tag in ("symbol", "svg"):
-            frame = self.frame(element, target)
-        else:
-            matrix = matrix @ shift(*(length(element, k, 0.0, self.page) for k in "xy"))
+        frame = self.frame(element, target) if target.tag in ("symbol", "svg") else None
+        matrix = matrix @ shift(*(length(element, k, 0.0, self.page) for k in "xy"))
         self.repeating += 1
         self.collect(target, matrix, look, frame=frame, depth=depth + 1)
         self.repeating -= 1
@@ -339,8 +362,7 @@ class _Reader:
             whole = {"width": f"{self.canvas.width!r}", "height": f"{self.canvas.height!r}"}
             sizes = {side: said or target.attributes.get(side) or whole[side]
                      for side, said in sizes.items()}  # fmt: skip
-        places = {side: use.attributes.get(side, "0") for side in ("x", "y")}
-        given = {key: said for key, said in {**sizes, **places}.items() if said is not None}
+        given = {key: said for key, said in sizes.items() if said is not None}
         own = {key: target.attributes[key] for key in FRAME if key in target.attributes}
         return Element("", "svg", own | given)
 
@@ -454,16 +476,30 @@ def _is_english(element: Element) -> bool:
     return any(language.strip().lower().startswith("en") for language in languages)
 
 
-def _nested_viewport(element: Element) -> Array:
-    """Return the matrix from the units of an inner ``svg`` to those around it."""
-    matrix = shift(length(element, "x", 0.0), length(element, "y", 0.0))
+def _nested_viewport(element: Element, page: tuple[float, float] | None) -> Array:
+    """Return the matrix from the units of an inner ``svg`` to those around it (SVG 2, section 8.2).
+
+    Parameters
+    ----------
+    element : Element
+        The inner one.
+    page : (width, height), optional
+        What percentages are of, and the size of one that says none.
+    """
+    places = np.array([length(element, side, 0.0, page) for side in "xy"])
     inner = _canvas(element) if "viewBox" in element.attributes else None
-    width, height = (length(element, side, 0.0) for side in ("width", "height"))
-    if inner is None or width <= 0 or height <= 0:
-        return matrix
-    scale = min(width / inner.width, height / inner.height)
-    center = shift(
-        (width - scale * inner.width) / 2 - scale * inner.x,
-        (height - scale * inner.height) / 2 - scale * inner.y,
-    )
-    return matrix @ center @ np.diag([scale, scale, 1.0])
+    size = np.array([
+        length(element, side, whole, page)
+        for side, whole in zip(("width", "height"), page or (0.0, 0.0), strict=True)
+    ])  # fmt: skip
+    if inner is None or (size <= 0).any():
+        return shift(*places)
+    units = np.array([inner.width, inner.height])
+    scales = size / units
+    said = FITTED.fullmatch(element.attributes.get("preserveAspectRatio", "")[:LONGEST_LENGTH])
+    along, across, how = said.groups() if said else ("Mid", "Mid", None)
+    if along:
+        scales[:] = scales.max() if how == "slice" else scales.min()
+    shares = np.array([SHARES[each or "Min"] for each in (along, across)])
+    origin = shares * (size - scales * units) - scales * (inner.x, inner.y)
+    return shift(*(places + origin)) @ np.diag([*scales, 1.0])

@@ -19,7 +19,7 @@ SELECTOR: Final = re.compile(r"\*|[.#]?[A-Za-z_][\w-]*")
 
 PROPERTIES: Final[tuple[str, ...]] = (
     "display", "fill", "stroke", "fill-rule", "visibility", "transform", "transform-origin",
-    "clip-path", "clip-rule", "mask",
+    "clip-path", "clip-rule", "mask", "overflow",
 )  # fmt: skip
 """Properties that are read; nothing else is kept of a style sheet."""
 

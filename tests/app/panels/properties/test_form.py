@@ -13,6 +13,7 @@ from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels.properties.form import ParametersPanel
 from bozzetto_app.panels.properties.parameter_row import ParameterRow
+from bozzetto_app.settings import settings
 from bozzetto_app.widgets.choice import ChoiceBox, Segments
 from bozzetto_app.widgets.number_field import NumberField
 from bozzetto_app.widgets.section import Section
@@ -32,7 +33,7 @@ def panel(qtbot, fake_session):
 
 
 def row(panel, name, owner="") -> ParameterRow:
-    return panel._rows[owner, name]
+    return panel.form.rows[owner, name]
 
 
 def settings_made(session):
@@ -181,8 +182,49 @@ def test_changing_values_keeps_the_controls(panel, fake_session):
 def test_another_selection_makes_another_form(panel, fake_session):
     fake_session.selection.id = None
     fake_session.selection.changed.emit()
-    assert panel._rows == {}
+    assert panel.form.rows == {}
     assert panel._empty.isVisible()
+
+
+def choose(session, model_id):
+    session.selection.id = model_id
+    session.selection.changed.emit()
+
+
+def test_a_form_is_there_again_with_the_values_and_folds_of_now(panel, fake_session):
+    before, chosen = panel.form, fake_session.selection.id
+    (section,) = (s for s in panel.findChildren(Section) if s.findChildren(ParameterRow))
+    section._heading.click()
+    panel.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    panel.setFocus()
+    choose(fake_session, None)
+    assert not before.isVisible()
+    settings().setValue("panels/advanced", False)  # another form's was folded
+    choose(fake_session, chosen)
+    fake_session.objects.set_parameter("length", 41.0)
+    assert panel.form is before
+    assert before.isVisible()
+    assert not section.is_open
+    assert row(panel, "length").findChild(NumberField).value() == 41.0
+    QTest.mouseClick(row(panel, "mirrored").findChild(Toggle), Qt.MouseButton.LeftButton)
+    assert len(settings_made(fake_session)) == 2, "once each"
+
+
+def test_a_form_in_which_something_is_typed_or_dragged_is_not_kept(panel, fake_session):
+    chosen = fake_session.selection.id
+    panel.activateWindow()
+    typed = panel.form
+    row(panel, "note").findChild(QLineEdit).setFocus()
+    is_in_use = QApplication.focusWidget() is not None
+    choose(fake_session, None)
+    choose(fake_session, chosen)
+    assert (panel.form is typed) != is_in_use
+    dragged = panel.form
+    fake_session.drawing.is_dragging = True
+    choose(fake_session, None)
+    fake_session.drawing.is_dragging = False
+    choose(fake_session, chosen)
+    assert panel.form is not dragged
 
 
 def test_a_locked_object_cannot_be_changed(panel, fake_session):
@@ -220,7 +262,7 @@ def with_parts(panel, fake_session):
 
 
 def heading(panel):
-    return panel._part_section.findChildren(QAbstractButton)[0].accessibleName()
+    return panel.form.part.findChildren(QAbstractButton)[0].accessibleName()
 
 
 def test_the_chosen_parts_form_stands_under_its_name(with_parts, fake_session):
@@ -245,7 +287,7 @@ def test_another_part_has_another_form_and_none_has_none(with_parts, fake_sessio
     assert heading(with_parts) == "Saddle pit"
     fake_session.trees["m1"] = fake_session.trees["m1"].chosen("")
     fake_session.selection.changed.emit()
-    assert with_parts._part_section is None
+    assert with_parts.form.part is None
     assert row(with_parts, "inflation").isVisible()
 
 
@@ -265,17 +307,17 @@ def test_a_part_of_the_same_kind_keeps_the_form_unless_somebody_types_in_it(
         for part in fake_session.trees["m1"].parts
         if part.id != first.id and type(part) is type(first)
     )
-    form = with_parts._form
+    form = with_parts.form
     with_parts.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     with_parts.setFocus()
     choose(other.id)
     assert [field for field, _ in fake_session.parts.parameters] == fields
-    assert with_parts._form is form
+    assert with_parts.form is form
     assert heading(with_parts) == other.name
     with_parts.activateWindow()
-    next(iter(with_parts._rows.values())).words.buddy().setFocus()
+    next(iter(with_parts.form.rows.values())).words.buddy().setFocus()
     choose(first.id)
-    assert (with_parts._form is form) == (QApplication.focusWidget() is None)
+    assert (with_parts.form is form) == (QApplication.focusWidget() is None)
 
 
 def test_the_form_of_a_part_that_is_chosen_comes_into_sight(qtbot, with_parts, fake_session):
@@ -287,7 +329,7 @@ def test_the_form_of_a_part_that_is_chosen_comes_into_sight(qtbot, with_parts, f
         qtbot.wait(20)
 
     def seen_at():
-        return with_parts._part_section.mapTo(with_parts.viewport(), QPoint()).y()
+        return with_parts.form.part.mapTo(with_parts.viewport(), QPoint()).y()
 
     ids = [part.id for part in fake_session.trees["m1"].parts]
     with_parts.resize(264, 300)

@@ -350,6 +350,56 @@ def test_nested_svg_has_its_own_units():
     np.testing.assert_allclose(points, [[20, 20], [40, 40]], atol=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("said", "low", "high"),
+    [
+        ("", (20, 20), (40, 40)),
+        ("xMinYMid", (10, 20), (30, 40)),
+        (" xMaxYMin meet ", (30, 20), (50, 40)),
+        ("none", (10, 20), (50, 40)),
+        ("xMinYMax slice", (10, 0), (50, 40)),
+        ("xMidYMid slice", (10, 10), (50, 50)),
+        ("middle", (20, 20), (40, 40)),  # not understood
+    ],
+)
+def test_a_view_box_lies_in_its_viewport_as_it_says(said, low, high):
+    frame = 'x="10" y="20" width="40" height="20" viewBox="0 0 10 10" overflow="visible"'
+    (points,) = lines(f'<svg {frame} preserveAspectRatio="{said}"><path d="M0 0L10 10"/></svg>')
+    np.testing.assert_allclose(points, [low, high], atol=1e-5)
+
+
+SQUARE = '<rect x="-10" y="-10" width="40" height="40" fill="green"/>'
+
+
+@pytest.mark.parametrize(
+    ("body", "low", "high"),
+    [
+        (f'<svg x="10" y="20" width="20" height="8">{SQUARE}</svg>', (10, 20), (30, 28)),
+        (
+            f'<svg x="10" y="20" width="20" height="8" viewBox="0 0 80 32">{SQUARE}</svg>',
+            (10, 20),
+            (17.5, 27.5),
+        ),
+        (f'<svg width="20" height="8" overflow="visible">{SQUARE}</svg>', (-10, -10), (30, 30)),
+        (f'<svg width="20" height="8" style="overflow:auto">{SQUARE}</svg>', (-10, -10), (30, 30)),
+        (
+            f'<symbol id="s">{SQUARE}</symbol><use href="#s" x="5" width="9" height="50%"/>',
+            (5, 0),
+            (14, 30),
+        ),
+        (
+            f'<defs><svg id="s" x="40" y="4" width="9" height="9">{SQUARE}</svg></defs>'
+            '<use href="#s" x="5" y="1" height="20" transform="scale(2)"/>',
+            (90, 10),
+            (108, 50),
+        ),
+    ],
+)
+def test_an_inner_viewport_hides_what_lies_outside(body, low, high):
+    (points,) = lines(body)
+    np.testing.assert_allclose([points.min(axis=0), points.max(axis=0)], [low, high], atol=1e-3)
+
+
 # -- where it stands ------------------------------------------------------------------------
 
 
