@@ -272,7 +272,8 @@ class Notices(Part):
 
 class Pictures(Part):
     taken = Signal(str)
-    recorded = "take_file take_image"
+    recorded = "take_file take_image take_underlay"
+    sketch_taker = ""
 
 
 class Gestures(Part):

@@ -14,6 +14,7 @@ from PySide6.QtTest import QTest
 
 from bozzetto.scene.display_list import Handle, Image, Label, Lines
 from bozzetto.workbench.workbench import Workbench
+from bozzetto_app.canvas.viewport.software import SoftwareViewport
 from bozzetto_car.panel.template_pictures import TemplatePictures
 from bozzetto_car.state import CarState
 from tests.app.tablet import Stylus
@@ -58,11 +59,16 @@ def shown(window, name):
 
 def corners(window):
     """The picture's corners on the canvas."""
-    (image,) = [i for i in shown(window, "sketch") if isinstance(i, Image)]
+    scene = window.session.scene.visible.under(window.session.scene.live)
+    return corners_in(scene, window.session.view.camera)
+
+
+def corners_in(scene, camera):
+    """The corners of the picture of a scene in a view."""
+    items = [i for layer in scene.layers if layer.name == "sketch" for i in layer.items]
+    (image,) = [item for item in items if isinstance(item, Image)]
     corner, across, down = (np.array(v) for v in (image.corner, image.across, image.down))
-    return window.session.view.camera.project(
-        [corner, corner + across, corner + down, corner + across + down]
-    )[0]
+    return camera.project([corner, corner + across, corner + down, corner + across + down])[0]
 
 
 def on_canvas(window, pixel):
@@ -182,10 +188,16 @@ def test_the_drawing_stays_in_its_place_in_every_frame_when_its_camera_is_found(
     guide(window).chart.chosen.emit(nodes[5])
     settle(window.session, window.keeper)
     before, eye, frames = corners(window), window.session.view.camera.eye, []
-    show = window.canvas.viewports.show_scene
-    monkeypatch.setattr(
-        window.canvas.viewports, "show_scene", lambda: (frames.append(corners(window)), show())
-    )
+    viewport = window.canvas.viewports.current
+    assert isinstance(viewport, SoftwareViewport)
+    work = viewport._work
+
+    def noted(*asked, **more):
+        scene, camera = viewport._scene.under(viewport._live), viewport._camera
+        frames.append(corners_in(scene, camera.with_viewport(viewport.width(), viewport.height())))
+        return work(*asked, **more)
+
+    monkeypatch.setattr(viewport, "_work", noted)
     monkeypatch.setattr(Workbench, late, late_answer)
     monkeypatch.setattr("bozzetto_app.canvas.canvas.HELD", 60_000)  # beside other tests, too
     tap(window, on_canvas(window, FIRST["marks"][nodes[5]]), settle)

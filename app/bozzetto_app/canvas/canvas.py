@@ -379,21 +379,23 @@ class Canvas(QWidget):
         if model is not None and model.id == self._pictured and model is advising.about:
             self._pictured = ""
             self.views.turn_to_better()
-        self._follow()
-        if self._held.isActive() and not advising.may_follow:
+        followed = self._follow()
+        if self._held.isActive() and (followed or not advising.may_follow):
             self._show_held()
 
-    def _follow(self) -> None:
+    def _follow(self) -> bool:
         """Go along with a picture that has another camera now, unless a hand is at work.
 
-        Where it is, the view is looked at again when it has done.
+        Where it is, the view is looked at again when it has done. Returns whether it went along.
         """
         session, advice = self._session, self._session.advice.advice
         idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
         if advice is None or not advice.follow or advice.better is None or not idle:
-            return
-        if session.advice.is_about(session.view.camera):
-            session.view.set_camera(advice.better.with_viewport(*session.view.camera.viewport))
+            return False
+        if not session.advice.is_about(session.view.camera):
+            return False
+        session.view.set_camera(advice.better.with_viewport(*session.view.camera.viewport))
+        return True
 
     def _touch(self, tap: Tap, again: bool) -> None:
         """Do what is next with a touch that a drawing tool has no use for, if a touch is next."""

@@ -171,7 +171,7 @@ class DocumentModel(QObject):
         used : tuple of Stroke
             Waiting ink that is part of the model now; see `bozzetto.document.applied_ink.take`.
         hidden : sequence of str
-            Ids of objects that are hidden in the same step.
+            Ids of objects and underlays that are hidden in the same step.
         """
         if only_chosen and not used:
             self.amend(self.document.with_model(model))
@@ -183,7 +183,11 @@ class DocumentModel(QObject):
             for other in self.document:
                 if other.id in hidden:
                     document = document.with_model(replace(other, visible=False))
-            self.history.apply(label, document)
+            under = tuple(
+                replace(one, visible=False) if one.id in hidden else one
+                for one in document.underlays
+            )
+            self.history.apply(label, replace(document, underlays=under))
         else:
             take(self.history, label, model, used)
         self._models_replaced()

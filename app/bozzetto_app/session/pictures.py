@@ -136,6 +136,37 @@ class PictureInput(QObject):
 
         self._read(work, modeler, base)
 
+    @property
+    def sketch_taker(self) -> str:
+        """Title of the modeler that a picture would go to now; "" if it would be an underlay."""
+        modeler, _ = self._taker()
+        return self._workbench.registry.info(modeler).title if self._takes(modeler) else ""
+
+    def take_underlay(self, underlay_id: str) -> None:
+        """Give the picture of an underlay to the modeler that a dropped one would go to.
+
+        The underlay is hidden in the same step of the history.
+        """
+        modeler, base = self._taker()
+        found = next((u for u in self._drawing.document.underlays if u.id == underlay_id), None)
+        if found is None:
+            return
+
+        def work(job: Job) -> Picture:
+            from bozzetto.images.stored_picture import Picture
+
+            if not self._takes(modeler):
+                raise UserError(
+                    tr(
+                        "Session",
+                        "No sketch goes to what is chosen. Choose Car, or another modeler that "
+                        "works on pictures.",
+                    )
+                )
+            return Picture.of(found.pixels, found.name)
+
+        self._read(work, modeler, base, underlay_id)
+
     def _taker(self) -> tuple[str, str | None]:
         """Return the modeler to ask first, and the model (id) that would get the picture."""
         model = self._selection.model
@@ -152,7 +183,7 @@ class PictureInput(QObject):
         except UserError:
             return False  # it cannot be used at all, which is reported elsewhere
 
-    def _read(self, work: Any, modeler: str, base: str | None) -> None:
+    def _read(self, work: Any, modeler: str, base: str | None, under: str = "") -> None:
         history = self._drawing.history
 
         def done(found: Picture | Underlay) -> None:
@@ -165,12 +196,12 @@ class PictureInput(QObject):
                 )
                 self._notices.tell(words)
             else:
-                self._hand_over(found, modeler, base)
+                self._hand_over(found, modeler, base, under)
 
         self.channel.submit(Request(work, done, self._notices.complain))
 
-    def _hand_over(self, picture: Picture, modeler: str, base: str | None) -> None:
-        """Give a picture to a model, in its turn among the gestures."""
+    def _hand_over(self, picture: Picture, modeler: str, base: str | None, under: str) -> None:
+        """Give a picture to a model, in its turn among the gestures, and hide its underlay."""
         bench, drawing, context = self._workbench, self._drawing, self._context.now()
         history = drawing.history
 
@@ -188,9 +219,14 @@ class PictureInput(QObject):
                 return
             before, model = answer
             if before is not None and all(before is not known for known in drawing.document):
-                self._hand_over(picture, modeler, base)  # the document changed meanwhile
+                self._hand_over(picture, modeler, base, under)  # the document changed meanwhile
                 return
-            drawing.apply_model(tr("Session", "Add sketch"), model, is_new=before is None)
+            drawing.apply_model(
+                tr("Session", "Add sketch"),
+                model,
+                is_new=before is None,
+                hidden=(under,) if under else (),
+            )
             self.taken.emit(model.id)
             self._notices.tell(
                 tr(

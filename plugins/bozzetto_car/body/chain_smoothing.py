@@ -11,6 +11,7 @@ lengths, and keep these lengths.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from functools import lru_cache
 from itertools import pairwise
 from typing import Final
 
@@ -19,9 +20,10 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.geometry.patches import locked
-from bozzetto_car.template.model import Chain
+from bozzetto_car.template.model import Chain, Template
 from bozzetto_car.template.network import (
     HANDLE,
+    KNOWN,
     EdgeJunction,
     Network,
     as_hermite,
@@ -120,12 +122,17 @@ def lock_ratios(network: Network, firmness: ArrayLike | None = None) -> Network:
         The weight of a change of each edge, equal for mirror images.
     """
     template = network.template
-    row = tuple((_leaving(*j.before), _leaving(*j.after)) for j in junctions(template))
     old = network.control_points
-    points = locked(old, template.sides, row, firmness)
+    points = locked(old, template.sides, _joints(template), firmness)
     changed = (points[:, 1:3] != old[:, 1:3]).any(axis=2)
     tangents = np.where(changed[..., None], as_hermite(points)[1], network.tangents)
     return Network(template, network.positions, tangents) if changed.any() else network
+
+
+@lru_cache(maxsize=KNOWN)
+def _joints(template: Template) -> tuple[tuple[int, int], ...]:
+    """Return the smooth joints of a template in the notation of `crease`."""
+    return tuple((_leaving(*one.before), _leaving(*one.after)) for one in junctions(template))
 
 
 def _leaving(edge: int, end: int) -> int:

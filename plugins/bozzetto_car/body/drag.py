@@ -17,7 +17,13 @@ from bozzetto.errors import UserError
 from bozzetto.ink import places_on_sheet
 from bozzetto.view import Camera
 from bozzetto_car.body.chain_smoothing import smooth_chains
-from bozzetto_car.body.edge_fit import UNSEEN, project_points, projection_slopes
+from bozzetto_car.body.edge_fit import UNSEEN, project_points
+from bozzetto_car.camera.rational_projection import (
+    camera_matrix,
+    largest_scale,
+    places_of,
+    slopes_at,
+)
 from bozzetto_car.template.network import HANDLE, Network, with_positions, with_tangents
 
 SHORTEST_HANDLE: Final = 0.01
@@ -49,22 +55,20 @@ def drag_place(
         A place seen at the pixel, or as near to it as the fixed coordinates allow, mm.
     """
     start, axes = np.asarray(place, float), np.asarray(free, bool)
-    goal = np.asarray(pixel, float)
+    goal, matrix = np.asarray(pixel, float), camera_matrix(camera)
+    way = goal - places_of(matrix[:, :3] @ start + matrix[:, 3])
     if axes.all():
-        slopes = projection_slopes(camera, start[None])[0]
-        way = goal - project_points(camera, start[None])[0]
-        level = slopes @ camera.axes[:2].T  # diagonal: pixels per mm to the right and upward
+        level = slopes_at(matrix, start) @ camera.axes[:2].T  # diagonal: px/mm, right and upward
         return np.asarray(start + (way / np.diag(level)) @ camera.axes[:2])
-    best, far = start, float(np.linalg.norm(goal - project_points(camera, start[None])[0]))
+    best, far = start, float(np.hypot(*way))
     for _ in range(STEPS):
-        slopes = projection_slopes(camera, best[None])[0]
-        rows, largest = np.where(axes, slopes, 0.0), np.linalg.norm(slopes, ord=2)
-        left, sizes, ways = np.linalg.svd(rows, full_matrices=False)
-        kept = sizes > UNSEEN * largest
-        way = goal - project_points(camera, best[None])[0]
+        slopes = slopes_at(matrix, best)
+        left, sizes, ways = np.linalg.svd(np.where(axes, slopes, 0.0), full_matrices=False)
+        kept = sizes > UNSEEN * largest_scale(slopes)
         step = ((left[:, kept].T @ way) / sizes[kept]) @ ways[kept]
         tried = np.where(axes, best + step, start)
-        distance = float(np.linalg.norm(goal - project_points(camera, tried[None])[0]))
+        way = goal - places_of(matrix[:, :3] @ tried + matrix[:, 3])
+        distance = float(np.hypot(*way))
         if not distance < far:
             break
         best, far = tried, distance

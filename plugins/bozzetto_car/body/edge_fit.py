@@ -119,27 +119,6 @@ def edge_pictures(camera: Camera, control_points: Array, pieces: int) -> Array:
     return places_of(seen)
 
 
-def projection_slopes(camera: Camera, points: Array) -> Array:
-    """Return the derivatives of places on the sheet by places in space, (n, 2, 3) px/mm.
-
-    Parameters
-    ----------
-    camera : Camera
-        The view.
-    points : (n, 3) float
-        Points in front of the eye, mm.
-    """
-    right, up, forward = camera.axes
-    if camera.kind == "orthographic":
-        rows = camera.pixels_per_mm * np.stack((right, -up))
-        return np.broadcast_to(rows, (len(points), 2, 3))
-    across, above, depth = camera.view_space(points).T
-    scale = camera.pixels_per_mm * camera.distance / depth
-    along_x = right - (across / depth)[:, None] * forward
-    along_y = up - (above / depth)[:, None] * forward
-    return np.stack((scale[:, None] * along_x, -scale[:, None] * along_y), axis=1)
-
-
 def four_point_cubic(points: ArrayLike) -> Array:
     """Return the Bézier points of the cubic that goes through four points at 0, 1/3, 2/3 and 1.
 

@@ -25,7 +25,12 @@ from bozzetto_car.body.edge_fit import (
     project_points,
 )
 from bozzetto_car.body.edge_runs import Run, find_run
-from bozzetto_car.camera.rational_projection import Pictured, camera_matrix, slopes_at
+from bozzetto_car.camera.rational_projection import (
+    Pictured,
+    camera_matrix,
+    largest_scale,
+    slopes_at,
+)
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import (
     Network,
@@ -142,7 +147,7 @@ def _is_seen(network: Network, edge: int, camera: Camera) -> bool:
     """Whether an edge is long enough in the view for its picture to tell its shape."""
     matrix, points = camera_matrix(camera), network.control_points[edge]
     curve = IN_PIECES @ points
-    scale = float(np.linalg.svd(slopes_at(matrix, curve[PIECES // 2]), compute_uv=False)[0])
+    scale = largest_scale(slopes_at(matrix, curve[PIECES // 2]))
     length = float(arc_length(Pictured.of(matrix, points).laid_out(PIECES))[-1])
     return length >= UNSEEN * scale * float(arc_length(curve)[-1])
 

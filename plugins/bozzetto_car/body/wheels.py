@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
-from bozzetto.geometry.patches import Places, grid, points_at
+from bozzetto.geometry.patches import bernstein, grid
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network
 
@@ -135,26 +135,54 @@ def _panel(nets: Array, places: Array) -> Array:
     own = nets[near.all(axis=1) & (nets[..., 1].max(axis=(1, 2)) > 0.0)]
     at = np.linspace(0.0, 1.0, GUESSES)
     laid = grid(own, at, at)[..., [0, 2]].reshape(len(own), GUESSES**2, 2)
-    away = (laid[:, None] - places[:, None]) ** 2
-    first = away.sum(axis=3).argmin(axis=2).ravel()
-    patches = np.repeat(np.arange(len(own)), len(places))
-    found = Places(patches, np.stack((at[first // GUESSES], at[first % GUESSES]), axis=1))
-    goal = np.tile(places, (len(own), 1))
+    # Squared distances, without the term that is equal for all places of the patches.
+    away = (laid**2).sum(axis=2)[:, None] - 2.0 * places @ laid.transpose(0, 2, 1)
+    first = away.argmin(axis=2)
+    u, v = at[first // GUESSES], at[first % GUESSES]
     for _ in range(REFINED):
-        way = goal - points_at(own, found)[:, [0, 2]]
-        by_u, by_v = (points_at(own, found, du=1 - k, dv=k)[:, [0, 2]] for k in (0, 1))
-        area = by_u[:, 0] * by_v[:, 1] - by_u[:, 1] * by_v[:, 0]
+        met, by_u, by_v = _seen_from_side(own, u, v)
+        way = np.moveaxis(places - met[..., [0, 2]], -1, 0)
+        area = by_u[..., 0] * by_v[..., 1] - by_u[..., 1] * by_v[..., 0]
         area = np.where(np.abs(area) > 1.0, area, np.inf)
-        step = np.stack(
-            (way[:, 0] * by_v[:, 1] - way[:, 1] * by_v[:, 0],
-             by_u[:, 0] * way[:, 1] - by_u[:, 1] * way[:, 0]), axis=1,
-        ) / area[:, None]  # fmt: skip
-        found = Places(patches, np.clip(found.parameters + step, -OVER_EDGE, 1.0 + OVER_EDGE))
-    met = points_at(own, found)
-    good = np.linalg.norm(met[:, [0, 2]] - goal, axis=1) <= MET
-    reach = np.where(good, met[:, 1], -np.inf).reshape(len(own), len(places))
+        u = u + (way[0] * by_v[..., 1] - way[1] * by_v[..., 0]) / area
+        v = v + (by_u[..., 0] * way[1] - by_u[..., 1] * way[0]) / area
+        u, v = (np.clip(at, -OVER_EDGE, 1.0 + OVER_EDGE) for at in (u, v))
+    met, _, _ = _seen_from_side(own, u, v)
+    good = np.linalg.norm(met[..., [0, 2]] - places, axis=2) <= MET
+    reach = np.where(good, met[..., 1], -np.inf)
     highest = reach.max(axis=0, initial=-np.inf)
     return np.where(np.isfinite(highest), highest, np.nan)
+
+
+def _seen_from_side(nets: Array, u: Array, v: Array) -> tuple[Array, Array, Array]:
+    """Return places on patches, and their derivatives by u and by v in x and z.
+
+    Parameters
+    ----------
+    nets : (p, 4, 4, 3) float
+        Control points, mm.
+    u, v : (p, n) float
+        Parameters of n places on each of them.
+
+    Returns
+    -------
+    place : (p, n, 3) float
+    by_u, by_v : (p, n, 2) float
+    """
+    count = u.shape[1]
+    along = np.concatenate((bernstein(u), bernstein(u, 1)), axis=1)
+    lines = (along @ nets.reshape(-1, 4, 12)).reshape(len(nets), 2 * count, 4, 3)
+    here, ahead = lines[:, :count], lines[:, count:, :, ::2]
+    across, slope = bernstein(v), bernstein(v, 1)
+    return _blended(across, here), _blended(across, ahead), _blended(slope, here[..., ::2])
+
+
+def _blended(weights: Array, lines: Array) -> Array:
+    """Return the sums over k of weights (p, n, k) times control points (p, n, k, d), (p, n, d)."""
+    found = weights[..., 0, None] * lines[:, :, 0]
+    for k in range(1, weights.shape[-1]):
+        found += weights[..., k, None] * lines[:, :, k]
+    return np.asarray(found)
 
 
 def _gap(band: Array) -> list[Piece]:

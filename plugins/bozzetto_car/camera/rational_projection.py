@@ -6,6 +6,7 @@ places and derivatives there cost a few products, however often a search asks fo
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -59,6 +60,18 @@ def slopes_at(matrix: Array, point: Array) -> Array:
     u, v, w = matrix[:, :3] @ point + matrix[:, 3]
     w = max(float(w), AT_EYE)
     return np.asarray((matrix[:2, :3] - np.outer((u / w, v / w), matrix[2, :3])) / w)
+
+
+def largest_scale(slopes: Array) -> float:
+    """Return the greatest length, px, of the picture of a step of a millimetre.
+
+    Parameters
+    ----------
+    slopes : (2, 3) float
+        As `slopes_at` gives them; this is their greatest singular value.
+    """
+    (a, b), (_, c) = (slopes @ slopes.T).tolist()
+    return math.sqrt(0.5 * (a + c) + math.hypot(0.5 * (a - c), b))
 
 
 @lru_cache(REMEMBERED)

@@ -216,13 +216,13 @@ def doubts(placed: Placed, solved: Solved) -> Iterator[str]:
 
 def _sentences(asked: Asked, placed: Placed, solved: Solved) -> Iterator[str]:
     template, sketch = solved.template, placed.sketch
+    prompt = template.prompts.get(asked.node, template.titles.get(asked.node, asked.node))
+    side = side_of(asked.node, sketch)
+    yield f"Touch: {prompt}{f', on the {side}' if side else ''}."
     front, rear = near_wheels(sketch, template)
     newest = sketch.marks[-1].node if sketch.marks else ""
     if newest in (front, rear) and sketch.mark_of(front) and sketch.mark_of(rear):
         yield f"This is the {SIDES[sketch.shows]} side of the car."
-    prompt = template.prompts.get(asked.node, template.titles.get(asked.node, asked.node))
-    side = side_of(asked.node, sketch)
-    yield f"Touch: {prompt}{f', on the {side}' if side else ''}."
     if asked.hidden:
         yield "It is not seen from here: skip it, unless the drawing shows it."
     missing = FEWEST - len(sketch.marks)

@@ -190,8 +190,13 @@ class GuidePanel(PanelScroll):
     # -- what is shown -----------------------------------------------------------------------------
 
     def _change_seen(self) -> None:
-        self.next_step.setText(self._host.next_step.sentence)
+        self._show_words()
         self._soon.start()
+
+    def _show_words(self) -> None:
+        """Show what to do at the point that is named above, or with the tool where none is."""
+        words = "" if self._guide is None else self._guide.words
+        self.next_step.setText(words or self._host.next_step.sentence)
 
     def _look(self) -> None:
         state = self._host.state
@@ -209,6 +214,7 @@ class GuidePanel(PanelScroll):
         self.car.show_node(guide.template, guide.asked)
         self.title.setText(guide.title)
         self.title.setVisible(bool(guide.title))
+        self._show_words()
         self.progress.set_share(guide.count / len(guide.template.names))
         self.count.setText(f"{guide.count} of {len(guide.template.names)} marked")
         self.chart.show_guide(guide)

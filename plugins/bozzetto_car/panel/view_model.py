@@ -18,6 +18,7 @@ from bozzetto_car.marking.next_mark import (
     asked_of,
     in_work,
     neighbour_of,
+    next_mark_in_words,
     node_title,
     shown_nodes,
 )
@@ -125,6 +126,8 @@ class Guide:
         The side that the sketch in work shows.
     asked, title : str
         The node that is asked for and its name; "" for none.
+    words : str
+        What to do on the sketch in work, whatever tool is in use; "" without a sketch.
     before, after : str
         The nodes that *Back* and *Skip* lead to; "" for none.
     count : int
@@ -143,6 +146,7 @@ class Guide:
     near: str
     asked: str
     title: str
+    words: str
     before: str
     after: str
     count: int
@@ -173,6 +177,7 @@ def guide_of(state: CarState) -> Guide:
         "L" if sketch is None else sketch.shows,
         node,
         title,
+        "" if sketch is None else next_mark_in_words(state, solved),
         before,
         after,
         _count(state, sketch, template),

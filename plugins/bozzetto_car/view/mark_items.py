@@ -117,7 +117,7 @@ def _marks(
     places = on.lifted([(mark.u, mark.v) for mark in marks])
     off = _missed(placed, body, seen_from)
     others = placed.left_out or {}
-    pairs = []
+    apart: list[tuple[Array, Array]] = []
     for mark, place in zip(marks, places, strict=True):
         at = triple(place)
         wrong = mark.node in placed.disagreeing
@@ -133,9 +133,11 @@ def _marks(
         elif mark.node == moved:
             yield Label(at, tip)
         if node is not None and missed > SHOWN_FROM:
-            pairs.append(np.vstack((place, on.lifted(node[None]))))
-    if pairs:
-        points = np.concatenate(pairs).astype(np.float32)
+            apart.append((place, node))
+    if apart:
+        from_marks, nodes = (np.stack(column) for column in zip(*apart, strict=True))
+        pairs = np.stack((from_marks, on.lifted(nodes)), axis=1)
+        points = pairs.reshape(-1, 3).astype(np.float32)
         starts = np.arange(0, len(points), 2, dtype=np.int32)
         yield Lines(points, starts, color="second", width=1.2, hidden="show")
 

@@ -103,6 +103,32 @@ def test_asked_for_it_lies_under_the_sheet(session, settle, page):
     assert len(session.drawing.document) == 0
 
 
+def test_an_underlay_becomes_a_sketch_and_is_hidden_as_one_step(session, settle, page):
+    session.pictures.take_file(page, under=True)
+    settle(session)
+    (underlay,) = session.drawing.document.underlays
+    session.toolbox.take_modeler("bozzetto.silhouette")
+    settle(session)
+    assert session.pictures.sketch_taker == ""
+    session.pictures.take_underlay(underlay.id)
+    settle(session)
+    assert (len(session.drawing.document), steps(session)) == (0, 1)
+    assert "No sketch goes to what is chosen" in session.heard[-1].text
+    session.toolbox.take_modeler(MODELER)
+    settle(session)
+    assert session.pictures.sketch_taker
+    session.pictures.take_underlay(underlay.id)
+    settle(session)
+    (model,) = session.drawing.document
+    assert np.array_equal(model.state.pictures[0].pixels, underlay.pixels)
+    assert not session.drawing.document.underlays[0].visible
+    assert steps(session) == 2
+    session.drawing.undo()
+    settle(session)
+    assert len(session.drawing.document) == 0
+    assert session.drawing.document.underlays[0].visible
+
+
 @pytest.mark.parametrize("how", ["other modeler", "locked", "hidden"])
 def test_all_others_lie_under_the_sheet_as_ever(session, settle, page, how):
     if how == "other modeler":

@@ -369,7 +369,7 @@ def test_handles_drawn_at_once_look_as_if_drawn_one_by_one(found):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             "bozzetto.scene.renderer.renderer._drawn_at_once",
-            lambda places, colors, gap: (slice(k, k + 1) for k in range(len(places))),
+            lambda places, gap: [[k] for k in range(len(places))],
         )
         np.testing.assert_array_equal(at_once, shot(scene))
 

@@ -21,6 +21,7 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
+from bozzetto.plugin import NextStep
 from bozzetto.scene import DARK, LIGHT
 from bozzetto_car.body.build import body_of
 from bozzetto_car.commands import car_as_template
@@ -217,6 +218,18 @@ def test_the_asked_point_is_told(shown, twelve, qtbot):
     calm(qtbot, panel)
     assert panel.title.text() == "Rear bumper, lower edge"
     assert SEDAN.prompts["C8"] in panel.next_step.text()
+
+
+def test_with_another_tool_the_panel_still_tells_about_its_point(shown, twelve, qtbot):
+    panel, host = shown(twelve)
+    host._next_step = lambda state: NextStep("Draw along an edge.")
+    host.put(with_asked(twelve, "C8"))
+    calm(qtbot, panel)
+    assert panel.title.text() == "Rear bumper, lower edge"
+    assert SEDAN.prompts["C8"] in panel.next_step.text()
+    host.put(CarState())
+    calm(qtbot, panel)
+    assert panel.next_step.text() == "Draw along an edge."
 
 
 @pytest.mark.parametrize(("height", "has_picture"), [(900, True), (200, False)])

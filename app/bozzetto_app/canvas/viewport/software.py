@@ -111,6 +111,8 @@ class SoftwareViewport(QWidget):
         self._channel = Channel("frames", parent=self)
         self._rest = QTimer(self, singleShot=True, interval=REST)
         self._rest.timeout.connect(self._sharpen)
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self._request)
 
     # -- ViewportBackend ----------------------------------------------------------------------
 
@@ -177,7 +179,7 @@ class SoftwareViewport(QWidget):
     @property
     def is_waiting(self) -> bool:
         """Whether a newer frame than the one shown is on its way."""
-        return self._channel.busy or self._rest.isActive()
+        return self._soon.isActive() or self._channel.busy or self._rest.isActive()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -198,6 +200,10 @@ class SoftwareViewport(QWidget):
         self._ask()
 
     def _ask(self) -> None:
+        """Request a frame once all that changes together has changed, such as scene and view."""
+        self._soon.start()
+
+    def _request(self) -> None:
         """Request a frame of what is to be shown now."""
         if self.width() < 2 or self.height() < 2 or not self._was_painted:
             return  # the first paint asks again

@@ -412,6 +412,12 @@ class ObjectsPanel(QWidget):
             self._add_for_part(menu, entry, self._session.parts.of(entry.model))
         if entry.kind in ("model", "part"):
             self._add_uses(menu)
+        elif entry.kind == "underlay" and self._session.pictures.sketch_taker:
+            title = self._session.pictures.sketch_taker
+            menu.addAction(
+                tr("Objects", "Use as sketch for {modeler}", modeler=title),
+                lambda: self._session.pictures.take_underlay(entry.id),
+            )
         if entry.kind != "heading":
             menu.addAction(tr("Objects", "Delete"), self.delete_current)
         return menu

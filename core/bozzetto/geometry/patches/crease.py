@@ -29,6 +29,9 @@ SMOOTH: Final = 0.1
 CREASE_SAMPLES: Final = 33
 """Places along an edge in which its crease is measured."""
 
+ROUNDING: Final = 8.0 * float(np.finfo(float).eps)
+"""Change of the logarithm of a ratio that is no more than rounding."""
+
 KNOWN: Final = 16
 """Number of networks whose rows of joints are remembered."""
 
@@ -111,35 +114,30 @@ def locked(
         that is symmetric to the last bit stays so.
     """
     made = np.array(edges, float)
-    lengths = np.linalg.norm(made[:, [1, 2]] - made[:, [0, 3]], axis=2)
-    firm = np.ones(len(made)) if firmness is None else np.asarray(firmness, float)
+    lengths = np.linalg.norm(made[:, [1, 2]] - made[:, [0, 3]], axis=2).tolist()
+    firm = [1.0] * len(made) if firmness is None else np.asarray(firmness, float).tolist()
     signed = np.asarray(sides, np.intp)
     for row in _rows(signed.tobytes(), len(signed), joints):
-        pairs = {number: _firmness(firm, joints[number]) for number in row}
+        found = {number: _ratio(lengths, joints[number]) for number in row}
+        pairs = {number: tuple(firm[max(end, ~end)] for end in joints[number]) for number in row}
         # A joint whose two lengths give way best to a change of their ratio resists it so much.
         weights = {number: 2.0 * a * b / (a + b) for number, (a, b) in pairs.items()}
         # Exact sums do not depend on their order: both sides of a car get the same.
         mean = math.fsum(
-            weights[number] * sign * _ratio(lengths, joints[number]) for number, sign in row.items()
+            weights[number] * sign * found[number] for number, sign in row.items()
         ) / math.fsum(weights.values())
         for number, sign in row.items():
-            change = sign * mean - _ratio(lengths, joints[number])
-            if abs(change) > 8.0 * np.finfo(float).eps:
+            change = sign * mean - found[number]
+            if abs(change) > ROUNDING:
                 (one, other), (a, b) = joints[number], pairs[number]
                 _stretch(made, one, math.exp(-change * b / (a + b)))
                 _stretch(made, other, math.exp(change * a / (a + b)))
     return made
 
 
-def _firmness(firm: Array, joint: Joint) -> tuple[float, float]:
-    """Return the firmness of the two edges of a joint."""
-    one, other = (float(firm[max(end, ~end)]) for end in joint)
-    return one, other
-
-
-def _ratio(lengths: Array, joint: Joint) -> float:
+def _ratio(lengths: list[list[float]], joint: Joint) -> float:
     """Return the logarithm of the ratio of two tangents' lengths; 0 where one has none."""
-    one, other = (float(lengths[e, 0] if e >= 0 else lengths[~e, 1]) for e in joint)
+    one, other = (lengths[e][0] if e >= 0 else lengths[~e][1] for e in joint)
     return math.log(other) - math.log(one) if one > 0.0 < other else 0.0
 
 

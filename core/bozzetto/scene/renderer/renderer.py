@@ -16,7 +16,6 @@ from bozzetto.scene.display_list import (
     Item,
     Label,
     Lines,
-    Paint,
     Points,
     Scene,
     Shaded,
@@ -310,19 +309,21 @@ def _draw_handles(canvas: Canvas, items: Sequence[Handle], palette: Palette) -> 
     colors = [items[k].color for k in shown.tolist()]
     radius, rim = HANDLE_RADIUS * canvas.scale, HANDLE_RIM * canvas.scale
     dark = np.array(min(palette.ink, palette.paper, key=sum), float)
-    for group in _drawn_at_once(places, colors, 2.0 * radius + 2.0):
-        draw_discs(canvas, places[group], radius, dark, 1.0)
-        color = np.array(palette.color(colors[group.start]), float)
-        draw_discs(canvas, places[group], radius - rim, color, 1.0)
+    for layer in _drawn_at_once(places, 2.0 * radius + 2.0):
+        draw_discs(canvas, places[layer], radius, dark, 1.0)
+        for paint in dict.fromkeys(colors[k] for k in layer):
+            own = [k for k in layer if colors[k] == paint]
+            color = np.array(palette.color(paint), float)
+            draw_discs(canvas, places[own], radius - rim, color, 1.0)
 
 
-def _drawn_at_once(places: Array, colors: Sequence[Paint], gap: float) -> Iterator[slice]:
-    """Split places (n, 2 or more) into runs of one colour that lie at least a gap apart, px."""
-    begin = 0
+def _drawn_at_once(places: Array, gap: float) -> list[list[int]]:
+    """Return layers of places (n, 2 or more) that lie at least a gap apart, px, the lowest first.
+
+    Each place is in the layer above the highest of those before it that are nearer than the gap.
+    """
+    away = np.abs(places[:, None, :2] - places[None, :, :2]).max(axis=2)
+    level = np.zeros(len(places), np.intp)
     for k in range(1, len(places)):
-        away = np.abs(places[begin:k, :2] - places[k, :2]).max(axis=1)
-        if colors[k] != colors[begin] or away.min() < gap:
-            yield slice(begin, k)
-            begin = k
-    if len(places):
-        yield slice(begin, len(places))
+        level[k] = level[:k][away[k, :k] < gap].max(initial=-1) + 1
+    return [np.flatnonzero(level == own).tolist() for own in range(level.max(initial=-1) + 1)]

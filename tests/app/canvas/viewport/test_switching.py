@@ -457,9 +457,22 @@ def test_a_short_frame_is_shown_although_a_newer_one_is_wanted(qtbot, monkeypatc
     monkeypatch.setattr("bozzetto_app.canvas.viewport.software.PATIENCE", 3.0)
     became = slow_render(monkeypatch, full=0.1)
     viewport.set_scene(box_scene)
+    qtbot.waitUntil(lambda: viewport._channel.busy, timeout=5000)
     viewport.set_palette(DARK)
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
     assert [what for what, *_ in became] == ["shown", "shown"]
+
+
+def test_what_changes_at_once_makes_one_frame(qtbot, monkeypatch, box_scene):
+    viewport = shown_software(qtbot)
+    became = slow_render(monkeypatch, full=0.1)
+    viewport.set_camera(Camera(eye=(10.0, -480.0, 90.0), viewport=SIZE))
+    viewport.set_scene(box_scene)
+    viewport.set_live(Scene((Layer("live", (Points([(1.0, 0.0, 0.0)]),)),)))
+    viewport._rest.stop()  # that frame is as sharp as one at rest
+    assert viewport.is_waiting
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    assert [what for what, *_ in became] == ["shown"]
 
 
 def test_while_what_is_shown_changes_all_the_time_there_is_something_to_see(qtbot, monkeypatch):

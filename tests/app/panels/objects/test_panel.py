@@ -183,6 +183,17 @@ def test_a_dropped_row_lands_in_its_gap(qapp, source, gap):
     panel.deleteLater()
 
 
+def test_an_underlay_can_become_a_sketch_where_one_is_taken(panel, fake_session):
+    panel.list.setCurrentRow(5)
+    titles = [action.text() for action in panel.menu_for_current().actions()]
+    assert titles == ["Delete"]
+    fake_session.pictures.sketch_taker = "Car"
+    use, _ = panel.menu_for_current().actions()
+    assert use.text() == "Use as sketch for Car"
+    use.trigger()
+    assert fake_session.calls.named("pictures.take_underlay") == [(("u1",), {})]
+
+
 def test_an_underlays_opacity_is_dragged_as_one_step(panel, fake_session):
     slider = rows(panel, UnderlayRow)[0].opacity
     QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=QPoint(20, 10))

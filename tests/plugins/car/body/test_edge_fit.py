@@ -15,7 +15,6 @@ from bozzetto_car.body.edge_fit import (
     fit_edge,
     four_point_cubic,
     paper_cubic,
-    projection_slopes,
 )
 from bozzetto_car.template.model import MIRROR
 from tests.plugins.car.traced_car import curve, drawn, view
@@ -34,17 +33,6 @@ def off(camera: Camera, points: Array, stroke: Array) -> float:
     return float(
         max(distances_to_polyline(own, stroke).max(), distances_to_polyline(stroke, own).max())
     )
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_slopes_are_derivatives_of_the_picture(kind: Kind) -> None:
-    camera = view(37.0, 21.0, kind)
-    points = np.random.default_rng(0).normal((2000, 0, 700), 800, (20, 3))
-    slopes = projection_slopes(camera, points)
-    for axis in range(3):
-        step = np.eye(3)[axis] * 1e-2
-        change = camera.project(points + step)[0] - camera.project(points - step)[0]
-        assert np.abs(slopes[:, :, axis] - change / 2e-2).max() < 1e-6
 
 
 def test_the_cubic_through_four_points() -> None:

@@ -7,7 +7,12 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from bozzetto_car.camera.rational_projection import Pictured, camera_matrix, slopes_at
+from bozzetto_car.camera.rational_projection import (
+    Pictured,
+    camera_matrix,
+    largest_scale,
+    slopes_at,
+)
 from tests.plugins.car.traced_car import curve, view
 
 KINDS: tuple[Literal["perspective", "orthographic"], ...] = ("perspective", "orthographic")
@@ -68,3 +73,17 @@ def test_what_is_behind_the_eye_is_infinite() -> None:
     places = Pictured.of(camera_matrix(camera), through).laid_out(20)
     assert np.isfinite(places[:9]).all()
     assert np.isinf(places[12:]).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_slopes_are_derivatives_and_their_scale_is_the_largest(
+    kind: Literal["perspective"],
+) -> None:
+    camera = view(37.0, 21.0, kind)
+    rng = np.random.default_rng(0)
+    for point in rng.normal((2000, 0, 700), 800, (20, 3)):
+        slopes = slopes_at(camera_matrix(camera), point)
+        for axis, step in enumerate(np.eye(3) * 1e-2):
+            change = camera.project(point + step)[0] - camera.project(point - step)[0]
+            assert np.abs(slopes[:, axis] - change[0] / 2e-2).max() < 1e-6
+        assert largest_scale(slopes) == pytest.approx(np.linalg.norm(slopes, ord=2), rel=1e-12)
