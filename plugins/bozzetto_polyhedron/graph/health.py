@@ -37,6 +37,8 @@ SENTENCES: Final[dict[FindingKind, str]] = {
     "gap": "There is a gap between two ends. Draw the line across it.",
     "second reading": "The lines here could also meet in another way. Touch a corner to see the "
     "solid; if it is wrong, erase lines that run close together and draw them farther apart.",
+    "open faces": "The faces do not close here: a line is missing, or it ends at the wrong corner. "
+    "Erase lines that run close together and draw them farther apart.",
     "curved stroke": "This stroke is curved, and edges here are straight. Erase it and draw it "
     "straight.",
 }

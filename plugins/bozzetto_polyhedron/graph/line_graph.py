@@ -15,6 +15,7 @@ FindingKind = Literal[
     "close corners",
     "gap",
     "second reading",
+    "open faces",
     "curved stroke",
 ]
 

@@ -87,8 +87,15 @@ def other_drafts(draft: Draft, dearest: float, most: int) -> list[Draft]:
 
 
 def joined_pairs(draft: Draft) -> tuple[tuple[int, int], ...]:
-    """Return which corners of a draft are joined, whatever the strokes between them."""
-    return tuple(sorted(each.pair for each in draft.lines.values()))
+    """Return which corners of a draft are joined, whatever the strokes between them.
+
+    Corners have numbers from left to right, so that drafts are compared in which the same corners
+    were joined the other way round.
+    """
+    places = draft.places()
+    number = {corner: k for k, corner in enumerate(sorted(places, key=lambda each: places[each]))}
+    ends = ((number[each.start], number[each.stop]) for each in draft.lines.values())
+    return tuple(sorted((min(pair), max(pair)) for pair in ends))
 
 
 def _joins_otherwise(draft: Draft, change: Change) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
+from math import atan2, pi, radians
 from typing import Final
 
 import numpy as np
@@ -16,7 +17,7 @@ from bozzetto_polyhedron.graph.surroundings import Surroundings, placed
 SHORT: Final = 0.15
 """Length up to which a line may be what two other lines share at their beginning."""
 
-STRAIGHT: Final = np.radians(12.0)
+STRAIGHT: Final = radians(12.0)
 """Angle up to which a line goes straight on through a corner."""
 
 CUTS: Final = (0.25, 0.5, 0.75)
@@ -24,6 +25,12 @@ CUTS: Final = (0.25, 0.5, 0.75)
 
 MOST_UNSURE: Final = 6
 """Segments about as near to both lines that are tried at either."""
+
+OVER: Final = radians(16.0)
+"""Angle up to which two lines that meet in a corner may be lines that run over one another."""
+
+CLOSE_BY: Final = 0.06
+"""Distance of a corner from a line on which it may lie instead."""
 
 FEWEST: Final = 3
 """Segments of two lines from which on they are dealt out anew."""
@@ -87,6 +94,64 @@ def contracted(around: Surroundings, key: int) -> Iterator[Change]:
             yield Change((key, one, two), _lines(around, (first, second), pairs))
 
 
+def overlapping(around: Surroundings, key: int) -> Iterator[Change]:
+    """Let lines that go on from one another run over one another along one of them, or not.
+
+    Lines from A to B, B to C and C to D may be from A to C and from B to D, with or without one
+    from B to C. So may two of them, from A to B and B to C, be from A to C and from B to C, or the
+    other way round; and lines from A to B, B to C and from C to E, back along B, may be from A to
+    C, B to C and B to E.
+    """
+    draft = around.draft
+    middle = draft.lines[key]
+    for near, far in ((middle.start, middle.stop), (middle.stop, middle.start)):
+        on = _beside(around, key, near, far)
+        back = _beside(around, key, far, near, going_on=False)
+        for one in on:
+            first = _other_end(draft.lines[one], near), far
+            yield from _dealt_anew(around, (one, key), (first, (near, far)))
+            for two in back:
+                second = near, _other_end(draft.lines[two], far)
+                yield from _dealt_anew(around, (one, two, key), (first, second, (near, far)))
+        for two in back:
+            second = near, _other_end(draft.lines[two], far)
+            yield from _dealt_anew(around, (two, key), (second, (near, far)))
+    for one in _beside(around, key, middle.start, middle.stop):
+        first = _other_end(draft.lines[one], middle.start), middle.stop
+        for two in _beside(around, key, middle.stop, middle.start):
+            second = middle.start, _other_end(draft.lines[two], middle.stop)
+            yield from _dealt_anew(around, (one, key, two), (first, second))
+            yield from _dealt_anew(around, (one, key, two), (first, second, middle.pair))
+
+
+def _beside(
+    around: Surroundings, key: int, corner: int, beyond: int, *, going_on: bool = True
+) -> list[int]:
+    """Return the lines that go on from a line through one of its corners, or back along it."""
+    found = []
+    for other in around.draft.at(corner):
+        end = _other_end(around.draft.lines[other], corner)
+        if other != key and end != beyond:
+            turn = _turn(around, corner, end, beyond)
+            if (turn if going_on else pi - turn) < OVER:
+                found.append(other)
+    return found
+
+
+def _dealt_anew(
+    around: Surroundings, keys: tuple[int, ...], pairs: Sequence[tuple[int, int]]
+) -> Iterator[Change]:
+    """Deal the segments of lines out among lines between other corners."""
+    draft = around.draft
+    members = tuple(m for k in keys for m in draft.lines[k].line.members)
+    same = len({frozenset(pair) for pair in pairs}) < len(pairs)
+    if same or len(members) < FEWEST or any(one == two for one, two in pairs):
+        return
+    dealt = _dealt(around, members, pairs, _distances(around, members, pairs))
+    if dealt:
+        yield Change(keys, dealt)
+
+
 def passing_straight(around: Surroundings, corner: int) -> Iterator[Change]:
     """Let two lines that go straight on through a corner be one that passes it.
 
@@ -113,11 +178,69 @@ def passing_straight(around: Surroundings, corner: int) -> Iterator[Change]:
         yield Change(tuple(k for each in ways for k in each), _lines(around, parts, ends))
 
 
+def on_another_line(around: Surroundings, corner: int) -> Iterator[Change]:
+    """Let a corner through which two lines go straight on lie on another line close by instead.
+
+    The two become one that passes it, and the other line becomes two that end there.
+    """
+    draft = around.draft
+    keys = draft.at(corner)
+    ends = {k: _other_end(draft.lines[k], corner) for k in keys}
+    ways = [
+        way
+        for way in combinations(keys, 2)
+        if ends[way[0]] != ends[way[1]] and _is_straight(around, corner, *(ends[k] for k in way))
+    ]
+    if not ways:
+        return
+    cut = [
+        (key, parts)
+        for key in around.keys
+        if corner not in draft.lines[key].pair
+        and (parts := _cut_at(around, draft.lines[key], around.place[corner])) is not None
+    ]
+    for one, two in ways:
+        members = (*draft.lines[one].line.members, *draft.lines[two].line.members)
+        passing = _lines(around, (members,), ((ends[one], ends[two]),))
+        for key, parts in cut:
+            each = draft.lines[key]
+            if not {ends[one], ends[two]} & {each.start, each.stop}:
+                pairs = (each.start, corner), (corner, each.stop)
+                yield Change((one, two, key), (*passing, *_lines(around, parts, pairs)))
+
+
+def _cut_at(
+    around: Surroundings, each: Joined, place: tuple[float, float]
+) -> tuple[Members, Members] | None:
+    """Return the segments of a line before and beyond a place close to it; None where it is far."""
+    members, length = each.line.members, each.line.length
+    if len(members) < 2 or length < CLOSE_BY:
+        return None
+    (x, y), (x1, y1) = each.line.start, each.line.stop
+    ux, uy = (x1 - x) / length, (y1 - y) / length
+    dx, dy = place[0] - x, place[1] - y
+    at = ux * dx + uy * dy
+    if abs(ux * dy - uy * dx) > CLOSE_BY or not 0.0 < at < length:
+        return None
+    rows = around.draft.fits.rows
+    middles = {
+        m: sum((a - x) * ux + (b - y) * uy for a, b in rows[m]) / len(rows[m]) for m in members
+    }
+    before = tuple(m for m in members if middles[m] < at)
+    beyond = tuple(m for m in members if middles[m] >= at)
+    return (before, beyond) if before and beyond else None
+
+
 def _is_straight(around: Surroundings, corner: int, one: int, two: int) -> bool:
     """Whether the way from a corner over another one to a third goes straight on."""
+    return _turn(around, corner, one, two) < STRAIGHT
+
+
+def _turn(around: Surroundings, corner: int, one: int, two: int) -> float:
+    """Return by how much the way from a corner over another one to a third turns, radians."""
     (x, y), (x0, y0), (x1, y1) = (around.place[k] for k in (corner, one, two))
     cross = (x0 - x) * (y1 - y) - (y0 - y) * (x1 - x)
-    return bool(abs(np.arctan2(cross, -(x0 - x) * (x1 - x) - (y0 - y) * (y1 - y))) < STRAIGHT)
+    return abs(atan2(cross, -(x0 - x) * (x1 - x) - (y0 - y) * (y1 - y)))
 
 
 def _crossed_over(
@@ -147,30 +270,32 @@ def _other_end(each: Joined, corner: int) -> int:
 def _dealt(
     around: Surroundings, members: Members, pairs: Sequence[tuple[int, int]], away: Array
 ) -> tuple[Joined, ...]:
-    """Give each segment to the nearer of two lines between corners; empty if one gets nothing.
+    """Give each segment to the nearest of lines between corners; empty if one gets nothing.
 
-    Segments that are about as near to both go where both lines fit better. The distances from both
-    lines are (2, k).
+    Segments that are about as near to two go where all lines fit better. The distances from the
+    lines are (lines, k).
     """
-    home = (away[1] < away[0]).tolist()
-    unsure = np.argsort(np.abs(away[1] - away[0]), kind="stable")[:MOST_UNSURE].tolist()
-    parts = _parts(members, home)
+    order = np.argsort(away, axis=0, kind="stable")
+    home, second = order[0].tolist(), order[1].tolist()
+    margins = np.take_along_axis(away, order[:2], axis=0)
+    unsure = np.argsort(margins[1] - margins[0], kind="stable")[:MOST_UNSURE].tolist()
+    parts = _parts(members, home, len(pairs))
     if not all(parts):
         return ()
     for number in unsure:
-        home[number] = not home[number]
-        others = _parts(members, home)
+        home[number], second[number] = second[number], home[number]
+        others = _parts(members, home, len(pairs))
         if all(others) and _misfit(around, others) < _misfit(around, parts):
             parts = others
         else:
-            home[number] = not home[number]
+            home[number], second[number] = second[number], home[number]
     return _lines(around, parts, pairs)
 
 
-def _parts(members: Members, home: Sequence[bool]) -> tuple[Members, Members]:
-    """Return the segments of the first line and of the second one."""
+def _parts(members: Members, home: Sequence[int], count: int) -> tuple[Members, ...]:
+    """Return the segments of each of some lines."""
     both = list(zip(members, home, strict=True))
-    return tuple(k for k, second in both if not second), tuple(k for k, second in both if second)
+    return tuple(tuple(k for k, own in both if own == number) for number in range(count))
 
 
 def _misfit(around: Surroundings, parts: Sequence[Members]) -> float:

@@ -21,6 +21,8 @@ from bozzetto_polyhedron.graph.likelihood import LONGEST_TICK, Line, strain_of
 from bozzetto_polyhedron.graph.shared_segments import (
     contracted,
     exchanged,
+    on_another_line,
+    overlapping,
     passing_straight,
 )
 from bozzetto_polyhedron.graph.surroundings import Surroundings, placed
@@ -60,6 +62,7 @@ def steps(draft: Draft, corners: Collection[int] | None = None) -> Iterator[Chan
         yield from _exchanged_ends(around, corner)
         yield from _parted_corner(around, corner)
         yield from passing_straight(around, corner)
+        yield from on_another_line(around, corner)
         if draft.degrees[corner] == 2:
             yield from _straightened(around, corner)
     along = _lying_along(around, keys)
@@ -70,6 +73,7 @@ def steps(draft: Draft, corners: Collection[int] | None = None) -> Iterator[Chan
         yield from _absorbed(around, key, along[key])
         yield from exchanged(around, key, along[key])
         yield from contracted(around, key)
+        yield from overlapping(around, key)
         if len(draft.lines[key].line.members) > 1:
             yield from _told_apart(around, key, along[key])
 

@@ -25,6 +25,9 @@ from bozzetto_polyhedron.reconstruction.planar_faces import planar_faces
 MOST_FLIPS: Final = 4
 """Pieces between two corners that are turned over in every combination."""
 
+MOST_TURNED: Final = 3
+"""Ways to turn such pieces over that are read: faces of the wrong one may fit as well."""
+
 DETERMINED: Final = 1e-6
 """Second singular value above which the lines alone determine the depths."""
 
@@ -80,7 +83,7 @@ def liftings(
             _of_rings(drawing, classes, corners, _without_border(each, free), unique=False)
             for each in _embeddings(rings)
         ]
-        found = sorted(turned, key=lambda each: each.depth.residual)[:2]
+        found = _distinct(sorted(turned, key=lambda each: each.depth.residual))[:MOST_TURNED]
     return _distinct(found + _from_space(drawing, classes, corners))
 
 

@@ -22,9 +22,13 @@ from bozzetto_polyhedron.reconstruction.lifting import Lifting
 from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses
 from bozzetto_polyhedron.reconstruction.planar_faces import inside
 from bozzetto_polyhedron.reconstruction.regularity import area_vector
+from bozzetto_polyhedron.reconstruction.visibility import agreement, is_marked
 
 EDGE_ON: Final = 0.08
 """Least share of a normal along the line of sight: a face seen edge-on surrounds nothing."""
+
+MARKS: Final = 1.0
+"""Weight of the log-likelihood of marks beside `Attached.rough`."""
 
 MOST: Final = 6
 """Ways that are kept for each part."""
@@ -131,9 +135,36 @@ def attached(
     known = list(body)
     for part in parts:
         ways = [way for each in found for way in _ways(drawing, classes, each, known, part, around)]
-        found = sorted(ways, key=lambda way: way.rough)[:MOST]
         known += part.corners
+        found = likeliest(drawing, ways, known, MOST)
     return found
+
+
+def likeliest(
+    drawing: Drawing, ways: Sequence[Attached], known: Sequence[int], most: int
+) -> list[Attached]:
+    """Return the ways in which parts lie in a body that are likely, the likeliest first.
+
+    Where some are left out, marks of hidden lines count as well: two bosses on a plate make more
+    ways than are read, and a hole looks like a boss without marks.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        In units of its own size.
+    ways : sequence of Attached
+        Ways in which the same parts lie in the body.
+    known : sequence of int
+        Corners of the body and these parts.
+    most : int
+        How many to return at most.
+    """
+    marks = [0.0] * len(ways)
+    if len(ways) > most and is_marked(drawing):
+        lines = np.isin(drawing.lines[:, 0], known)
+        marks = [max(agreement(drawing, way.depths, way.faces, lines)) for way in ways]
+    order = sorted(range(len(ways)), key=lambda k: ways[k].rough - MARKS * marks[k])
+    return [ways[k] for k in order[:most]]
 
 
 def hanging_order(drawing: Drawing, parts: Sequence[Lifting]) -> list[Lifting]:

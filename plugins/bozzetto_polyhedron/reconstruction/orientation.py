@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.regularity import area_vector
@@ -17,14 +17,19 @@ def lines_of(rings: Rings) -> list[tuple[int, int]]:
     return [pair for ring in rings for pair in zip(ring, ring[1:] + ring[:1], strict=True)]
 
 
-def open_lines(faces: Sequence[Rings], lines: Index) -> int:
-    """Count the lines that do not lie between exactly two faces."""
+def lines_left_open(faces: Sequence[Rings], lines: Index) -> Flags:
+    """Return which lines do not lie between exactly two faces, (m,) of bool."""
     between: dict[tuple[int, int], int] = {}
     for face in faces:
         for first, second in lines_of(face):
             key = min(first, second), max(first, second)
             between[key] = between.get(key, 0) + 1
-    return sum(between.get((int(a), int(b)), 0) != 2 for a, b in lines)
+    return np.array([between.get((int(a), int(b)), 0) != 2 for a, b in lines], bool)
+
+
+def open_lines(faces: Sequence[Rings], lines: Index) -> int:
+    """Count the lines that do not lie between exactly two faces."""
+    return int(lines_left_open(faces, lines).sum())
 
 
 def oriented(vertices: Array, faces: Sequence[Rings]) -> tuple[Rings, ...]:

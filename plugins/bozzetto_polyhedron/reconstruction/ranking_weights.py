@@ -26,7 +26,7 @@ WEIGHTS: Final = {
     "through-holes": 0.50,
     "parts that stand out": -0.29,
     "misfit of loose parts": -0.43,
-    "parts that hang nowhere": -1.50,
+    "parts that hang nowhere": -6.00,
     "marks of hidden lines": 0.90,
 }
 """Weight of each measure."""

@@ -16,7 +16,12 @@ from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
 from bozzetto_polyhedron.reconstruction.lone_parallels import without_lone_parallels
-from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached, hanging_order
+from bozzetto_polyhedron.reconstruction.loose_loops import (
+    Attached,
+    attached,
+    hanging_order,
+    likeliest,
+)
 from bozzetto_polyhedron.reconstruction.metric_upgrade import metric_maps, squared
 from bozzetto_polyhedron.reconstruction.orientation import open_lines
 from bozzetto_polyhedron.reconstruction.parallel_classes import (
@@ -230,7 +235,7 @@ def _of_body(
                 every = np.concatenate((measures, way.measures))
                 found += _sides(drawing, way.depths, way.faces, every)
     corners = tuple(sorted({*body.corners, *(c for part in parts for c in part.corners)}))
-    for way in sorted(joined.values(), key=lambda way: way.rough)[:MOST_WAYS]:
+    for way in likeliest(drawing, list(joined.values()), corners, MOST_WAYS):
         depth = affine_depth(drawing, classes, corners, way.faces)
         whole = Lifting(corners, way.faces, depth, unique=False)
         found += _shapes(drawing, classes, way, whole, strict)

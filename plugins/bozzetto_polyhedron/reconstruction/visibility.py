@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Flags
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.line_samples import SAMPLES, SHARES
@@ -28,7 +28,9 @@ def is_marked(drawing: Drawing) -> bool:
     return bool(np.ptp(drawing.light) > CONTRAST) if len(drawing.light) else False
 
 
-def agreement(drawing: Drawing, depths: Array, faces: Sequence[Rings]) -> tuple[float, float]:
+def agreement(
+    drawing: Drawing, depths: Array, faces: Sequence[Rings], lines: Flags | None = None
+) -> tuple[float, float]:
     """Return the log-likelihood of the marks for a reading, and for its mirrored one.
 
     Parameters
@@ -39,12 +41,14 @@ def agreement(drawing: Drawing, depths: Array, faces: Sequence[Rings]) -> tuple[
         Away from the eye, diagonals; negative ones are those of the mirrored reading.
     faces : sequence of Rings
         Rings of corners, in any sense.
+    lines : (m,) bool, optional
+        Lines whose marks count; all without.
     """
     found = []
     for hidden in hidden_shares(drawing, depths, faces):
         likely = WRONG_MARKS + (1.0 - 2.0 * WRONG_MARKS) * hidden
         each = drawing.light * np.log(likely) + (1.0 - drawing.light) * np.log1p(-likely)
-        found.append(float(each.sum()))
+        found.append(float(each.sum() if lines is None else each[lines].sum()))
     return found[0], found[1]
 
 

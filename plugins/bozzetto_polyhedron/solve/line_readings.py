@@ -2,7 +2,7 @@
 
 On the sheet two readings may cost the same, such as two close lines that exchange their ends.
 Mostly only one of them is a solid with planar faces, right angles and hidden lines where light ones
-are.
+are. Where lines look right on the sheet but leave faces open in space, that is told.
 """
 
 from __future__ import annotations
@@ -11,12 +11,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
+from bozzetto.arrays import Array
 from bozzetto.view import Camera
-from bozzetto_polyhedron.graph.draft import Draft
+from bozzetto_polyhedron.graph.draft import NOT_WHOLE, Draft
+from bozzetto_polyhedron.graph.health import told
 from bozzetto_polyhedron.graph.live import LiveGraph, with_draft
 from bozzetto_polyhedron.graph.second_reading import joined_pairs, other_drafts
 from bozzetto_polyhedron.reconstruction.answers import LEAST_LINES
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
+from bozzetto_polyhedron.reconstruction.orientation import lines_left_open
 from bozzetto_polyhedron.reconstruction.perspective import parallel_view
 from bozzetto_polyhedron.reconstruction.readings import readings
 from bozzetto_polyhedron.solve.corner_order import in_order
@@ -26,7 +31,7 @@ Checkpoint = Callable[[float, str], None]
 DEAREST: Final = 12.0
 """Cost on the sheet that a change may add to be looked at in space."""
 
-MOST_OTHERS: Final = 2
+MOST_OTHERS: Final = 3
 """Changes that are looked at in space from one draft."""
 
 MOST_CHANGES: Final = 2
@@ -42,13 +47,28 @@ BEYOND_DOUBT: Final = 10.0
 """Score less cost by which all others must be worse for nothing to be told."""
 
 
+LEAVES_OPEN: Final = NOT_WHOLE
+"""Cost of lines whose best reading in space leaves faces open."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Read:
-    """A draft with the score of its best reading in space less its cost on the sheet."""
+    """A draft with the score of its best reading in space less its cost on the sheet.
+
+    Parameters
+    ----------
+    live : LiveGraph
+        The graph of the draft.
+    draft : Draft
+    value : float
+    open : (k, 2) array
+        Middles of the lines that are not between two faces, px.
+    """
 
     live: LiveGraph
     draft: Draft
     value: float
+    open: Array
 
 
 def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGraph:
@@ -66,13 +86,13 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
     Returns
     -------
     LiveGraph
-        The same one where the sheet leaves no doubt, where something else looks wrong, and where
-        its lines are not those of solids: such readings take long and seldom decide. Where readings
-        in space leave no doubt, the finding is taken out.
+        The same one where the sheet leaves no doubt and its lines are those of solids, and where
+        something else looks wrong. Where readings in space leave no doubt, the finding is taken
+        out; where they leave faces open, that is a finding.
     """
-    if [each.what for each in live.graph.health] != ["second reading"]:
+    if any(each.what != "second reading" for each in live.graph.health):
         return live
-    if live.draft is None or not live.draft.is_whole:
+    if live.draft is None or live.draft.loose or (live.draft.is_whole and not live.graph.health):
         return live
     best = _read(live, live.draft, camera)
     values = {joined_pairs(best.draft): best.value}
@@ -94,18 +114,24 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
             break
         best = better
     del values[joined_pairs(best.draft)]
-    others = max(values.values(), default=best.value)
-    if best.value < others + BEYOND_DOUBT:
-        doubts = best.live.graph.health or live.graph.health
-    else:
-        doubts = tuple(each for each in best.live.graph.health if each.what != "second reading")
-    return replace(best.live, graph=replace(best.live.graph, health=doubts))
+    others = max(values.values(), default=best.value - BEYOND_DOUBT)
+    doubts = [each for each in best.live.graph.health if each.what != "second reading"]
+    if len(best.open):
+        middle = best.open[np.linalg.norm(best.open - best.open.mean(0), axis=1).argmin()]
+        doubts.append(told(middle, "open faces"))
+    elif live.graph.health and best.value < others + BEYOND_DOUBT:
+        doubts = list(best.live.graph.health or live.graph.health)
+    return replace(best.live, graph=replace(best.live.graph, health=tuple(doubts)))
 
 
 def _read(live: LiveGraph, draft: Draft, camera: Camera) -> _Read:
-    drawing = drawing_of(in_order(live.graph))
-    score = float("-inf")
+    graph = in_order(live.graph)
+    drawing = drawing_of(graph)
+    value, middles = float("-inf"), graph.places[drawing.lines].mean(1)
     if len(drawing.lines) >= LEAST_LINES:
-        found = readings(parallel_view(drawing, camera).drawing, thorough=False)
-        score = max((each.score for each in found), default=score)
-    return _Read(live, draft, score - draft.cost)
+        view = parallel_view(drawing, camera).drawing
+        best = max(readings(view, thorough=False), key=lambda each: each.score, default=None)
+        if best is not None:
+            middles = middles[lines_left_open(best.faces, view.lines)]
+            value = best.score - (LEAVES_OPEN if len(middles) else 0.0)
+    return _Read(live, draft, value - draft.cost, middles)

@@ -39,6 +39,7 @@ WORDS: Final = {
     "close corners": "two corners",
     "gap": "gap",
     "second reading": "or otherwise",
+    "open faces": "does not close",
 }
 """What stands beside a finding; its sentence is the next step."""
 

@@ -3,17 +3,22 @@
     python -m tests.plugins.polyhedron.figures_end_to_end [--count 200] [--views 2]
 
 Random solids, and CAD-like parts in some views each, from seeds that nothing was tuned on, are
-drawn with 1 % of jitter, hidden edges lightly; parts of a workshop with 15 % of the lines traced
-over, 10 % in two pieces and 30 % of the ends overshot. What comes out is right if its corners are
-those of the solid and not of its mirror image, its faces are the faces of the solid, its planes are
-exact, and its triangles bound one volume.
+drawn with 1 % of jitter, hidden edges lightly; untidily are 15 % of the lines traced over, 10 % in
+two pieces and 30 % of the ends overshot. What comes out is right if its corners are those of the
+solid and not of its mirror image, its faces are the faces of the solid, its planes are exact, and
+its triangles bound one volume.
+
+The second table is what is said of first answers to drawings that look healthy, and how often they
+are right, wrong graphs among them.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -28,8 +33,10 @@ from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.hand_over import mesh_of
 from bozzetto_polyhedron.solve.line_readings import decided
 from tests.plugins.polyhedron.cad_parts import PARTS, part
+from tests.plugins.polyhedron.fit_confidence import BINS
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
 from tests.plugins.polyhedron.hand import SIZE, UNTIDY, Hand, strokes_of
+from tests.plugins.polyhedron.machine_parts import MACHINE, machine_part
 from tests.plugins.polyhedron.objects import (
     CAMERA,
     Polyhedron,
@@ -62,10 +69,10 @@ class Outcome:
     right: list[bool] = field(default_factory=list)
     confidence: float = 0.0
 
-
-def outcome(seed: int, hand: Hand) -> Outcome | None:
-    """Return how the drawing of one solid went; None where it has no view in general position."""
-    return outcome_of(made(seed), seed, hand)
+    @property
+    def first(self) -> bool:
+        """Whether the first answer is right."""
+        return self.right[:1] == [True]
 
 
 def outcome_of(solid: Polyhedron, seed: int, hand: Hand) -> Outcome | None:
@@ -121,6 +128,33 @@ def share(values: list[bool]) -> str:
     return f"{100 * np.mean(values):.0f} % of {len(values)}" if values else "none"
 
 
+def outcomes(
+    names: Collection[str],
+    maker: Callable[[str, int], Polyhedron | None],
+    seeds: Collection[int],
+    hand: Hand,
+) -> list[Outcome]:
+    """Draw what a maker makes of each name and seed."""
+    return [
+        each
+        for name in names
+        for seed in seeds
+        if (solid := maker(name, seed)) is not None
+        and (each := outcome_of(solid, seed, hand)) is not None
+    ]
+
+
+def print_confidence(found: list[Outcome]) -> None:
+    """Print what is said of first answers to healthy drawings, and how often they are right."""
+    print("| said | right | drawings |\n| --- | --- | --- |")
+    for low, high in pairwise(BINS):
+        here = [each for each in found if not each.findings and low <= each.confidence < high]
+        if here:
+            said = np.mean([each.confidence for each in here])
+            right = np.mean([each.first for each in here])
+            print(f"| {100 * said:.1f} % | {100 * right:.1f} % | {len(here)} |")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--count", type=int, default=200)
@@ -129,40 +163,34 @@ def main() -> None:
     parser.add_argument("--jitter", type=float, default=NOISE)
     asked = parser.parse_args()
     seeds = range(asked.first, asked.first + asked.count)
-    hand = Hand(jitter=asked.jitter)
-    found = [each for seed in seeds if (each := outcome(seed, hand)) is not None]
-    parts = [
-        each
-        for name in PARTS
-        for seed in range(asked.first, asked.first + asked.views)
-        if (solid := part(name, seed)) is not None
-        and (each := outcome_of(solid, seed, hand)) is not None
-    ]
+    views = range(asked.first, asked.first + asked.views)
+    clean = Hand(jitter=asked.jitter)
+    untidy = replace(UNTIDY, jitter=asked.jitter, overshot=0.3)
+    every = {
+        "random": outcomes(("any",), lambda _, seed: made(seed), seeds, clean),
+        "parts": outcomes(PARTS, part, views, clean),
+        "workshop, untidy": outcomes(WORKSHOP, workshop_part, views, untidy),
+        "machine": outcomes(MACHINE, machine_part, views, clean),
+        "machine, untidy": outcomes(MACHINE, machine_part, views, untidy),
+    }
     print("| drawings | graph right | exact solid, first answer | among three |")
     print("| --- | --- | --- | --- |")
-    untidy = replace(UNTIDY, jitter=asked.jitter, overshot=0.3)
-    workshop = [
-        each
-        for name in WORKSHOP
-        for seed in range(asked.first, asked.first + asked.views)
-        if (solid := workshop_part(name, seed)) is not None
-        and (each := outcome_of(solid, seed, untidy)) is not None
-    ]
-    for word, every in (("random", found), ("parts", parts), ("workshop, untidy", workshop)):
+    for word, found in every.items():
         for kind in (True, False):
-            these = [each for each in every if each.orthogonal is kind]
-            first = [bool(each.right[:1] and each.right[0]) for each in these]
-            three = [any(each.right) for each in these]
+            these = [each for each in found if each.orthogonal is kind]
+            first = share([each.first for each in these])
+            three = share([any(each.right) for each in these])
             graphs = share([each.graph for each in these])
             name = f"{word}, {'orthogonal' if kind else 'oblique'}"
-            print(f"| {name} | {graphs} | {share(first)} | {share(three)} |")
-    found += parts + workshop
+            print(f"| {name} | {graphs} | {first} | {three} |")
+    found = [each for those in every.values() for each in those]
     healthy = [each.graph for each in found if not each.findings]
     print(f"\nHealthy graphs that are right: {share(healthy)}.")
     told = [bool(each.findings) for each in found if not each.graph]
     print(f"Wrong graphs that are told: {share(told)}.")
     seconds = [each.seconds for each in found]
-    print(f"Time: median {np.median(seconds):.2f} s, worst {max(seconds):.2f} s.")
+    print(f"Time: median {np.median(seconds):.2f} s, worst {max(seconds):.2f} s.\n")
+    print_confidence(found)
 
 
 if __name__ == "__main__":

@@ -49,7 +49,7 @@ START = {
     "through-holes": 0.35,
     "parts that stand out": -0.3,
     "misfit of loose parts": -0.5,
-    "parts that hang nowhere": -1.5,
+    "parts that hang nowhere": -6.0,
     "marks of hidden lines": 0.7,
 }
 

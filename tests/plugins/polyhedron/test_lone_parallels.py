@@ -81,7 +81,7 @@ def test_where_nothing_hangs_on_looks_there_is_one_way_and_nothing_is_told(name:
     assert BY_LOOKS not in first.warnings
 
 
-@pytest.mark.parametrize("seed", [26, 33])
+@pytest.mark.parametrize("seed", [26, 29, 38])
 def test_a_doubtful_slope_is_told_with_every_answer(seed: int) -> None:
     shown = seen("cut pyramid on plate", seed)
     found = answers_of(graph_of(shown, NOISE, seed, 0.0)[0], CAMERA)
