@@ -5,6 +5,7 @@ So a tree costs one union, however many parts it has, and parts that do not touc
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -129,6 +130,7 @@ def assembled(
     operation: Operation,
     blend: float,
     checkpoint: Checkpoint = ignore,
+    reach: float | None = None,
 ) -> Assembly | None:
     """Put two assemblies together; None where nothing is left.
 
@@ -142,8 +144,11 @@ def assembled(
         Radius of the blend as a share of the smaller `radius` of the two; 0 is a sharp crease.
     checkpoint : callable
         Called with (fraction, step) between steps; may raise `Cancelled`.
+    reach : float, optional
+        The largest radius of the blend, as a length; by default it follows from `blend`.
     """
-    reach = blend * min(first.radius, second.radius)
+    if reach is None:
+        reach = blend * min(first.radius, second.radius)
     gap = reach if operation == "merge" else 0.0
     apart = not meet(first.box, second.box + gap * np.array([[-1.0], [1.0]]))
     if apart and operation in ("carve", "intersect"):
@@ -180,6 +185,26 @@ def assembled(
         return None
     low_high = np.array(left.bounding_box()).reshape(2, 3)
     return replace(whole, solids=(Lump(Remainder(left), low_high),), loose=())
+
+
+def restricted(solid: Implicit, bodies: Mapping[Implicit, Body]) -> Assembly | None:
+    """Return what some bodies are by themselves in a tree of unions; None for none of them.
+
+    Parameters
+    ----------
+    solid : Implicit
+        A composite of more bodies, all of them added or merged.
+    bodies : mapping of Implicit to Body
+        Those that are wanted, by their functions.
+    """
+    if solid in bodies:
+        return Assembly.of(bodies[solid])
+    if not isinstance(solid, Composite):
+        return None
+    first, second = (restricted(side, bodies) for side in (solid.first, solid.second))
+    if first is None or second is None:
+        return second if first is None else first
+    return assembled(first, second, solid.operation, solid.blend, reach=solid.reach)
 
 
 def _fillets(blends: tuple[Blend, ...]) -> tuple[Fillet, ...]:

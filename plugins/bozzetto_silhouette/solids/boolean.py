@@ -8,16 +8,20 @@ import numpy as np
 
 from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.errors import UserError
+from bozzetto.plugin import remembered
+from bozzetto_silhouette.implicit.composite import signature
 from bozzetto_silhouette.inflation.manifold_check import volume_of
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Operation
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.handle_removal import without_narrow_handles
-from bozzetto_silhouette.solids.assembly import Assembly, assembled, remade
+from bozzetto_silhouette.solids.assembly import Assembly, assembled, remade, restricted
 from bozzetto_silhouette.solids.body import Body, meet
+from bozzetto_silhouette.solids.contacts import Apart, Contact, contacts
 from bozzetto_silhouette.solids.fillet import fillets_of
 from bozzetto_silhouette.solids.seams import Sewn, sewn
+from bozzetto_silhouette.solids.strips import Stitched, stitched
 from bozzetto_silhouette.solids.union_mesh import UnionMesh, found, union_mesh
 from bozzetto_silhouette.solids.variational_csg import variational_combined
 from bozzetto_silhouette.solids.volume_check import RESAMPLED, is_allowed
@@ -29,6 +33,12 @@ smallest part has hundreds, for its own spacing suits it."""
 NARROW = 3.0
 """Length of a loop around a tunnel or a handle of a fillet, in its cells, up to which nobody means
 it: where a fillet goes under the mesh of a body the two meet in slivers."""
+
+ATTEMPTS = 3
+"""Times that bodies are grouped anew where strips between them would touch."""
+
+FEWEST = 0.5
+"""Share of the bodies that there must be groups: uniting all at once is faster than trying on."""
 
 KEPT = 0.5
 """Share of a solid's volume that even seams must leave: thin slivers would be turned inside out."""
@@ -102,6 +112,12 @@ def meshed(assembly: Assembly, checkpoint: Checkpoint = ignore) -> Body:
     """
     if assembly.alone is not None:
         return assembly.alone
+    body = _laid(assembly, checkpoint)
+    return _united(assembly, checkpoint) if body is None else body
+
+
+def _united(assembly: Assembly, checkpoint: Checkpoint) -> Body:
+    """Return the body of an assembly by uniting all lumps at once."""
     fillets_of(assembly.blends, checkpoint)  # all at once, and remembered
     checkpoint(0.8, "combine")
     whole = union_mesh(assembly.lumps)
@@ -156,6 +172,86 @@ def meshed(assembly: Assembly, checkpoint: Checkpoint = ignore) -> Body:
         assembly.step,
         np.flatnonzero(creases[result.parents] & ~result.moved),
         resampled=assembly.resampled,
+    )
+
+
+def _laid(assembly: Assembly, checkpoint: Checkpoint) -> Body | None:
+    """Return the body of an assembly, with strips between bodies that are blended two by two.
+
+    Where strips would touch, the bodies beside are united first, by themselves. None where that
+    were all, or where something was carved.
+    """
+    if not assembly.blends or len(assembly.loose) < len(assembly.blends):
+        return None
+    if len(assembly.solids) < len(assembly.pieces):
+        return None
+    # The same to the last bit, whichever came first.
+    bodies = sorted(
+        (piece.body for piece in assembly.pieces), key=lambda body: body.bounds.ravel().tolist()
+    )
+    checkpoint(0.6, "blend")
+    met = contacts(bodies, assembly.implicit)
+    if met is None:
+        return None
+    group = np.arange(len(bodies))
+    for _ in range(ATTEMPTS):
+        number, group = np.unique(group, return_inverse=True)
+        if len(number) <= FEWEST * len(bodies):
+            return None
+        together = [
+            _by_itself(assembly, [bodies[i] for i in np.flatnonzero(group == k)], checkpoint)
+            for k in range(len(number))
+        ]
+        ends = [(int(group[some.one]), int(group[some.other]), some.node) for some in met]
+        between = {Contact(min(i, j), max(i, j), node) for i, j, node in ends if i != j}
+        try:
+            mesh = stitched(together, list(between), assembly.implicit)
+        except Apart as refused:
+            if not any(refused.groups):
+                return None
+            links = [(min(some), k) for some in refused.groups for k in some]
+            one, other = np.array(links, np.intp).T
+            group = connected_pieces(one, other, len(number))[1].astype(np.intp)[group]
+            continue
+        return _with_origins(assembly, together, mesh)
+    return None
+
+
+def _by_itself(assembly: Assembly, bodies: list[Body], checkpoint: Checkpoint) -> Body:
+    """Return some bodies of an assembly, united."""
+    if len(bodies) == 1:
+        return bodies[0]
+    some = restricted(assembly.implicit, {body.implicit: body for body in bodies})
+    assert some is not None
+    return _remembered_union(some, checkpoint)
+
+
+@remembered(limit=64, key=lambda some, checkpoint: signature(some.implicit))
+def _remembered_union(some: Assembly, checkpoint: Checkpoint) -> Body:
+    return _united(some, checkpoint)
+
+
+def _with_origins(assembly: Assembly, bodies: list[Body], mesh: Stitched) -> Body:
+    """Return a body with the mesh of several ones, which knows where its vertices come from."""
+    place = {source: k for k, source in enumerate(assembly.sources)}
+    origins = np.concatenate([
+        np.array([place[source] for source in body.sources], np.int32)[body.origins]
+        for body in bodies
+    ])  # fmt: skip
+    sharp = np.zeros(len(origins), dtype=bool)
+    sharp[_numbered([body.creases for body in bodies], bodies)] = True
+    faces, new = mesh.faces.astype(np.int32), mesh.parents < 0
+    return Body(
+        mesh.vertices,
+        faces,
+        mesh.normals,
+        _spread(origins[mesh.parents], new, faces),
+        assembly.sources,
+        assembly.implicit,
+        assembly.radius,
+        assembly.step,
+        np.flatnonzero(sharp[mesh.parents] & ~new),
+        resampled=any(body.resampled for body in bodies),
     )
 
 

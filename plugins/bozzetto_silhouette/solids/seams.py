@@ -122,24 +122,31 @@ def sewn(
     a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     between = np.zeros(len(vertices), dtype=bool)
     between[a[(seam[a] >= 0) & (seam[a] < seam[b])]] = True
-    vertices, normals = _settled(vertices, np.where(between, seam, -1), spacing, solid)
+    vertices, normals = settled(vertices, np.where(between, seam, -1), spacing, solid)
     moved = Sewn(vertices, faces, np.arange(len(vertices)), between, normals)
-    first = _with_even(moved, np.where(between, -1, seam), spacing, solid)
+    first = with_even(moved, np.where(between, -1, seam), spacing, solid)
     if not between.any():
         return first
     places = _around_vertices(first, between[first.parents])
-    return _with_even(first, places, spacing[first.parents], solid)
+    return with_even(first, places, spacing[first.parents], solid)
 
 
-def _with_even(mesh: Sewn, number: Index, spacing: Array, solid: Implicit) -> Sewn:
-    """Return a mesh with even triangles around the vertices of each number (v,), -1 for none."""
+def with_even(
+    mesh: Sewn, number: Index, spacing: Array, solid: Implicit, evenings: int = EVENINGS
+) -> Sewn:
+    """Return a mesh with even triangles around the vertices of each number (v,), -1 for none.
+
+    Vertices of two numbers must not be neighbours.
+    """
     of_face = number[mesh.faces].max(axis=1)
     numbers, zones = [], []
     for zone in _by_number(mesh.faces, of_face):
         mine, inner = _in_order(mesh.vertices, zone)
         local = _around(solid, mesh.vertices[mine], spacing[mine])
         numbers.append(mine)
-        zones.append(_Zone(mesh.vertices[mine], inner, number[mine] >= 0, spacing[mine], local))
+        zones.append(_Zone(
+            mesh.vertices[mine], inner, number[mine] >= 0, spacing[mine], local, evenings
+        ))  # fmt: skip
     rest = mesh._replace(faces=mesh.faces[of_face < 0])
     found = each(_even, _evened, zones)
     return _set_in(rest, list(zip(numbers, found, strict=True)))
@@ -242,10 +249,11 @@ def _all_off(asked: list[_Places]) -> list[Flags]:
     ]
 
 
-def _settled(
-    vertices: Array, number: Index, spacing: Array, solid: Implicit
-) -> tuple[Array, Array]:
-    """Bring numbered vertices onto the surface; return all vertices, and normals of these."""
+def settled(vertices: Array, number: Index, spacing: Array, solid: Implicit) -> tuple[Array, Array]:
+    """Bring numbered vertices (v,) onto the surface; return all vertices, and normals of these.
+
+    Each number is worked out by itself, and remembered; -1 is left as it is.
+    """
     normals = np.zeros_like(vertices)
     vertices = vertices.copy()
     rows = [
@@ -256,8 +264,8 @@ def _settled(
         _Places(vertices[mine], spacing[mine], _around(solid, vertices[mine], spacing[mine]))
         for mine in rows
     ]
-    settled = each(_on_surface, _all_on_surface, asked)
-    for mine, found in zip(rows, settled, strict=True):
+    answers = each(_on_surface, _all_on_surface, asked)
+    for mine, found in zip(rows, answers, strict=True):
         vertices[mine], normals[mine] = found
     return vertices, normals
 
@@ -317,6 +325,8 @@ class _Zone(NamedTuple):
     spacing : (v,) float array
     solid : Implicit
         Whose surface it is.
+    evenings : int
+        Rounds of evening it out.
     """
 
     vertices: Array
@@ -324,11 +334,12 @@ class _Zone(NamedTuple):
     free: Flags
     spacing: Array
     solid: Implicit
+    evenings: int
 
 
 def _depends_on(zone: _Zone) -> Hashable:
-    vertices, faces, free, spacing, solid = zone
-    return vertices.tobytes(), faces.tobytes(), free.tobytes(), spacing.tobytes(), signature(solid)
+    *arrays, solid, evenings = zone
+    return *(array.tobytes() for array in arrays), signature(solid), evenings
 
 
 @remembered(limit=512, key=_depends_on)
@@ -366,7 +377,10 @@ class _Surfaces(NamedTuple):
 
 
 def _evened(zones: list[_Zone]) -> list[Sewn]:
-    """Even out the meshes around some seams; where that turns faces over one stays as it was."""
+    """Even out the meshes around some seams, all in as many rounds.
+
+    Where that turns faces over one stays as it was.
+    """
     counts = [len(zone.vertices) for zone in zones]
     starts = np.cumsum([0, *counts])
     surfaces = _Surfaces([zone.solid for zone in zones], np.repeat(np.arange(len(zones)), counts))
@@ -382,7 +396,7 @@ def _evened(zones: list[_Zone]) -> list[Sewn]:
     slope = surfaces.sample(before, before.parents).gradient
     before = replace(before, normals=-unit(slope))
     patch = _improved(surfaces, before, COLLAPSES)
-    for _ in range(EVENINGS):
+    for _ in range(zones[0].evenings):
         patch = _improved(surfaces, patch, 1)
     for _ in range(ROUNDS):
         over = patch.faces[patch.facing() <= OVERTURNED]

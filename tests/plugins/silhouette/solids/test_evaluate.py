@@ -12,10 +12,9 @@ from bozzetto.geometry import Placement
 from bozzetto.plugin.cache import forget_all
 from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
 from bozzetto_silhouette.solids import evaluate as tree
-from bozzetto_silhouette.solids import fillet
+from bozzetto_silhouette.solids import seams
 from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
-from bozzetto_silhouette.solids.polygonize import Surface
 from tests.plugins.silhouette import bodies as b
 
 
@@ -110,15 +109,17 @@ def test_what_did_not_change_is_not_put_together_again(monkeypatch: pytest.Monke
     assert len(made) == 6
 
 
-def test_a_change_makes_only_the_fillets_beside_it_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_change_makes_only_the_blends_beside_it_even_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     made: list[float] = []
-    real = fillet.extracted
+    real = seams._evened
 
-    def counted(wanted, checkpoint) -> list[Surface]:
-        made.extend(float(some.bounds[:, 0].mean()) for some in wanted)
-        return real(wanted, checkpoint)
+    def counted(zones) -> list[seams.Sewn]:
+        made.extend(float(zone.vertices[:, 0].mean()) for zone in zones)
+        return real(zones)
 
-    monkeypatch.setattr(fillet, "extracted", counted)
+    monkeypatch.setattr(seams, "_evened", counted)
     nodes = [part(f"n{k}", 80.0 * k, blend=0.4) for k in range(8)]
     whole = volume(*nodes)
     assert len(made) == 7

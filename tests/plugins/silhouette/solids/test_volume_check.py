@@ -177,6 +177,7 @@ class TestFallback:
             "far too large": manifold3d.Manifold.cube((300.0, 300.0, 300.0)),
         }[fault]
         failing(monkeypatch, bad)
+        monkeypatch.setattr(boolean, "contacts", lambda *_: None)  # strips need no union
         again = combined(one, other, "add", blend)
         assert again is not None
         monkeypatch.undo()
