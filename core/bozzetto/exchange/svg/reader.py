@@ -495,11 +495,14 @@ def _nested_viewport(element: Element, page: tuple[float, float] | None) -> Arra
     if inner is None or (size <= 0).any():
         return shift(*places)
     units = np.array([inner.width, inner.height])
-    scales = size / units
+    with np.errstate(over="ignore"):  # of a view box that is hardly there
+        scales = size / units
     said = FITTED.fullmatch(element.attributes.get("preserveAspectRatio", "")[:LONGEST_LENGTH])
     along, across, how = said.groups() if said else ("Mid", "Mid", None)
     if along:
         scales[:] = scales.max() if how == "slice" else scales.min()
+    if not np.isfinite(scales).all():
+        return shift(*places)
     shares = np.array([SHARES[each or "Min"] for each in (along, across)])
     origin = shares * (size - scales * units) - scales * (inner.x, inner.y)
     return shift(*(places + origin)) @ np.diag([*scales, 1.0])

@@ -368,6 +368,19 @@ def test_a_view_box_lies_in_its_viewport_as_it_says(said, low, high):
     np.testing.assert_allclose(points, [low, high], atol=1e-5)
 
 
+@pytest.mark.parametrize(
+    "box", ["0 0 9 1e-320", "0 0 1e-320 1e-320", "0 0 1e-300 9", "9e8 9e8 9 9"]
+)
+@pytest.mark.parametrize("said", ["none", "xMidYMid", "xMinYMin slice"])
+def test_a_view_box_that_is_hardly_there_is_read_or_refused(box, said):
+    frame = f'width="20" height="20" viewBox="{box}" preserveAspectRatio="{said}"'
+    try:
+        found = lines(f'<svg {frame} overflow="visible"><path d="M0 0L10 10"/></svg>')
+    except FormatError:
+        return
+    assert all(np.isfinite(points).all() for points in found)
+
+
 SQUARE = '<rect x="-10" y="-10" width="40" height="40" fill="green"/>'
 
 
