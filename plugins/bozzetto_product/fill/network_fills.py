@@ -12,6 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.edge_pieces import EdgePiece, pieces_of
 from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.inner_cuts import parted_fill
 from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.mirrored_fill import (
@@ -113,13 +114,14 @@ def _filled(
             return None
 
     fill = filled(normals)
-    if fill is None or not fill.folded:
+    if fill is not None and not fill.folded:
         return fill
-    for fields in _with_creases(normals.fields, fill.g1_degrees):
-        other = filled(replace(normals, fields=fields))
-        if other is not None and not other.folded:
-            return other
-    return fill
+    if fill is not None:
+        for fields in _with_creases(normals.fields, fill.g1_degrees):
+            other = filled(replace(normals, fields=fields))
+            if other is not None and not other.folded:
+                return other
+    return parted_fill(loop, normals, pieces, spacing) or fill
 
 
 Fields = tuple[NormalField | None, ...]
