@@ -23,7 +23,13 @@ from bozzetto_product.fill.fair_solution import LoopSides
 from bozzetto_product.fill.fill import CUT
 from bozzetto_product.fill.half_sides import SidePiece
 from bozzetto_product.fill.loop_fill import key_of
-from bozzetto_product.fill.loop_sides import TURN, sides_of_pieces, turn_kind
+from bozzetto_product.fill.loop_sides import (
+    FEWEST,
+    TURN,
+    is_crowded,
+    sides_of_pieces,
+    turn_kind,
+)
 from bozzetto_product.fill.normal_field import NormalField, across, angle_about, carried, rotated
 from bozzetto_product.fill.normals import LoopNormals
 from bozzetto_product.fill.parted_fill import PartedFill
@@ -142,7 +148,7 @@ class _Search:
 
     def _filled(self, ring: Ring) -> PatchFill | None:
         """Return the fill of a part; None where it folds, or leaves the normals of a cut."""
-        if not _sides_are_cut(ring) or self._left <= 0:
+        if not _is_plain(ring) or self._left <= 0:
             return None
         self._left -= 1
         sides = sides_of_pieces(
@@ -158,13 +164,14 @@ class _Search:
         return None if fill.folded or fill.cut_degrees > CUT_DEGREES else fill
 
 
-def _sides_are_cut(ring: Ring) -> bool:
-    """Whether every side has the two pieces, at least, that make its halves."""
-    starts = [k for k, spot in enumerate(ring) if turn_kind(spot.kink) > 0]
-    after = [*starts[1:], *(start + len(ring) for start in starts[:1])]
-    return len(ring) >= 2 * max(3, len(starts)) and all(
-        b - a >= 2 for a, b in zip(starts, after, strict=True)
-    )
+def _is_plain(ring: Ring) -> bool:
+    """Whether convex corners end all sides, and each side has the two pieces that make its halves."""
+    kinds = [turn_kind(spot.kink) for spot in ring]
+    starts = [k for k, kind in enumerate(kinds) if kind > 0]
+    if len(starts) < FEWEST or is_crowded(kinds):
+        return False
+    after = [*starts[1:], starts[0] + len(ring)]
+    return all(b - a >= 2 for a, b in zip(starts, after, strict=True))
 
 
 # -- the ring of a loop ----------------------------------------------------------------------------

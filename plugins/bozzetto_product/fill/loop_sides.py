@@ -48,7 +48,7 @@ def piece_count(corners: Sequence[Corner]) -> int:
     """Return into how many pieces the edges of a loop must be cut at least."""
     kinds = [corner_kind(corner) for corner in corners]
     convex = kinds.count(1)
-    if convex >= FEWEST and not _crowded(kinds):
+    if convex >= FEWEST and not is_crowded(kinds):
         return 2
     if len(corners) == 1:
         return 8
@@ -67,7 +67,7 @@ def turn_kind(turn: float) -> int:
     return 1 if turn > 0 else -1
 
 
-def _crowded(kinds: list[int]) -> bool:
+def is_crowded(kinds: list[int]) -> bool:
     """Whether two concave corners follow one another without a convex one between."""
     order = [kind for kind in kinds if kind]
     return any(a == b == -1 for a, b in zip(order, order[1:] + order[:1], strict=True))

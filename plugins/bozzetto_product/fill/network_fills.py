@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
-from bozzetto_product.fill.edge_pieces import EdgePiece, pieces_of
+from bozzetto_product.fill.edge_pieces import EdgePiece, halved, pieces_of
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.inner_cuts import parted_fill
 from bozzetto_product.fill.loop_fill import fill_loop
@@ -23,6 +23,7 @@ from bozzetto_product.fill.mirrored_fill import (
 )
 from bozzetto_product.fill.normal_field import NormalField
 from bozzetto_product.fill.normals import LoopNormals, edge_normals
+from bozzetto_product.fill.parted_fill import PartedFill
 from bozzetto_product.network.net import HalfEdge, Loop, Net
 
 SEGMENTS: Final = 16.0
@@ -67,7 +68,55 @@ def fill_net(
     twins = [edge.twin if edge.twin >= 0 else k for k, edge in enumerate(net.edges)]
     counts = [max(count, counts[twin]) for count, twin in zip(counts, twins, strict=True)]
     cut = [pieces_of(each.spline, many) for each, many in zip(net.edges, counts, strict=True)]
-    pieces = with_twins(net, cut, axis)
+
+    def filled(cut: Sequence[tuple[EdgePiece, ...]]) -> tuple[Fill | None, ...]:
+        pieces = with_twins(net, cut, axis)
+        return _fills(net, loops, normals, pieces, spacing, axis, checkpoint)
+
+    made = filled(cut)
+    finer = _cut_finer(net, loops, normals, cut, spacing, made)
+    if not finer:
+        return made
+    finer |= {twins[edge] for edge in finer}
+    again = filled(
+        [halved(net.edges[k].spline, own) if k in finer else own for k, own in enumerate(cut)]
+    )
+    lost = any(_is_sound(one) and not _is_sound(two) for one, two in zip(made, again, strict=True))
+    return made if lost else again
+
+
+def _is_sound(fill: Fill | None) -> bool:
+    return fill is not None and not fill.folded
+
+
+def _cut_finer(
+    net: Net,
+    loops: Sequence[Loop],
+    normals: Sequence[LoopNormals],
+    cut: Sequence[tuple[EdgePiece, ...]],
+    spacing: float,
+    fills: Sequence[Fill | None],
+) -> set[int]:
+    """Return the edges of loops that have no surface, and have one if pieces are cut in two."""
+    found: set[int] = set()
+    for loop, own, fill in zip(loops, normals, fills, strict=True):
+        if not _is_sound(fill):
+            pieces = tuple(halved(net.edges[edge].spline, cut[edge]) for edge, _ in loop)
+            if _parted(loop, own, pieces, spacing) is not None:
+                found |= {edge for edge, _ in loop}
+    return found
+
+
+def _fills(
+    net: Net,
+    loops: Sequence[Loop],
+    normals: Sequence[LoopNormals],
+    pieces: Sequence[tuple[EdgePiece, ...]],
+    spacing: float,
+    axis: int | None,
+    checkpoint: Callable[[], None],
+) -> tuple[Fill | None, ...]:
+    """Return the fills of loops whose edges are cut into pieces; images of those of twins."""
     made: list[Fill | None] = []
     known: dict[frozenset[HalfEdge], Fill] = {}
     for loop, own in zip(loops, normals, strict=True):
@@ -121,7 +170,14 @@ def _filled(
             other = filled(replace(normals, fields=fields))
             if other is not None and not other.folded:
                 return other
-    return parted_fill(loop, normals, pieces, spacing) or fill
+    return _parted(loop, normals, pieces, spacing) or fill
+
+
+@remembered(limit=256, key=_fill_key)
+def _parted(
+    loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
+) -> PartedFill | None:
+    return parted_fill(loop, normals, pieces, spacing)
 
 
 Fields = tuple[NormalField | None, ...]
