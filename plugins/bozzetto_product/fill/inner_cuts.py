@@ -136,10 +136,9 @@ class _Search:
                 return (fill,)
         if not most:
             return None
-        for i, j in itertools.islice(_best_cuts(ring), TRIED):
-            two = _cut(ring, i, j)
-            if two is None:
-                continue
+        tried = (_cut(ring, i, j) for i, j in _best_cuts(ring))
+        sound = (two for two in tried if two is not None and all(map(_has_halves, two)))
+        for two in itertools.islice(sound, TRIED):
             first = self.parts(two[0], most - 1)
             second = None if first is None else self.parts(two[1], most - len(first))
             if first is not None and second is not None:
@@ -164,14 +163,17 @@ class _Search:
         return None if fill.folded or fill.cut_degrees > CUT_DEGREES else fill
 
 
-def _is_plain(ring: Ring) -> bool:
-    """Whether convex corners end all sides, and each side has the two pieces that make its halves."""
-    kinds = [turn_kind(spot.kink) for spot in ring]
-    starts = [k for k, kind in enumerate(kinds) if kind > 0]
-    if len(starts) < FEWEST or is_crowded(kinds):
-        return False
-    after = [*starts[1:], starts[0] + len(ring)]
+def _has_halves(ring: Ring) -> bool:
+    """Whether there are two pieces, at least, between convex corners: the halves of a side."""
+    starts = [k for k, spot in enumerate(ring) if turn_kind(spot.kink) > 0]
+    after = [*starts[1:], *(start + len(ring) for start in starts[:1])]
     return all(b - a >= 2 for a, b in zip(starts, after, strict=True))
+
+
+def _is_plain(ring: Ring) -> bool:
+    """Whether all sides end at convex corners, and each is bent inward once at most."""
+    kinds = [turn_kind(spot.kink) for spot in ring]
+    return kinds.count(1) >= FEWEST and not is_crowded(kinds) and _has_halves(ring)
 
 
 # -- the ring of a loop ----------------------------------------------------------------------------

@@ -33,6 +33,10 @@ UNKEPT: Final = 1.0
 """Angle to its normals, degrees, from which a surface that folds is made a crease there first."""
 
 
+SEEN: Final = 5.0
+"""Angle to its normals, degrees, from which a surface in parts is made a crease there."""
+
+
 def fill_net(
     net: Net,
     loops: Sequence[Loop],
@@ -177,7 +181,15 @@ def _filled(
 def _parted(
     loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
 ) -> PartedFill | None:
-    return parted_fill(loop, normals, pieces, spacing)
+    found = parted_fill(loop, normals, pieces, spacing)
+    angles = np.nan_to_num(found.g1_degrees) if found else np.full(len(loop), np.inf)
+    if found is not None and float(angles.max()) <= SEEN:
+        return found
+    fields = tuple(
+        None if angle > SEEN else field
+        for field, angle in zip(normals.fields, angles, strict=True)
+    )
+    return parted_fill(loop, replace(normals, fields=fields), pieces, spacing) or found
 
 
 Fields = tuple[NormalField | None, ...]
