@@ -129,7 +129,7 @@ class _Search:
         self._left = MOST_FILLS
 
     def parts(self, ring: Ring, most: int, *, whole: bool = False) -> tuple[PatchFill, ...] | None:
-        """Return fills of a ring that do not fold, with at most so many cuts; None if there are none."""
+        """Return fills of a ring that do not fold, with at most so many cuts; else None."""
         if not whole:
             fill = self._filled(ring)
             if fill is not None:
@@ -180,7 +180,10 @@ def _is_plain(ring: Ring) -> bool:
 
 
 def _ring_of(
-    loop: Loop, normals: LoopNormals, pieces: Sequence[Sequence[EdgePiece]], flatten: Callable[[Array, Array, Array], Array | None]
+    loop: Loop,
+    normals: LoopNormals,
+    pieces: Sequence[Sequence[EdgePiece]],
+    flatten: Callable[[Array, Array, Array], Array | None],
 ) -> Ring | None:
     """Return the ring of a loop; None where its flat outline crosses itself."""
     owners: list[SidePiece] = []
@@ -191,7 +194,9 @@ def _ring_of(
         corner, after = normals.corners[number], normals.corners[(number + 1) % len(loop)]
         field = normals.fields[number]
         own = pieces[number] if forward else pieces[number][::-1]
-        at = [np.linspace(*piece.curve.range, SAMPLES + 1)[:: 1 if forward else -1] for piece in own]
+        at = [
+            np.linspace(*piece.curve.range, SAMPLES + 1)[:: 1 if forward else -1] for piece in own
+        ]
         rows = [piece.curve.value(each) for piece, each in zip(own, at, strict=True)]
         if field is None:
             along = np.concatenate([rows[0][:1], *(each[1:] for each in rows)])
@@ -320,7 +325,7 @@ def _angle(one: Array, other: Array) -> Array:
 
 
 def _cut(ring: Ring, i: int, j: int) -> tuple[Ring, Ring] | None:
-    """Return both parts of a ring that is cut from one spot to another; None where a cut has no way."""
+    """Return both parts of a ring cut between two spots; None where no curve can lead across."""
     starts = [_place(ring[k].piece) for k in (i, j)]
     ups = [ring[k].normal for k in (i, j)]
     chord = starts[1] - starts[0]
@@ -349,7 +354,7 @@ def _cut(ring: Ring, i: int, j: int) -> tuple[Ring, Ring] | None:
 
 def _place(piece: SidePiece) -> Array:
     """Return where a piece starts, as the loop runs."""
-    return piece.piece.curve.control_points[0 if piece.forward else -1]
+    return np.asarray(piece.piece.curve.control_points[0 if piece.forward else -1])
 
 
 def _spots_of_cut(

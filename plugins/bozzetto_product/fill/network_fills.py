@@ -186,8 +186,7 @@ def _parted(
     if found is not None and float(angles.max()) <= SEEN:
         return found
     fields = tuple(
-        None if angle > SEEN else field
-        for field, angle in zip(normals.fields, angles, strict=True)
+        None if angle > SEEN else field for field, angle in zip(normals.fields, angles, strict=True)
     )
     return parted_fill(loop, replace(normals, fields=fields), pieces, spacing) or found
 

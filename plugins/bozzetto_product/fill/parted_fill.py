@@ -1,4 +1,4 @@
-"""Fills of loops that are bent inward so far that patches round one centre fold: in several parts."""
+"""Fills in several parts, of loops that are bent inward so far that patches round a centre fold."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from bozzetto_product.fill.fill import CHECKS, Fill
 from bozzetto_product.fill.half_sides import HalfSide
 from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.network.net import Loop
+
 
 @dataclass(frozen=True, eq=False)
 class PartedFill(Fill):
