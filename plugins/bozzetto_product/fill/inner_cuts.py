@@ -17,6 +17,7 @@ import numpy as np
 from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
+from bozzetto.plugin import cached_property
 from bozzetto_product.fill.domain import cross
 from bozzetto_product.fill.edge_pieces import EdgePiece, pieces_of
 from bozzetto_product.fill.fair_solution import LoopSides
@@ -110,8 +111,9 @@ def parted_fill(
     pieces : sequence of sequence of EdgePiece
         Those of each half edge, in the sense of the edge.
     """
+    course = _Course.of(loop, normals, pieces)
     for flatten in (_unrolled, _projected):
-        ring = _ring_of(loop, normals, pieces, flatten)
+        ring = _ring_of(course, flatten)
         if ring is None:
             continue
         found = _Search(loop, spacing).parts(ring, MOST_CUTS, whole=True)
@@ -179,43 +181,89 @@ def _is_plain(ring: Ring) -> bool:
 # -- the ring of a loop ----------------------------------------------------------------------------
 
 
-def _ring_of(
-    loop: Loop,
-    normals: LoopNormals,
-    pieces: Sequence[Sequence[EdgePiece]],
-    flatten: Callable[[Array, Array, Array], Array | None],
-) -> Ring | None:
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """The pieces of a loop, once round.
+
+    Parameters
+    ----------
+    pieces : tuple of SidePiece
+    places, normals : (n, m, 3) float
+        Along each piece, with both of its ends, and unit normals of the surface there.
+    kinks : (n,) float
+        Turns at the starts of the pieces, radians.
+    """
+
+    pieces: tuple[SidePiece, ...]
+    places: Array
+    normals: Array
+    kinks: Array
+
+    @classmethod
+    def of(cls, loop: Loop, normals: LoopNormals, pieces: Sequence[Sequence[EdgePiece]]) -> _Course:
+        """Return the course of a loop; see `parted_fill`."""
+        owners: list[SidePiece] = []
+        places: list[Array] = []
+        upright: list[Array] = []
+        kinks: list[float] = []
+        for number, (_, forward) in enumerate(loop):
+            corner, after = normals.corners[number], normals.corners[(number + 1) % len(loop)]
+            field = normals.fields[number]
+            sense = 1 if forward else -1
+            own = pieces[number][::sense]
+            at = [np.linspace(*piece.curve.range, SAMPLES + 1)[::sense] for piece in own]
+            rows = [piece.curve.value(each) for piece, each in zip(own, at, strict=True)]
+            if field is None:
+                along = np.concatenate([rows[0][:1], *(each[1:] for each in rows)])
+                even = _carried_along(along, corner.normal, after.normal)
+                ups = [even[k * SAMPLES : (k + 1) * SAMPLES + 1] for k in range(len(own))]
+            else:
+                ups = [field.value(each) for each in at]
+            ups[0][0] = corner.normal
+            places += rows
+            upright += ups
+            owners += [SidePiece(number, piece, forward, field) for piece in own]
+            kinks += [corner.turn, *([0.0] * (len(own) - 1))]
+        return cls(tuple(owners), np.array(places), np.array(upright), np.array(kinks))
+
+    @cached_property
+    def steps(self) -> Array:
+        """Chords along all pieces, (n m - n, 3)."""
+        return np.diff(self.places, axis=1).reshape(-1, 3)
+
+    @cached_property
+    def turns(self) -> Array:
+        """How far each chord turns from the one before about the normal, radians."""
+        up = self.normals[:, :-1].reshape(-1, 3)
+        before = np.roll(self.steps, 1, axis=0)
+        sine = (cross_product(before, self.steps) * up).sum(axis=1)
+        turns = np.arctan2(sine, (before * self.steps).sum(axis=1))
+        told = np.abs(self.kinks) > TURN
+        turns[np.arange(0, len(turns), SAMPLES)[told]] = self.kinks[told]
+        return np.asarray(turns)
+
+
+def turn_round(loop: Loop, normals: LoopNormals, pieces: Sequence[Sequence[EdgePiece]]) -> float:
+    """Return how far a loop turns once round, radians: 2 π on a plane (Gauss and Bonnet).
+
+    Parameters
+    ----------
+    loop, normals, pieces
+        See `parted_fill`.
+    """
+    return float(_Course.of(loop, normals, pieces).turns.sum())
+
+
+def _ring_of(course: _Course, flatten: Callable[[_Course], Array | None]) -> Ring | None:
     """Return the ring of a loop; None where its flat outline crosses itself."""
-    owners: list[SidePiece] = []
-    courses: list[Array] = []
-    upright: list[Array] = []
-    kinks: list[float] = []
-    for number, (_, forward) in enumerate(loop):
-        corner, after = normals.corners[number], normals.corners[(number + 1) % len(loop)]
-        field = normals.fields[number]
-        own = pieces[number] if forward else pieces[number][::-1]
-        at = [
-            np.linspace(*piece.curve.range, SAMPLES + 1)[:: 1 if forward else -1] for piece in own
-        ]
-        rows = [piece.curve.value(each) for piece, each in zip(own, at, strict=True)]
-        if field is None:
-            along = np.concatenate([rows[0][:1], *(each[1:] for each in rows)])
-            even = _carried_along(along, corner.normal, after.normal)
-            ups = [even[k * SAMPLES : (k + 1) * SAMPLES + 1] for k in range(len(own))]
-        else:
-            ups = [field.value(each) for each in at]
-        ups[0][0] = corner.normal
-        courses += rows
-        upright += ups
-        owners += [SidePiece(number, piece, forward, field) for piece in own]
-        kinks += [corner.turn, *([0.0] * (len(own) - 1))]
-    up = [rows[0] for rows in upright]
-    flat = flatten(np.array(courses), np.array(upright), np.array(kinks))
+    flat = flatten(course)
     if flat is None:
         return None
     return tuple(
-        _Spot(owner, kink, normal, own)
-        for owner, kink, normal, own in zip(owners, kinks, up, flat, strict=True)
+        _Spot(piece, float(kink), rows[0], own)
+        for piece, kink, rows, own in zip(
+            course.pieces, course.kinks, course.normals, flat, strict=True
+        )
     )
 
 
@@ -234,38 +282,29 @@ def _carried_along(places: Array, first: Array, last: Array) -> Array:
     return rotated(made, tangents, rest * arc / max(float(arc[-1]), 1e-300))
 
 
-def _unrolled(courses: Array, normals: Array, kinks: Array) -> Array | None:
-    """Return a ring of courses, (n, m, 3), laid out in the plane, (n, m - 1, 2).
+def _unrolled(course: _Course) -> Array | None:
+    """Return a course laid out in the plane, (n, m - 1, 2).
 
     Lengths and turns are those on the surface. What the turns are from once round, and what is
     left open, is spread by length.
     """
-    steps = np.diff(courses, axis=1)
-    ring = steps.reshape(-1, 3)
-    up = normals[:, :-1].reshape(-1, 3)
-    before = np.roll(ring, 1, axis=0)
-    turns = np.arctan2((cross_product(before, ring) * up).sum(axis=1), (before * ring).sum(axis=1))
-    at_corner = np.arange(0, len(ring), SAMPLES)
-    told = np.abs(kinks) > TURN
-    turns[at_corner[told]] = kinks[told]
-    lengths = np.linalg.norm(ring, axis=1)
-    shares = np.cumsum(lengths) / lengths.sum()
-    way = np.cumsum(turns) + (2 * np.pi - turns.sum()) * (shares - 0.5 * lengths / lengths.sum())
+    turns, lengths = course.turns, np.linalg.norm(course.steps, axis=1)
+    own = lengths / lengths.sum()
+    way = np.cumsum(turns) + (2 * np.pi - turns.sum()) * (np.cumsum(own) - 0.5 * own)
     made = lengths[:, None] * np.column_stack((np.cos(way), np.sin(way)))
-    made -= (lengths / lengths.sum())[:, None] * made.sum(axis=0)
+    made -= own[:, None] * made.sum(axis=0)
     flat = np.concatenate((np.zeros((1, 2)), np.cumsum(made, axis=0)[:-1]))
-    return _simple(flat, len(courses))
+    return _simple(flat, len(course.pieces))
 
 
-def _projected(courses: Array, normals: Array, kinks: Array) -> Array | None:
-    """Return a ring of courses as it is seen along the normal of its area; see `_unrolled`."""
-    del normals, kinks
-    ring = courses[:, :-1].reshape(-1, 3)
+def _projected(course: _Course) -> Array | None:
+    """Return a course as it is seen along the normal of its area; see `_unrolled`."""
+    ring = course.places[:, :-1].reshape(-1, 3)
     ring = ring - ring.mean(axis=0)
     area = cross_product(ring, np.roll(ring, -1, axis=0)).sum(axis=0)
     normal = area / max(float(np.linalg.norm(area)), 1e-300)
     x = across((ring[np.argmax((ring**2).sum(axis=1))])[None], normal[None])[0]
-    return _simple(ring @ np.stack((x, cross_product(normal, x))).T, len(courses))
+    return _simple(ring @ np.stack((x, cross_product(normal, x))).T, len(course.pieces))
 
 
 def _simple(flat: Array, count: int) -> Array | None:

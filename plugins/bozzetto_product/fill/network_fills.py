@@ -12,7 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.edge_pieces import EdgePiece, halved, pieces_of
 from bozzetto_product.fill.fill import Fill
-from bozzetto_product.fill.inner_cuts import parted_fill
+from bozzetto_product.fill.inner_cuts import parted_fill, turn_round
 from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.mirrored_fill import (
@@ -35,6 +35,10 @@ UNKEPT: Final = 1.0
 
 SEEN: Final = 5.0
 """Angle to its normals, degrees, from which a surface in parts is made a crease there."""
+
+
+ONCE_ROUND: Final = 0.25 * float(np.pi)
+"""How far from once round a loop may turn, radians, that is believed to turn once."""
 
 
 def fill_net(
@@ -174,7 +178,33 @@ def _filled(
             other = filled(replace(normals, fields=fields))
             if other is not None and not other.folded:
                 return other
-    return _parted(loop, normals, pieces, spacing) or fill
+    parted = _parted(loop, normals, pieces, spacing)
+    if parted is not None:
+        return parted
+    for convex in _with_convex_corners(loop, normals, pieces):
+        other = filled(convex)
+        if other is not None and not other.folded:
+            return other
+    return fill
+
+
+def _with_convex_corners(
+    loop: Loop, normals: LoopNormals, pieces: Sequence[Sequence[EdgePiece]]
+) -> Iterator[LoopNormals]:
+    """Yield the corners of a loop with a concave one as a convex one, and creases all round.
+
+    Only where the loop then turns about once round, and does not as it is: then its neighbours told
+    the corner wrong, and normals along smooth edges there point to the wrong side.
+    """
+    without = replace(normals, fields=(None,) * len(loop))
+    own = abs(turn_round(loop, without, pieces) - 2.0 * np.pi)
+    for number, corner in enumerate(normals.corners):
+        if corner.concave:
+            corners = list(normals.corners)
+            corners[number] = replace(corner, normal=-corner.normal, concave=False)
+            other = replace(without, corners=tuple(corners))
+            if abs(turn_round(loop, other, pieces) - 2.0 * np.pi) < min(own, ONCE_ROUND):
+                yield other
 
 
 @remembered(limit=256, key=_fill_key)
@@ -188,6 +218,8 @@ def _parted(
     fields = tuple(
         None if angle > SEEN else field for field, angle in zip(normals.fields, angles, strict=True)
     )
+    if fields == normals.fields:
+        return found
     return parted_fill(loop, replace(normals, fields=fields), pieces, spacing) or found
 
 
