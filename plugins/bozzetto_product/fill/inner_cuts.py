@@ -55,13 +55,10 @@ GOOD: Final = (0.25 * float(np.pi), 0.75 * float(np.pi))
 CONCAVE_GAIN: Final = 0.5
 """Factor on the worth of a cut for each concave corner that it takes away."""
 
-TRIED: Final = 5
-"""Cuts of a part that are tried."""
+TRIED: Final = (2, 2, 3, 5)
+"""Cuts of a part that are tried where so many more may follow; its length is the most cuts."""
 
-MOST_CUTS: Final = 4
-"""Cuts that are made one after the other, at most."""
-
-MOST_FILLS: Final = 60
+MOST_FILLS: Final = 40
 """Parts of a loop that are filled, at most."""
 
 CUT_DEGREES: Final = 1.0
@@ -116,7 +113,7 @@ def parted_fill(
         ring = _ring_of(course, flatten)
         if ring is None:
             continue
-        found = _Search(loop, spacing).parts(ring, MOST_CUTS, whole=True)
+        found = _Search(loop, spacing).parts(ring, len(TRIED), whole=True)
         if found is not None:
             return PartedFill.of(loop, found)
     return None
@@ -140,7 +137,7 @@ class _Search:
             return None
         tried = (_cut(ring, i, j) for i, j in _best_cuts(ring))
         sound = (two for two in tried if two is not None and all(map(_has_halves, two)))
-        for two in itertools.islice(sound, TRIED):
+        for two in itertools.islice(sound, TRIED[most - 1]):
             first = self.parts(two[0], most - 1)
             second = None if first is None else self.parts(two[1], most - len(first))
             if first is not None and second is not None:
