@@ -23,7 +23,7 @@ from bozzetto_product.fill.edge_pieces import EdgePiece, pieces_of
 from bozzetto_product.fill.fair_solution import LoopSides
 from bozzetto_product.fill.fill import CUT
 from bozzetto_product.fill.half_sides import SidePiece
-from bozzetto_product.fill.loop_fill import key_of
+from bozzetto_product.fill.loop_fill import SHORTEST, key_of
 from bozzetto_product.fill.loop_sides import (
     FEWEST,
     TURN,
@@ -108,6 +108,9 @@ def parted_fill(
     pieces : sequence of sequence of EdgePiece
         Those of each half edge, in the sense of the edge.
     """
+    lengths = [piece.length for own in pieces for piece in own]
+    if not min(lengths) > SHORTEST * max(lengths):
+        return None
     course = _Course.of(loop, normals, pieces)
     for flatten in (_unrolled, _projected):
         ring = _ring_of(course, flatten)
@@ -136,7 +139,7 @@ class _Search:
         if not most:
             return None
         tried = (_cut(ring, i, j) for i, j in _best_cuts(ring))
-        sound = (two for two in tried if two is not None and all(map(_has_halves, two)))
+        sound = (two for two in tried if two is not None)
         for two in itertools.islice(sound, TRIED[most - 1]):
             first = self.parts(two[0], most - 1)
             second = None if first is None else self.parts(two[1], most - len(first))
@@ -162,17 +165,18 @@ class _Search:
         return None if fill.folded or fill.cut_degrees > CUT_DEGREES else fill
 
 
-def _has_halves(ring: Ring) -> bool:
+def _has_halves(kinks: Sequence[float]) -> bool:
     """Whether there are two pieces, at least, between convex corners: the halves of a side."""
-    starts = [k for k, spot in enumerate(ring) if turn_kind(spot.kink) > 0]
-    after = [*starts[1:], *(start + len(ring) for start in starts[:1])]
+    starts = [k for k, kink in enumerate(kinks) if turn_kind(kink) > 0]
+    after = [*starts[1:], *(start + len(kinks) for start in starts[:1])]
     return all(b - a >= 2 for a, b in zip(starts, after, strict=True))
 
 
 def _is_plain(ring: Ring) -> bool:
     """Whether all sides end at convex corners, and each is bent inward once at most."""
-    kinds = [turn_kind(spot.kink) for spot in ring]
-    return kinds.count(1) >= FEWEST and not is_crowded(kinds) and _has_halves(ring)
+    kinks = [spot.kink for spot in ring]
+    kinds = [turn_kind(kink) for kink in kinks]
+    return kinds.count(1) >= FEWEST and not is_crowded(kinds) and _has_halves(kinks)
 
 
 # -- the ring of a loop ----------------------------------------------------------------------------
@@ -334,12 +338,19 @@ def _best_cuts(ring: Ring) -> Iterator[tuple[int, int]]:
     inside = _angle(out, back)
     arc = np.cumsum([0.0, *(spot.piece.piece.length for spot in ring)])
     room = outline.buffer(1e-6 * float(np.sqrt(outline.area)))
+    kinks = [spot.kink for spot in ring]
     rated = []
     for i, j in itertools.combinations(range(count), 2):
         way = spots[j] - spots[i]
         one, other = float(_angle(out[i], way)), float(_angle(out[j], -way))
         angles = np.array((one, inside[i] - one, other, inside[j] - other))
         if angles.min() < SHARPEST or (np.abs(angles - np.pi) < np.pi - FLATTEST).any():
+            continue
+        turns = (np.pi - angles).tolist()
+        along = [0.0] * (CUT_PIECES - 1)
+        first = [turns[0], *kinks[i + 1 : j], turns[3], *along]
+        second = [turns[2], *kinks[j + 1 :], *kinks[:i], turns[1], *along]
+        if not (_has_halves(first) and _has_halves(second)):
             continue
         if not room.covers(shapely.LineString(spots[[i, j]])):
             continue
