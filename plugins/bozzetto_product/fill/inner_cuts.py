@@ -58,7 +58,7 @@ CONCAVE_GAIN: Final = 0.5
 TRIED: Final = (2, 2, 3, 5)
 """Cuts of a part that are tried where so many more may follow; its length is the most cuts."""
 
-MOST_FILLS: Final = 40
+MOST_FILLS: Final = 16
 """Parts of a loop that are filled, at most."""
 
 CUT_DEGREES: Final = 1.0
