@@ -88,6 +88,33 @@ def pieces_of(spline: Spline, count: int) -> tuple[EdgePiece, ...]:
     )
 
 
+@remembered(limit=4000)
+def halved(spline: Spline, pieces: tuple[EdgePiece, ...]) -> tuple[EdgePiece, ...]:
+    """Return the pieces of an edge cut in two each, of about equal length.
+
+    Parameters
+    ----------
+    spline : Spline
+        That of the edge.
+    pieces : tuple of EdgePiece
+        Of `pieces_of`; where they end there are ends still.
+    """
+    cuts = []
+    for piece in pieces:
+        begin, end = piece.curve.range
+        at = np.linspace(begin, end, SAMPLES)
+        steps = np.linalg.norm(np.diff(piece.curve.value(at), axis=0), axis=1)
+        arc = np.concatenate(((0.0,), np.cumsum(steps)))
+        middle = float(np.interp(0.5 * arc[-1], arc, at)) if arc[-1] > 0 else 0.5 * (begin + end)
+        inner = np.unique(piece.curve.knots)[1:-1]
+        near = np.abs(inner - middle) < 0.5 * NEAR_KNOT * (end - begin)
+        if near.any():
+            middle = float(inner[np.argmin(np.abs(inner - middle))])
+        cuts += [begin, middle]
+    parts = opened(spline).split(*cuts[1:])
+    return tuple(EdgePiece(curve := raised(part), curve_length(curve)) for part in parts)
+
+
 def raised(spline: Spline) -> Curve:
     """Return a clamped cubic as the same curve of degree five; its ends are the very numbers."""
     from scipy.interpolate import make_interp_spline

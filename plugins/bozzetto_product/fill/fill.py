@@ -19,6 +19,9 @@ from bozzetto_product.network.net import Loop
 if TYPE_CHECKING:
     from bozzetto_product.fill.patch_fill import PatchFill
 
+CUT: Final = -1
+"""Half edge of the pieces of a cut between two parts of a loop, which are of none of its edges."""
+
 CHECKS: Final = 33
 """Places along half a side at which joints and deviations are measured."""
 
@@ -86,10 +89,19 @@ class Fill(ABC):
             Parameters of the half.
         """
 
-    @cached_property
+    @property
     def g1_degrees(self) -> tuple[float, ...]:
         """Largest angle between the surface and the normals of each half edge; NaN at creases."""
-        worst = np.full(len(self.loop), np.nan)
+        return self._off_normals[:-1]
+
+    @property
+    def cut_degrees(self) -> float:
+        """The same angle along cuts between parts of a loop; NaN where there are none."""
+        return self._off_normals[CUT]
+
+    @cached_property
+    def _off_normals(self) -> tuple[float, ...]:
+        worst = np.full(len(self.loop) + 1, np.nan)
         for half, number, at in self._halves():
             normals = half.normals(at)
             if normals is None:

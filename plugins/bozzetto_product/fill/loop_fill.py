@@ -56,7 +56,7 @@ def fill_loop(
     frame = LoopSides.of(sides)
     step = frame.size / SEGMENTS if spacing is None else spacing
     loop = loop or tuple((number, True) for number in range(len(sides)))
-    key = _key(frame, step)
+    key = key_of(frame, step)
     plane = plane_fill(frame, loop, step, key)
     if plane is None:
         return patch_fill(frame, loop, step, key)
@@ -65,7 +65,7 @@ def fill_loop(
     return plane
 
 
-def _key(frame: LoopSides, spacing: float) -> bytes:
+def key_of(frame: LoopSides, spacing: float) -> bytes:
     """Return what tells whether the sides of a loop are the same to the last bit."""
     made = blake2b(digest_size=16)
     made.update(repr(spacing).encode())

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import cross_product
+from bozzetto.arrays import Array, cross_product
 from bozzetto_product.fill.corners import Corner
 from bozzetto_product.fill.edge_pieces import EdgePiece
 from bozzetto_product.fill.half_sides import HalfSide, Side, SidePiece
@@ -48,7 +48,7 @@ def piece_count(corners: Sequence[Corner]) -> int:
     """Return into how many pieces the edges of a loop must be cut at least."""
     kinds = [corner_kind(corner) for corner in corners]
     convex = kinds.count(1)
-    if convex >= FEWEST and not _crowded(kinds):
+    if convex >= FEWEST and not is_crowded(kinds):
         return 2
     if len(corners) == 1:
         return 8
@@ -57,12 +57,17 @@ def piece_count(corners: Sequence[Corner]) -> int:
 
 def corner_kind(corner: Corner) -> int:
     """Return 1 for a convex corner, -1 for a concave one, 0 where the loop runs on."""
-    if abs(corner.turn) < TURN:
+    return turn_kind(corner.turn)
+
+
+def turn_kind(turn: float) -> int:
+    """Return the kind of a corner by its turn, radians; see `corner_kind`."""
+    if abs(turn) < TURN:
         return 0
-    return 1 if corner.turn > 0 else -1
+    return 1 if turn > 0 else -1
 
 
-def _crowded(kinds: list[int]) -> bool:
+def is_crowded(kinds: list[int]) -> bool:
     """Whether two concave corners follow one another without a convex one between."""
     order = [kind for kind in kinds if kind]
     return any(a == b == -1 for a, b in zip(order, order[1:] + order[:1], strict=True))
@@ -85,15 +90,32 @@ def sides_of_loop(
         Of each edge of the net, in its sense; of those of the loop at least.
     """
     pieces: list[SidePiece] = []
-    kinds: list[int] = []
     kinks: list[float] = []
     for number, (edge, forward) in enumerate(loop):
         cut = pieces_of_edges[edge]
-        corner = normals.corners[number]
-        kinds += [corner_kind(corner)] + [0] * (len(cut) - 1)
-        kinks += [corner.turn] + [0.0] * (len(cut) - 1)
+        kinks += [normals.corners[number].turn] + [0.0] * (len(cut) - 1)
         ordered = cut if forward else cut[::-1]
         pieces += [SidePiece(number, each, forward, normals.fields[number]) for each in ordered]
+    return sides_of_pieces(
+        pieces, kinks, [normals.corners[piece.half_edge].normal for piece in pieces]
+    )
+
+
+def sides_of_pieces(
+    pieces: Sequence[SidePiece], kinks: Sequence[float], normals: Sequence[Array]
+) -> tuple[Side, ...]:
+    """Return the sides of the domain of a ring of pieces.
+
+    Parameters
+    ----------
+    pieces : sequence of SidePiece
+        Head to tail.
+    kinks : sequence of float
+        Turn at the start of each, radians; negative at a concave corner.
+    normals : sequence of (3,) float
+        Unit, near each.
+    """
+    kinds = [turn_kind(kink) for kink in kinks]
     plain = kinds.count(1) >= FEWEST and -1 not in kinds
     turns = [0.0] * len(pieces) if plain else _turns(pieces, normals)
     starts = _side_starts(kinds, kinks, [piece.piece.length for piece in pieces], turns)
@@ -109,21 +131,20 @@ def sides_of_loop(
     return tuple(sides)
 
 
-def _turns(pieces: Sequence[SidePiece], normals: LoopNormals) -> list[float]:
+def _turns(pieces: Sequence[SidePiece], normals: Sequence[Array]) -> list[float]:
     """Return how far the loop turns about the start of each piece, half a piece on both sides.
 
     Negative where it bends inward; corners are not counted.
     """
     made = []
-    for piece in pieces:
+    for piece, normal in zip(pieces, normals, strict=True):
         first, last = piece.ends()
-        normal = normals.corners[piece.half_edge].normal
         made.append(float(np.arctan2(cross_product(first, last) @ normal, first @ last)))
     return [0.5 * (made[index - 1] + turn) for index, turn in enumerate(made)]
 
 
 def _side_starts(
-    kinds: list[int], kinks: list[float], lengths: list[float], turns: list[float]
+    kinds: list[int], kinks: Sequence[float], lengths: list[float], turns: list[float]
 ) -> list[int]:
     """Return the pieces with which sides start, rising."""
     count = len(kinds)
@@ -193,7 +214,7 @@ def _quarters(start: int, count: int) -> list[int]:
     return sorted((start + count * quarter // 4) % count for quarter in range(4))
 
 
-def _smoothest(kinks: list[float], lengths: list[float]) -> int:
+def _smoothest(kinks: Sequence[float], lengths: list[float]) -> int:
     """Return the piece whose start, and those of the quarters after it, are furthest from turns."""
     count = len(kinks)
     bent = [index for index in range(count) if abs(kinks[index]) > 0.0]
@@ -221,7 +242,9 @@ def _middle_of(
     return choices[min(range(len(choices)), key=off.__getitem__)]
 
 
-def _cut_of(run: list[int], pieces: list[SidePiece], kinds: list[int], kinks: list[float]) -> int:
+def _cut_of(
+    run: list[int], pieces: Sequence[SidePiece], kinds: list[int], kinks: Sequence[float]
+) -> int:
     """Return the number of the piece of a run with which the second half of the side starts."""
     for number, index in enumerate(run):
         if number and kinds[index] < 0:

@@ -13,9 +13,10 @@ from bozzetto.plugin import remembered
 from bozzetto_product.fill.domain import Domain
 from bozzetto_product.fill.edge_pieces import EdgePiece, opened
 from bozzetto_product.fill.fair_solution import FairSolution, LoopSides
-from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.fill import CUT, Fill
 from bozzetto_product.fill.half_sides import HalfSide, Side, SidePiece
 from bozzetto_product.fill.normal_field import NormalField
+from bozzetto_product.fill.parted_fill import PartedFill
 from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.fill.patch_space import space_of
 from bozzetto_product.fill.plane_fill import PlaneFill
@@ -162,18 +163,27 @@ def mirrored_fill(
     axis : int
         The coordinate that changes its sign.
     """
+    if isinstance(fill, PartedFill):
+        parts = (mirrored_fill(part, net, loop, pieces, axis) for part in fill.parts)
+        return PartedFill.of(loop, tuple(part for part in parts if isinstance(part, PatchFill)))
     numbers = {half_edge: number for number, half_edge in enumerate(loop)}
 
     def image(piece: SidePiece) -> SidePiece:
+        if piece.half_edge == CUT:
+            assert piece.field is not None
+            span = piece.field.spline.range
+            over = EdgeImage(axis, 1, span, span)
+            other = mirrored_piece(piece.piece, over)
+            return SidePiece(CUT, other, not piece.forward, _image_field(piece.field, over))
         number, forward = fill.loop[piece.half_edge]
         twin = net.edges[number].twin
-        over = edge_image(net, number, axis)
-        assert over is not None
-        other = mirrored_piece(piece.piece, over)
+        of_edge = edge_image(net, number, axis)
+        assert of_edge is not None
+        other = mirrored_piece(piece.piece, of_edge)
         near = [own for own in pieces[twin] if _same(own, other)]
         other = near[0] if near else other
-        field = None if piece.field is None else _image_field(piece.field, over)
-        onward = forward != (over.sense > 0)
+        field = None if piece.field is None else _image_field(piece.field, of_edge)
+        onward = forward != (of_edge.sense > 0)
         return SidePiece(numbers[twin, onward], other, onward, field)
 
     def image_half(half: HalfSide) -> HalfSide:

@@ -10,8 +10,9 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
-from bozzetto_product.fill.edge_pieces import EdgePiece, pieces_of
+from bozzetto_product.fill.edge_pieces import EdgePiece, halved, pieces_of
 from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.inner_cuts import parted_fill, turn_round
 from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.mirrored_fill import (
@@ -22,6 +23,7 @@ from bozzetto_product.fill.mirrored_fill import (
 )
 from bozzetto_product.fill.normal_field import NormalField
 from bozzetto_product.fill.normals import LoopNormals, edge_normals
+from bozzetto_product.fill.parted_fill import PartedFill
 from bozzetto_product.network.net import HalfEdge, Loop, Net
 
 SEGMENTS: Final = 16.0
@@ -29,6 +31,14 @@ SEGMENTS: Final = 16.0
 
 UNKEPT: Final = 1.0
 """Angle to its normals, degrees, from which a surface that folds is made a crease there first."""
+
+
+SEEN: Final = 5.0
+"""Angle to its normals, degrees, from which a surface in parts is made a crease there."""
+
+
+ONCE_ROUND: Final = 0.25 * float(np.pi)
+"""How far from once round a loop may turn, radians, that is believed to turn once."""
 
 
 def fill_net(
@@ -66,7 +76,55 @@ def fill_net(
     twins = [edge.twin if edge.twin >= 0 else k for k, edge in enumerate(net.edges)]
     counts = [max(count, counts[twin]) for count, twin in zip(counts, twins, strict=True)]
     cut = [pieces_of(each.spline, many) for each, many in zip(net.edges, counts, strict=True)]
-    pieces = with_twins(net, cut, axis)
+
+    def filled(cut: Sequence[tuple[EdgePiece, ...]]) -> tuple[Fill | None, ...]:
+        pieces = with_twins(net, cut, axis)
+        return _fills(net, loops, normals, pieces, spacing, axis, checkpoint)
+
+    made = filled(cut)
+    finer = _cut_finer(net, loops, normals, cut, spacing, made)
+    if not finer:
+        return made
+    finer |= {twins[edge] for edge in finer}
+    again = filled(
+        [halved(net.edges[k].spline, own) if k in finer else own for k, own in enumerate(cut)]
+    )
+    lost = any(_is_sound(one) and not _is_sound(two) for one, two in zip(made, again, strict=True))
+    return made if lost else again
+
+
+def _is_sound(fill: Fill | None) -> bool:
+    return fill is not None and not fill.folded
+
+
+def _cut_finer(
+    net: Net,
+    loops: Sequence[Loop],
+    normals: Sequence[LoopNormals],
+    cut: Sequence[tuple[EdgePiece, ...]],
+    spacing: float,
+    fills: Sequence[Fill | None],
+) -> set[int]:
+    """Return the edges of loops that have no surface, and have one if pieces are cut in two."""
+    found: set[int] = set()
+    for loop, own, fill in zip(loops, normals, fills, strict=True):
+        if not _is_sound(fill):
+            pieces = tuple(halved(net.edges[edge].spline, cut[edge]) for edge, _ in loop)
+            if _parted(loop, own, pieces, spacing) is not None:
+                found |= {edge for edge, _ in loop}
+    return found
+
+
+def _fills(
+    net: Net,
+    loops: Sequence[Loop],
+    normals: Sequence[LoopNormals],
+    pieces: Sequence[tuple[EdgePiece, ...]],
+    spacing: float,
+    axis: int | None,
+    checkpoint: Callable[[], None],
+) -> tuple[Fill | None, ...]:
+    """Return the fills of loops whose edges are cut into pieces; images of those of twins."""
     made: list[Fill | None] = []
     known: dict[frozenset[HalfEdge], Fill] = {}
     for loop, own in zip(loops, normals, strict=True):
@@ -113,13 +171,56 @@ def _filled(
             return None
 
     fill = filled(normals)
-    if fill is None or not fill.folded:
+    if fill is not None and not fill.folded:
         return fill
-    for fields in _with_creases(normals.fields, fill.g1_degrees):
-        other = filled(replace(normals, fields=fields))
+    if fill is not None:
+        for fields in _with_creases(normals.fields, fill.g1_degrees):
+            other = filled(replace(normals, fields=fields))
+            if other is not None and not other.folded:
+                return other
+    parted = _parted(loop, normals, pieces, spacing)
+    if parted is not None:
+        return parted
+    for convex in _with_convex_corners(loop, normals, pieces):
+        other = filled(convex)
         if other is not None and not other.folded:
             return other
     return fill
+
+
+def _with_convex_corners(
+    loop: Loop, normals: LoopNormals, pieces: Sequence[Sequence[EdgePiece]]
+) -> Iterator[LoopNormals]:
+    """Yield the corners of a loop with a concave one as a convex one, and creases all round.
+
+    Only where the loop then turns about once round, and does not as it is: then its neighbours told
+    the corner wrong, and normals along smooth edges there point to the wrong side.
+    """
+    without = replace(normals, fields=(None,) * len(loop))
+    own = abs(turn_round(loop, without, pieces) - 2.0 * np.pi)
+    for number, corner in enumerate(normals.corners):
+        if corner.concave:
+            corners = list(normals.corners)
+            corners[number] = replace(corner, normal=-corner.normal, concave=False)
+            other = replace(without, corners=tuple(corners))
+            if abs(turn_round(loop, other, pieces) - 2.0 * np.pi) < min(own, ONCE_ROUND):
+                yield other
+
+
+@remembered(limit=256, key=_fill_key)
+def _parted(
+    loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
+) -> PartedFill | None:
+    found = parted_fill(loop, normals, pieces, spacing)
+    angles = np.nan_to_num(found.g1_degrees) if found else np.full(len(loop), np.inf)
+    if found is not None and float(angles.max()) <= SEEN:
+        return found
+    fields = tuple(
+        None if angle > SEEN else field for field, angle in zip(normals.fields, angles, strict=True)
+    )
+    if fields == normals.fields:
+        return found
+    return parted_fill(loop, replace(normals, fields=fields), pieces, spacing) or found
 
 
 Fields = tuple[NormalField | None, ...]
