@@ -84,8 +84,9 @@ def fitted(pixels: Any) -> Any:
 
 
 def solid(modeler: str, drawing: Drawing) -> Any:
-    """Return what a modeler makes of a drawing, without its ink."""
+    """Return what a modeler makes of a drawing, without its ink, upright where it can do that."""
     from bozzetto.document import Document
+    from bozzetto.plugin import Context
     from bozzetto.plugin.host.registry import Registry
     from bozzetto.plugin.job import Job
     from bozzetto.scene import Scene
@@ -94,6 +95,9 @@ def solid(modeler: str, drawing: Drawing) -> Any:
 
     bench = Workbench(Registry())
     model = bench.sources.from_drawing(modeler, drawing, {})
+    for command in bench.commands.of(modeler):
+        if command.id == "ground":
+            model = bench.commands.run(model, command, Context())
     scene = bench.scene(Document((model,)), Job())
     kept = tuple(layer for layer in scene.layers if layer.name not in ("ink", "drawing"))
     return picture(Scene(kept), size=PANEL)
