@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from tests.plugins.polyhedron.objects import Polyhedron, box, polyhedron_of
+from tests.plugins.polyhedron.objects import Polyhedron, box, chance_made
 
 Random = np.random.Generator
 
@@ -337,9 +337,4 @@ PARTS: dict[str, Callable[[Random], Manifold]] = {
 
 def part(name: str, seed: int) -> Polyhedron | None:
     """Make one of `PARTS`; None where chance made it too thin."""
-    for number in range(8):
-        made = PARTS[name](np.random.default_rng((23, seed, number)))
-        found = polyhedron_of(made, name, THINNEST)
-        if found is not None:
-            return found
-    return None
+    return chance_made(PARTS[name], 23, seed, name, THINNEST)

@@ -13,7 +13,7 @@ import numpy as np
 from manifold3d import CrossSection, Manifold
 
 from tests.plugins.polyhedron.cad_parts import Random, extruded, regular, upright
-from tests.plugins.polyhedron.objects import Polyhedron, box, polyhedron_of
+from tests.plugins.polyhedron.objects import Polyhedron, box, chance_made
 from tests.plugins.polyhedron.workshop_parts import trimmed
 
 THINNEST = 0.045
@@ -312,9 +312,4 @@ MACHINE: dict[str, Callable[[Random], Manifold]] = {
 
 def machine_part(name: str, seed: int) -> Polyhedron | None:
     """Make one of `MACHINE`; None where chance made it too thin."""
-    for number in range(8):
-        made = MACHINE[name](np.random.default_rng((31, seed, number)))
-        found = polyhedron_of(made, name, THINNEST)
-        if found is not None:
-            return found
-    return None
+    return chance_made(MACHINE[name], 31, seed, name, THINNEST)

@@ -91,6 +91,22 @@ def polyhedron_of(solid: Manifold, name: str = "", thinnest: float = THINNEST) -
     return found if _sturdy(found, thinnest * diagonal) else None
 
 
+def chance_made(
+    make: Callable[[np.random.Generator], Manifold],
+    salt: int,
+    seed: int,
+    name: str,
+    thinnest: float,
+) -> Polyhedron | None:
+    """Make a part of random dimensions; None where chance made it too thin, eight times."""
+    for number in range(8):
+        made = make(np.random.default_rng((salt, seed, number)))
+        found = polyhedron_of(made, name, thinnest)
+        if found is not None:
+            return found
+    return None
+
+
 def _rings(points: np.ndarray, triangles: np.ndarray) -> list[list[list[int]]] | None:
     corners = points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

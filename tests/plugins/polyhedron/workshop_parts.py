@@ -12,7 +12,7 @@ import numpy as np
 from manifold3d import CrossSection, Manifold
 
 from tests.plugins.polyhedron.cad_parts import Random, extruded, regular, upright
-from tests.plugins.polyhedron.objects import Polyhedron, box, polyhedron_of
+from tests.plugins.polyhedron.objects import Polyhedron, box, chance_made
 
 THINNEST = 0.05
 """Least length of an edge, and distance of a vertex from a foreign edge, in diagonals."""
@@ -262,9 +262,4 @@ WORKSHOP: dict[str, Callable[[Random], Manifold]] = {
 
 def workshop_part(name: str, seed: int) -> Polyhedron | None:
     """Make one of `WORKSHOP`; None where chance made it too thin."""
-    for number in range(8):
-        made = WORKSHOP[name](np.random.default_rng((29, seed, number)))
-        found = polyhedron_of(made, name, THINNEST)
-        if found is not None:
-            return found
-    return None
+    return chance_made(WORKSHOP[name], 29, seed, name, THINNEST)
