@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, Strokes, on_canvas
+from bozzetto.ink import Stroke, Strokes, on_sheet_of
 from bozzetto_polyhedron.model.same_view import into_drawing, is_one_sheet, with_stroke
 from bozzetto_polyhedron.model.state import Body, Choice, PolyhedronState
 
@@ -55,7 +55,7 @@ def new_body(
         Body(
             id=state.unused_id(),
             name=state.unused_name("Body"),
-            strokes=Strokes([on_canvas(stroke, camera) for stroke in strokes]),
+            strokes=Strokes([on_sheet_of(stroke, camera) for stroke in strokes]),
             choice=choice,
         )
     )
@@ -64,38 +64,55 @@ def new_body(
 def drawings_in(strokes: Sequence[Stroke]) -> list[list[Stroke]]:
     """Return the strokes of each body of a whole drawing, in the order drawn.
 
-    Strokes with one name are one body. Of the others, those of one view are together whose
-    bounding boxes overlap, a little enlarged: a hole lies inside what it is a hole of.
+    Strokes of one view with one name are one body. Of the others, those of one view are together
+    whose bounding boxes overlap, a little enlarged: a hole lies inside what it is a hole of.
     """
-    named: dict[str, list[Stroke]] = {}
+    named: list[list[Stroke]] = []
     for stroke in strokes:
-        if stroke.group:
-            named.setdefault(stroke.group, []).append(stroke)
-    rest = [stroke for stroke in strokes if not stroke.group]
-    return [*named.values(), *_apart(rest)]
+        if not stroke.group:
+            continue
+        for body in named:
+            if body[0].group == stroke.group and is_one_sheet(stroke.camera, body[0].camera):
+                body.append(stroke)
+                break
+        else:
+            named.append([stroke])
+    return [*named, *_apart([stroke for stroke in strokes if not stroke.group])]
 
 
 def _with_stroke(state: PolyhedronState, stroke: Stroke) -> PolyhedronState:
     for body in _candidates(state):
         own = into_drawing(stroke, body)
-        if own is not None and _is_near(body, own, body.id == state.selected):
+        if own is not None and _is_near(body, own, stroke, body.id == state.selected):
             body = with_stroke(body, own, stroke.camera)
-            return _with_what_it_touches(state.with_node(body), body, own)
+            return _with_what_it_touches(state.with_node(body), body, own, stroke)
     return new_body(state, [stroke])
 
 
-def _with_what_it_touches(state: PolyhedronState, body: Body, stroke: Stroke) -> PolyhedronState:
+def _with_what_it_touches(
+    state: PolyhedronState, body: Body, own: Stroke, drawn: Stroke
+) -> PolyhedronState:
     """Return the state with one body of all drawings of one sheet at which a stroke of one ends.
 
     Lines of one drawing may begin far from one another. Only drawings that nobody turned yet are
     joined; the one that was begun first stays, and is chosen.
+
+    Parameters
+    ----------
+    state : PolyhedronState
+        With the stroke in it.
+    body : Body
+        To which the stroke belongs.
+    own, drawn : Stroke
+        The stroke on the canvas of the body, and on the one on which it was drawn.
     """
+    reach = TOUCH * _seen_height(drawn, own)
     numbers = [each.id for each in state.of_kind(Body)]
     others = [each for each in state.shown(Body) if each.id != body.id and _is_begun(each)]
     for other in others if _is_begun(body) else ():
         strokes = [into_drawing(each, body) for each in other.strokes]
-        own = [each for each in strokes if each is not None]
-        if len(own) < len(strokes) or not _touches(stroke, own):
+        others_here = [each for each in strokes if each is not None]
+        if len(others_here) < len(strokes) or not _touches(own, others_here, reach):
             continue
         first, second = sorted((body, other), key=lambda each: numbers.index(each.id))
         moved = [into_drawing(each, first) for each in second.strokes]
@@ -116,12 +133,18 @@ def _is_begun(body: Body) -> bool:
     )
 
 
-def _touches(stroke: Stroke, others: Sequence[Stroke]) -> bool:
-    """Whether an end of a stroke is beside an end of another one."""
+def _seen_height(drawn: Stroke, own: Stroke) -> float:
+    """Return how high the canvas on which a stroke was drawn is on that of its body, px."""
+    canvas = own.camera
+    return canvas.viewport[1] * drawn.camera.visible_height / canvas.visible_height
+
+
+def _touches(stroke: Stroke, others: Sequence[Stroke], reach: float) -> bool:
+    """Whether an end of a stroke is within reach of an end of another one, px."""
     ends = stroke.points[[0, -1]]
     places = np.concatenate([each.points[[0, -1]] for each in others])
     apart = np.linalg.norm(ends[:, None] - places, axis=2)
-    return bool(apart.min() <= TOUCH * stroke.camera.viewport[1])
+    return bool(apart.min() <= reach)
 
 
 def _candidates(state: PolyhedronState) -> list[Body]:
@@ -130,13 +153,14 @@ def _candidates(state: PolyhedronState) -> list[Body]:
     return sorted(bodies, key=lambda body: body.id != state.selected)
 
 
-def _is_near(body: Body, stroke: Stroke, is_chosen: bool) -> bool:
+def _is_near(body: Body, own: Stroke, drawn: Stroke, is_chosen: bool) -> bool:
+    """Whether a stroke, on the canvas of a body and as it was drawn, belongs to its drawing."""
     low, high = _box([each.points for each in body.strokes])
     reach = BESIDE * float(np.linalg.norm(high - low))
     if is_chosen and body.choice is None:
-        reach = max(reach, GROWING * stroke.camera.viewport[1])
-    inside = np.clip(stroke.points, low, high)
-    return bool(np.linalg.norm(stroke.points - inside, axis=1).min() <= reach)
+        reach = max(reach, GROWING * _seen_height(drawn, own))
+    inside = np.clip(own.points, low, high)
+    return bool(np.linalg.norm(own.points - inside, axis=1).min() <= reach)
 
 
 def _apart(strokes: Sequence[Stroke]) -> list[list[Stroke]]:
@@ -156,7 +180,7 @@ def _overlap(one: Sequence[Stroke], other: Sequence[Stroke]) -> bool:
     camera = one[0].camera
     if not is_one_sheet(camera, other[0].camera):
         return False
-    boxes = [_box([on_canvas(each, camera).points for each in group]) for group in (one, other)]
+    boxes = [_box([on_sheet_of(each, camera).points for each in group]) for group in (one, other)]
     reach = BESIDE * max(float(np.linalg.norm(high - low)) for low, high in boxes)
     (low, high), (low_other, high_other) = boxes
     return bool((low - reach <= high_other).all() and (low_other - reach <= high).all())
