@@ -10,6 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes, on_sheet_of
 from bozzetto_polyhedron.model.same_view import into_drawing, is_one_sheet, with_stroke
 from bozzetto_polyhedron.model.state import Body, Choice, PolyhedronState
@@ -23,6 +24,8 @@ next line may be the far side."""
 
 TOUCH: Final = 0.02
 """Distance of two ends, in heights of the canvas, at which a stroke makes one drawing of two."""
+
+IN_PLACE: Final = Placement()
 
 DOT: Final = 3.0
 """Extent of ink, px, below which it is no line."""
@@ -47,9 +50,24 @@ def with_strokes(state: PolyhedronState, strokes: Sequence[Stroke]) -> Polyhedro
 
 
 def new_body(
-    state: PolyhedronState, strokes: Sequence[Stroke], choice: Choice | None = None
+    state: PolyhedronState,
+    strokes: Sequence[Stroke],
+    choice: Choice | None = None,
+    placement: Placement = IN_PLACE,
 ) -> PolyhedronState:
-    """Return the state with one more body, selected, of strokes of one view."""
+    """Return the state with one more body, selected, of strokes of one view.
+
+    Parameters
+    ----------
+    state : PolyhedronState
+        A model.
+    strokes : sequence of Stroke
+        In the frame of the new drawing.
+    choice : Choice, optional
+        Of the solid that the drawing shows; None until somebody turns it.
+    placement : Placement
+        Where the sheet of the drawing lies now.
+    """
     camera = strokes[0].camera
     return state.with_node(
         Body(
@@ -57,6 +75,7 @@ def new_body(
             name=state.unused_name("Body"),
             strokes=Strokes([on_sheet_of(stroke, camera) for stroke in strokes]),
             choice=choice,
+            placement=placement,
         )
     )
 
@@ -81,12 +100,17 @@ def drawings_in(strokes: Sequence[Stroke]) -> list[list[Stroke]]:
 
 
 def _with_stroke(state: PolyhedronState, stroke: Stroke) -> PolyhedronState:
+    sheet: tuple[Stroke, Placement] | None = None
     for body in _candidates(state):
         own = into_drawing(stroke, body)
-        if own is not None and _is_near(body, own, stroke, body.id == state.selected):
+        if own is None:
+            continue
+        sheet = sheet or (own, body.placement)
+        if _is_near(body, own, stroke, body.id == state.selected):
             body = with_stroke(body, own, stroke.camera)
             return _with_what_it_touches(state.with_node(body), body, own, stroke)
-    return new_body(state, [stroke])
+    own, placement = sheet or (stroke, IN_PLACE)
+    return new_body(state, [own], placement=placement)
 
 
 def _with_what_it_touches(
@@ -110,12 +134,14 @@ def _with_what_it_touches(
     numbers = [each.id for each in state.of_kind(Body)]
     others = [each for each in state.shown(Body) if each.id != body.id and _is_begun(each)]
     for other in others if _is_begun(body) else ():
-        strokes = [into_drawing(each, body) for each in other.strokes]
+        if other.placement != body.placement:
+            continue
+        strokes = [into_drawing(each, replace(body, placement=IN_PLACE)) for each in other.strokes]
         others_here = [each for each in strokes if each is not None]
         if len(others_here) < len(strokes) or not _touches(own, others_here, reach):
             continue
         first, second = sorted((body, other), key=lambda each: numbers.index(each.id))
-        moved = [into_drawing(each, first) for each in second.strokes]
+        moved = [into_drawing(s, replace(first, placement=IN_PLACE)) for s in second.strokes]
         ink = [*first.strokes, *(each for each in moved if each is not None)]
         body = replace(first, strokes=Strokes(ink))
         state = state.without_nodes(second.id).with_node(body)
@@ -123,14 +149,8 @@ def _with_what_it_touches(
 
 
 def _is_begun(body: Body) -> bool:
-    """Whether a body is nothing but lines that nobody turned, moved or held yet."""
-    return (
-        body.choice is None
-        and body.moves == "whole"
-        and not body.anchors
-        and not body.guessed
-        and body.placement.is_identity
-    )
+    """Whether a body is nothing but lines that nobody turned or held yet."""
+    return body.choice is None and body.moves == "whole" and not body.anchors and not body.guessed
 
 
 def _seen_height(drawn: Stroke, own: Stroke) -> float:

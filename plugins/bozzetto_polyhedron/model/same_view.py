@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes, is_one_view, on_sheet_of
 from bozzetto.view import Camera
-from bozzetto_polyhedron.model.state import Body
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
 
 SLACK: Final = 1e-7
 """Difference between two cameras, relative to their distance, that moving a body and back makes."""
@@ -60,6 +62,34 @@ def into_drawing(stroke: Stroke, body: Body) -> Stroke | None:
     """Return a stroke of the model's frame in that of a body's drawing; None in another view."""
     own = stroke if body.placement.is_identity else stroke.moved(body.placement.inverse())
     return on_sheet_of(own, camera_of(body)) if _shows_drawing(own.camera, body) else None
+
+
+def where_seen(stroke: Stroke, state: PolyhedronState, seen: Sequence[PolyhedronState]) -> Stroke:
+    """Return a stroke where that lies now on which it was drawn: a hand may be quicker than a view.
+
+    Parameters
+    ----------
+    stroke : Stroke
+        In the model's frame, drawn in the view of now or of a moment ago.
+    state : PolyhedronState
+        As it is now.
+    seen : sequence of PolyhedronState
+        As it was a moment ago, newest first, while the view showed drawings as they were drawn.
+    """
+    bodies = {body.id: body for body in state.shown(Body) if len(body.strokes)}
+    if any(is_one_sheet(stroke.camera, view_of(body)) for body in bodies.values()):
+        return stroke
+    for earlier in seen:
+        for before in earlier.shown(Body):
+            now = bodies.get(before.id)
+            if now is not None and is_one_sheet(stroke.camera, view_of(before)):
+                return stroke.moved(way_of(before, now))
+    return stroke
+
+
+def way_of(before: Body, now: Body) -> Placement:
+    """Return how a body was moved in space from an earlier state to one of now."""
+    return now.placement.after(before.placement.inverse())
 
 
 def drawing_seen(body: Body, camera: Camera) -> tuple[Stroke, ...] | None:
