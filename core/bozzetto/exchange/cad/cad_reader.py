@@ -220,7 +220,7 @@ class _Kernel:
                 inside = (*path, own) if own else path
                 names = self._names_in(tool, label, shared)
                 waiting += [
-                    (one, place, called, look or around, None, inside, depth + 1)
+                    (one, place, called or own, look or around, None, inside, depth + 1)
                     for one, called in names
                 ]
             else:
