@@ -292,18 +292,18 @@ def strays(curves):
     return max(splines[name].least_distances(row).max() for name, row in curves.items()) / size
 
 
-@pytest.mark.parametrize("reach", [4.0, 8.0, 14.0])
+@pytest.mark.parametrize("reach", [3.5, 5.0, 6.0])
 @pytest.mark.parametrize("swap", [False, True])
 def test_curves_that_end_on_one_another_are_not_drawn_away(reach, swap):
     """Each carried the end of the other, and went away with it: 13 % of the diagonal."""
     left, right = np.array((-reach, 0.0, 0.0)), np.array((reach, 0.0, 0.0))
     curves = {
-        "a": line(left, (220.0, 24.0, 0.0)),
-        "b": line(right, (-220.0, 24.0, 0.0)),
+        "a": line(left, (200.0, 80.0, 0.0)),
+        "b": line(right, (-200.0, 80.0, 0.0)),
         "c": line(left, (-60.0, -180.0, 130.0)),
         "d": line(right, (60.0, -180.0, 130.0)),
-        "e": line((220.0, 24.0, 0.0), (60.0, -180.0, 130.0)),
-        "f": line((-220.0, 24.0, 0.0), (-60.0, -180.0, 130.0)),
+        "e": line((200.0, 80.0, 0.0), (60.0, -180.0, 130.0)),
+        "f": line((-200.0, 80.0, 0.0), (-60.0, -180.0, 130.0)),
     }
     if swap:
         curves = dict(reversed(curves.items()))
@@ -317,8 +317,8 @@ def test_a_narrow_neck_stays_as_wide_as_it_is(width):
     for side, y in (("l", width), ("r", -width)):
         for number, x in enumerate((-500.0, -250.0, 0.0, 250.0)):
             curves[f"{side}{number}"] = line((x, y, 0.0), (x + 250.0, y, 0.0))
-    for number, x in enumerate((-500.0, -250.0, 0.0, 250.0, 500.0)):
+    for number, x in enumerate((-500.0, 500.0)):
         curves[f"rung{number}"] = line((x, -width, 0.0), (x, width, 0.0))
     assert strays(curves) < 1e-3
     state = product_of_network(facts(curves))
-    assert len(find_loops(net_of_state(state)).loops) == 8
+    assert len(find_loops(net_of_state(state)).loops) == 2
