@@ -199,19 +199,16 @@ def _filled(
 def _without_bulge(
     fill: Fill, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...]
 ) -> Fill:
-    """Return a surface, or one in parts of the same loop that keeps to its normals and is smaller.
+    """Return a surface, or one in parts of the same loop that is smaller.
 
-    Patches round a centre that does not see all of the outline may bulge without folding.
+    Patches round a centre that does not see all of the outline may bulge without folding, where
+    no neighbours tell tangent planes.
     """
     bends = sum(side.bend != 0.0 for side in fill.sides)
-    if bends < BENT_INWARD or not isinstance(fill, PatchFill):
+    if bends < BENT_INWARD or not isinstance(fill, PatchFill) or any(normals.fields):
         return fill
     found = parted_fill(fill.loop, normals, pieces, fill.spacing)
-    if found is None or found.area > BULGE * fill.area:
-        return fill
-    if np.nanmax((0.0, *found.g1_degrees)) > max(UNKEPT, np.nanmax((0.0, *fill.g1_degrees))):
-        return fill
-    return replace(found, whole=fill)
+    return fill if found is None or found.area > BULGE * fill.area else replace(found, whole=fill)
 
 
 def _with_convex_corners(
