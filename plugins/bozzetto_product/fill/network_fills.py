@@ -39,7 +39,7 @@ SEEN: Final = 5.0
 
 
 BENT_INWARD: Final = 2
-"""Sides with a concave corner from which on a surface round one centre may bulge without folding."""
+"""Sides with a concave corner from which on patches round one centre may bulge without folding."""
 
 BULGE: Final = 0.995
 """Share of the area of a surface round one centre below which one in parts is taken: the other
