@@ -158,10 +158,12 @@ def solve(
             measure = size_measure(template)
             prior = Prior(template, cost, float(measure @ first))
             feasible = Feasible.of(soundness, None, first, prior.form(first))
-            shape = _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
+            problem = _Problem(template, views, cost, prior, feasible, hold_cameras)
+            shape, _ = problem.settled()
+            seen = problem.turned(shape)
             size = believable_size(template, template.whole(shape.variables))
-            grown = size * shape.variables, [_enlarged(view, size) for view in shape.views]
-            for first, views in (grown, (shape.variables, shape.views)):
+            grown = size * shape.variables, [_enlarged(view, size) for view in seen]
+            for first, views in (grown, (shape.variables, seen)):
                 prior = Prior(template, cost, float(measure @ first))
                 try:
                     feasible = Feasible.of(soundness, None, first, prior.form(first))
@@ -270,6 +272,11 @@ class _Problem:
         return tuple(np.zeros((ways.shape[1], 2)) for ways in self.ways)
 
     def solved(self) -> JointSolution:
+        """Return the car and the cameras of the least cost, with what is to be known about them."""
+        return self.joint(*self.settled())
+
+    def settled(self) -> tuple[_Iterate, int]:
+        """Return the iterate at which the solve has converged, and the number of steps."""
         here = self.at(self.feasible.start, self.starts, self.straight)
         if here is None:
             raise UserError(
@@ -294,7 +301,12 @@ class _Problem:
             last = step
             if further is not None and further.cost < here.cost:
                 here, last = further, None
-        return self.joint(here, steps)
+        return here, steps
+
+    def turned(self, here: _Iterate) -> tuple[MarkedView, ...]:
+        """Return the sketches with their cameras at an iterate."""
+        of_views = zip(self.views, self.sights, here.poses, strict=True)
+        return tuple(view.turned(*sight.framing.camera(pose)) for view, sight, pose in of_views)
 
     def at(
         self, variables: Array, poses: tuple[Poses, ...], bends: tuple[Array, ...]
@@ -364,16 +376,13 @@ class _Problem:
     def joint(self, here: _Iterate, steps: int) -> JointSolution:
         positions = self.template.whole(here.variables)
         covariance = np.asarray(np.linalg.pinv(here.form, ANCHORED, True), float)
-        views, residuals, others = [], [], []
-        for number, (view, sight, pose) in enumerate(
-            zip(self.views, self.sights, here.poses, strict=True)
-        ):
-            views.append(view.turned(*sight.framing.camera(pose)))
+        residuals, others = [], []
+        for number, (sight, pose) in enumerate(zip(self.sights, here.poses, strict=True)):
             residuals.append(sight.pixels_missed(pose, positions))
             others.append(self.left_out(number, here, covariance))
         return JointSolution(
             here.variables,
-            tuple(views),
+            self.turned(here),
             tuple(residuals),
             tuple(others),
             here.cost,
