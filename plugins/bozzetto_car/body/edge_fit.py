@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto.geometry.patches import bernstein
 from bozzetto.ink import FARTHEST, arc_length, distinct, is_on_sheet, lift_curve
 from bozzetto.plugin import cached_property
@@ -352,14 +352,8 @@ def _along_and_across(leg: Array, rows: Array, largest: float, seen_ways: Array)
     if not length > 0.0 or np.linalg.norm(rows @ leg) < FORESHORTENED * largest * length:
         return seen_ways
     along = leg / length
-    across = _cross(_cross(seen_ways[:, 0], seen_ways[:, 1]), along)
+    across = cross_product(cross_product(seen_ways[:, 0], seen_ways[:, 1]), along)
     return np.stack((along, across / np.linalg.norm(across)), axis=1)
-
-
-def _cross(one: Array, other: Array) -> Array:
-    """Return the cross product of two vectors (3,), in a tenth of NumPy's time."""
-    (a, b, c), (d, e, f) = one.tolist(), other.tolist()
-    return np.array((b * f - c * e, c * d - a * f, a * e - b * d))
 
 
 @dataclass(frozen=True, eq=False)

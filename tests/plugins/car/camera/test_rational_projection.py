@@ -61,7 +61,8 @@ def test_a_handle_leads_places_as_cubics_say(kind: Literal["perspective"]) -> No
     at = Pictured.of(camera_matrix(view(40.0, 17.0, kind)), EDGE).passed(t)
     moved = EDGE.copy()
     moved[number] += (0.0, 1.0, 0.0)
-    assert np.abs((curve(moved, 7) - curve(EDGE, 7))[:, 1] - at.led(np.array([number - 1]))[0]).max() < 1e-9
+    led = at.led(np.array([number - 1]))[0]
+    assert np.abs((curve(moved, 7) - curve(EDGE, 7))[:, 1] - led).max() < 1e-9
 
 
 def test_looked_at_again_it_is_what_it_is_there() -> None:
