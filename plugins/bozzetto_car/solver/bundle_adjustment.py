@@ -42,6 +42,9 @@ MOST_STEPS: Final = 40
 SETTLED: Final = 1e-6
 """Relative decrease of the cost at which a solve has converged."""
 
+ROUGH: Final = 1e-4
+"""The same of a solve for a frame of a drag."""
+
 FIRST_DAMPING: Final = 1e-3
 """Damping at the start, as a share of the diagonal of the normal matrix."""
 
@@ -107,6 +110,7 @@ def solve(
     locked: Dimensions | None = None,
     overlap: Overlap = NONE_BEYOND,
     hold_cameras: bool = False,
+    rough: bool = False,
 ) -> JointSolution:
     """Find the car of some sketches, and their cameras.
 
@@ -132,6 +136,8 @@ def solve(
         the surface. It hardly changes with the shape.
     hold_cameras : bool
         Leave the cameras as they are: the paper's deformation.
+    rough : bool
+        For a frame of a drag: the solve ends as soon as the cost hardly falls.
 
     Returns
     -------
@@ -149,6 +155,11 @@ def solve(
     first = template.variables if start is None else np.asarray(start, float)
     if not np.isfinite(first).all():
         raise ValueError("a solve must start from a finite car")
+    settled = ROUGH if rough else SETTLED
+
+    def problem_of(feasible: Feasible) -> _Problem:
+        return _Problem(template, views, cost, prior, feasible, hold_cameras, settled)
+
     if np.isfinite(cost.stiff):
         prior = Prior(template, cost)
     else:
@@ -158,7 +169,7 @@ def solve(
             measure = size_measure(template)
             prior = Prior(template, cost, float(measure @ first))
             feasible = Feasible.of(soundness, None, first, prior.form(first))
-            problem = _Problem(template, views, cost, prior, feasible, hold_cameras)
+            problem = problem_of(feasible)
             shape, _ = problem.settled()
             seen = problem.turned(shape)
             size = believable_size(template, template.whole(shape.variables))
@@ -169,16 +180,16 @@ def solve(
                     feasible = Feasible.of(soundness, None, first, prior.form(first))
                 except UserError:  # no car beside it is sound: it stays as large as it is
                     continue
-                if _Problem(template, views, cost, prior, feasible, hold_cameras).can_start:
+                if problem_of(feasible).can_start:
                     break
         else:
             prior = Prior(template, cost, known, held=False)
     if locked is None or not locked.given():
         feasible = Feasible.of(soundness, None, first, prior.form(first))
-        return _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
+        return problem_of(feasible).solved()
     locks = Locks.of(template, locked, first, overlap)
     feasible = Feasible.of(soundness, locks, first, prior.form(first))
-    best = _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
+    best = problem_of(feasible).solved()
     for _ in range(MOST_TIES):
         other = locks.tied(template, best.variables)
         if other is None:
@@ -186,7 +197,8 @@ def solve(
         # A node is level with the outermost one: the cost may be lower with it beyond.
         locks = Locks.of(template, locked, best.variables, overlap, other)
         feasible = Feasible.of(soundness, locks, best.variables, prior.form(best.variables))
-        tried = _Problem(template, best.views, cost, prior, feasible, hold_cameras).solved()
+        views = best.views
+        tried = problem_of(feasible).solved()
         if tried.cost >= best.cost * (1.0 - SETTLED):
             break
         best = tried
@@ -246,9 +258,10 @@ class _Problem:
         prior: Prior,
         feasible: Feasible,
         held: bool,
+        settled: float,
     ) -> None:
         self.template, self.cost, self.prior, self.feasible = template, cost, prior, feasible
-        self.views = tuple(views)
+        self.views, self.least_gain = tuple(views), settled
         made = [Reprojection.of(template, view, held) for view in views]
         self.sights = tuple(sight for sight, _ in made)
         self.starts = tuple(pose for _, pose in made)
@@ -295,7 +308,7 @@ class _Problem:
                 continue
             gain, here = here.cost - there.cost, there
             damping = max(damping * SOFTER, DAMPINGS[0])
-            if gain <= SETTLED * here.cost:
+            if gain <= self.least_gain * here.cost:
                 break
             further = None if last is None else self.moved(here, _rest(last, step))
             last = step
