@@ -157,7 +157,7 @@ def solve(
         raise ValueError("a solve must start from a finite car")
     settled = ROUGH if rough else SETTLED
 
-    def problem_of(feasible: Feasible) -> _Problem:
+    def problem_of(views: Sequence[MarkedView], prior: Prior, feasible: Feasible) -> _Problem:
         return _Problem(template, views, cost, prior, feasible, hold_cameras, settled)
 
     if np.isfinite(cost.stiff):
@@ -169,7 +169,7 @@ def solve(
             measure = size_measure(template)
             prior = Prior(template, cost, float(measure @ first))
             feasible = Feasible.of(soundness, None, first, prior.form(first))
-            problem = problem_of(feasible)
+            problem = problem_of(views, prior, feasible)
             shape, _ = problem.settled()
             seen = problem.turned(shape)
             size = believable_size(template, template.whole(shape.variables))
@@ -180,16 +180,16 @@ def solve(
                     feasible = Feasible.of(soundness, None, first, prior.form(first))
                 except UserError:  # no car beside it is sound: it stays as large as it is
                     continue
-                if problem_of(feasible).can_start:
+                if problem_of(views, prior, feasible).can_start:
                     break
         else:
             prior = Prior(template, cost, known, held=False)
     if locked is None or not locked.given():
         feasible = Feasible.of(soundness, None, first, prior.form(first))
-        return problem_of(feasible).solved()
+        return problem_of(views, prior, feasible).solved()
     locks = Locks.of(template, locked, first, overlap)
     feasible = Feasible.of(soundness, locks, first, prior.form(first))
-    best = problem_of(feasible).solved()
+    best = problem_of(views, prior, feasible).solved()
     for _ in range(MOST_TIES):
         other = locks.tied(template, best.variables)
         if other is None:
@@ -197,8 +197,7 @@ def solve(
         # A node is level with the outermost one: the cost may be lower with it beyond.
         locks = Locks.of(template, locked, best.variables, overlap, other)
         feasible = Feasible.of(soundness, locks, best.variables, prior.form(best.variables))
-        views = best.views
-        tried = problem_of(feasible).solved()
+        tried = problem_of(best.views, prior, feasible).solved()
         if tried.cost >= best.cost * (1.0 - SETTLED):
             break
         best = tried
