@@ -114,9 +114,9 @@ def _blend(pixels: Floats, sheet: Sheet, part: Index | slice) -> None:
     whole = pixels.view(np.complex128)[:, 0]  # four floats are moved as one value
     mixed = whole.take(pixel).view(np.float32)
     # Opacity mixes as a colour does that is 1 everywhere: all four are mixed in one row.
-    step = np.ones((len(pixel), 4), np.float32)
-    step[:, :3] = sheet.color[part]
-    step = step.ravel()
+    colors = np.ones((len(pixel), 4), np.float32)
+    colors[:, :3] = sheet.color[part]
+    step: Floats = colors.ravel()
     step -= mixed
     step *= np.repeat(sheet.opacity[part], 4)
     mixed += step
