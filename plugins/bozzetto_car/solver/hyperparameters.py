@@ -51,10 +51,6 @@ GENEROUS: Final = 1.4
 """Factor on the estimated spread: marks are met as closely as the hand allows, and of cars that
 are near their template little is lost."""
 
-UNSTEADY: Final = 0.3
-"""Exponent with which this factor falls as the hand is less steady: where marks tremble there is
-nothing to be met closely, and what a generous spread follows is the tremor."""
-
 OUTWARD: Final = 0.35
 """Share of the spread with which outer dimensions vary against each other in the solve. A single
 camera stretches a car as its dimensions do, and what marks say of both is easily too much."""
@@ -241,7 +237,7 @@ def _weighed(weights: Weights, counted: tuple[Flags, ...]) -> Weighed:
     spread, hand = (float(np.exp(shares @ np.log(found))) for found in (spreads, hands))
     hand = max(hand, 1.0)
     usual = Cost.balanced()
-    wider = GENEROUS * hand**-UNSTEADY * spreads
+    wider = GENEROUS * spreads
     # Whether nodes scatter tells a smooth car from a bend; marks are to be met all the same, so the
     # nodes vary as usual in proportion to the rest.
     share = min(float(np.sqrt(shares @ wider**2)), 1.0)
