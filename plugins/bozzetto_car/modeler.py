@@ -23,7 +23,7 @@ from bozzetto.plugin import (
 )
 from bozzetto.scene import Picture, Scene
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, body_of, preview_of
+from bozzetto_car.body.build import Body, body_at_rest_of, body_of, preview_of
 from bozzetto_car.body.edge_ink import ink_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of
@@ -123,7 +123,7 @@ class Car(PartsModeler[CarState, Body]):
     def solve(self, state: CarState, job: Job) -> Body:
         """Solve cameras, shape and surfaces; see `solver` and `body`."""
         job.checkpoint(0.0, "Cameras and shape")
-        return preview_of(state) if job.quality == "preview" else body_of(state)
+        return preview_of(state) if job.quality == "preview" else body_at_rest_of(state)
 
     @override
     def scene(self, state: CarState, result: Body | None) -> Scene:

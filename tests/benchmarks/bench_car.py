@@ -13,7 +13,7 @@ from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.patch import bernstein, extent, grid, grid_normals
 from bozzetto.geometry.wrap.shrink_wrap import shrink_wrap
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Context, Drag
+from bozzetto.plugin import Context, Drag, Ink
 from bozzetto_car.body.build import body_of
 from bozzetto_car.body.dimension_map import Reshaping, fit_reshaping
 from bozzetto_car.body.trace_edges import trace
@@ -33,10 +33,12 @@ from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called
 from bozzetto_car.template.shape_constraints import Soundness
 from bozzetto_car.tools.mark_points import MarkPoints
+from bozzetto_car.tools.trace_edges import TraceEdges
 from bozzetto_car.view.mark_items import MARK
 from bozzetto_car.view.scene import scene_of
 from bozzetto_car.view.surface_colors import curvature_colors
 from tests.benchmarks.timing import Row, in_turn, processor_ms
+from tests.plugins.car.marked_car import another, pen
 from tests.plugins.car.sketched import (
     FRONT,
     FRONT_QUARTER,
@@ -47,6 +49,8 @@ from tests.plugins.car.sketched import (
     sketched,
     styled,
 )
+from tests.plugins.car.traced_car import SEEN
+from tests.plugins.car.traced_car import view as seen_from
 from tests.previews import preview_of
 
 VIEWS = (FRONT_QUARTER, REAR_QUARTER, SIDE, FRONT)
@@ -203,6 +207,31 @@ def working_rows(template: Template, sketch: Sketched) -> Iterator[Row]:
     yield Row("car", "STEP of the body, written", processor_ms(lambda: write_shapes(shapes)))
 
 
+def stroked(state: CarState, number_of: int) -> CarState:
+    """A car with so many strokes along its edges, every third one in a view of its own."""
+    tool = TraceEdges()
+    for number in range(number_of):
+        body = body_of(state)
+        aim = another(body, SEEN[number % len(SEEN)], number, 0.04)
+        through = body.sketch_cameras[state.sketches[0].id].view((1700.0, 700.0))
+        camera = through if number % 3 else seen_from(50.0, 10.0)
+        state = tool.apply(state, Ink((pen(camera, aim),)), Context())
+    return state
+
+
+def edit_rows(template: Template, sketch: Sketched) -> Iterator[Row]:
+    """All strokes made again, because what they were drawn on has changed."""
+    plain = marked(template, sketch, 2)
+    car = never_seen(stroked(plain, 10))
+    ten = processor_ms(lambda: body_of(car()), repeats=15)
+    yield Row("car", "exact body after a mark has changed, 10 strokes", ten, "ms", "≤ 40 ms")
+    many, lengths = stroked(plain, 51), count(4700, 1)
+    typed = processor_ms(
+        lambda: body_of(replace(many, lock=True, length=float(next(lengths)))), repeats=15
+    )
+    yield Row("car", "a kept dimension typed, 51 strokes", typed, "ms", "≤ 100 ms")
+
+
 # -- surfaces --
 
 
@@ -253,4 +282,5 @@ def rows() -> Iterator[Row]:
     sketch = sketched(template, styled(template, 3), VIEWS, 3)
     yield from joint_rows(template, sketch)
     yield from working_rows(template, sketch)
+    yield from edit_rows(template, sketch)
     yield from surface_rows(template)

@@ -196,28 +196,50 @@ def sketch_cameras_of(state: CarState) -> Mapping[str, SketchCamera]:
     return {key: placed.sketch_camera for key, placed in solve_car(state).placed.items()}
 
 
-def preview_of(state: CarState) -> Body:
-    """Return the body of a car quickly: stretched to its dimensions, not solved for them.
-
-    While a dimension is dragged, the solve without dimensions stays the same and is remembered;
-    stretching its body takes a hundredth of the time of another solve. While the shape is
-    dragged, edits are not repeated: their effect is carried over from the first car that was
-    seen with them; see `unstretched_body_of`.
+def body_at_rest_of(state: CarState) -> Body:
+    """Return the body of a car that nobody drags; see `preview_of`, which goes on from there.
 
     Raises
     ------
     UserError
         As `body_of` does.
     """
-    loose = replace(state, lock=False) if state.dimensions.given() else state
+    _dimensions_at_rest.put(state.dimensions, state)
+    return body_of(state)
+
+
+def preview_of(state: CarState) -> Body:
+    """Return the body of a car quickly, while something is dragged.
+
+    While a dimension is dragged that is kept, the body is stretched to it and not solved for it:
+    the solve without dimensions stays the same and is remembered, and stretching takes a
+    hundredth of the time of another solve. While the shape is dragged, edits are not repeated:
+    their effect is carried over from the first car that was seen with them; see
+    `unstretched_body_of`.
+
+    Raises
+    ------
+    UserError
+        As `body_of` does.
+    """
+    is_stretched = state.lock and state.dimensions != _dimensions_at_rest(state)
+    shown = replace(state, lock=False) if is_stretched else state
     if not state.edits:
-        return body_of(loose)
-    return body_of(loose, _first_seen(loose))
+        return body_of(shown)
+    return body_of(shown, _first_seen(shown))
+
+
+@remembered(limit=FIRST_SEEN, key=lambda state: _Same(state.nodes))
+def _dimensions_at_rest(state: CarState) -> Dimensions:
+    """Return the dimensions that a car with these very sketches had when nobody dragged it."""
+    return state.dimensions
 
 
 @remembered(
     limit=FIRST_SEEN,
-    key=lambda state: (_Same(state.edits), state.smooth, state.default_shape, state.annealed),
+    key=lambda state: (
+        (_Same(state.edits), state.smooth, state.default_shape, state.annealed, state.lock)
+    ),
 )
 def _first_seen(state: CarState) -> CarState:
     """Return the first car that was seen with the edits and the manner of deforming of a car."""

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import HANDLE, Network, with_tangents
 
@@ -53,7 +53,7 @@ def pull_out_panels(network: Network, panel: float = PANEL, corner: float = CORN
         wanted = panel if (np.abs(normals[:, 1]) > SIDEWAYS).all() else corner
         start, end = network.ends[edge]
         mean = normals.sum(axis=0)
-        outward = np.cross(np.cross(end - start, mean), end - start)
+        outward = cross_product(cross_product(end - start, mean), end - start)
         size = float(np.linalg.norm(outward))
         if not size > 0.0:  # both nodes in one place, or the post points outward
             continue
@@ -91,7 +91,7 @@ def posts(network: Network) -> Iterator[tuple[int, Array]]:
         if len(rim.intersection(nodes)) != 1:
             continue
         corners = network.positions[[template.patches[patch].nodes for patch in patches]]
-        across = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        across = cross_product(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
         sizes = np.linalg.norm(across, axis=1, keepdims=True)
         if sizes.min() > 0.0:
             normals = across / sizes

@@ -18,12 +18,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto.geometry.patches import bernstein
-from bozzetto.ink import arc_length, distinct, is_on_sheet, lift_curve
+from bozzetto.ink import FARTHEST, arc_length, distinct, is_on_sheet, lift_curve
 from bozzetto.plugin import cached_property
 from bozzetto.view import Camera
 from bozzetto_car.camera.rational_projection import (
+    TINY,
     Pass,
     Pictured,
     camera_matrix,
@@ -31,8 +32,8 @@ from bozzetto_car.camera.rational_projection import (
     slopes_at,
 )
 
-INNER: Final = np.array([1.0, 2.0]) / 3.0
-"""Parameters of the inner points that the cubic of the paper goes through."""
+INNER: Final = bernstein(np.array([1.0, 2.0]) / 3.0)
+"""Shares of the Bézier points in the inner points that the cubic of the paper goes through."""
 
 MOST_SAMPLES: Final = 96
 """Most samples of a stroke that a fit uses: a cubic has no finer detail."""
@@ -81,8 +82,6 @@ LONGEST_SHIFT: Final = 1.0 / FOOT_PLACES
 
 NEARER: Final = 1e-6
 """Share of the cost by which foot points on other parts of an edge must lower it to count."""
-
-TINY: Final = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +162,7 @@ def paper_cubic(control_points: ArrayLike, stroke: ArrayLike, camera: Camera) ->
     places = np.asarray(stroke, float)
     along = arc_length(places)
     goal = [np.interp(share * along[-1], along, places[:, axis]) for axis in (0, 1)]
-    inner = lift_curve(bernstein(INNER) @ old, camera, np.column_stack(goal))
+    inner = lift_curve(INNER @ old, camera, np.column_stack(goal))
     return four_point_cubic((old[0], *inner, old[3]))
 
 
@@ -229,11 +228,17 @@ def fit_edge(
 
 @dataclass(frozen=True, eq=False)
 class _Samples:
-    """A sighting with its samples thinned out and weighted by the length they stand for."""
+    """A sighting with its samples thinned out and weighted by the length they stand for.
+
+    Attributes
+    ----------
+    points : (k, 2) float
+    weights : (k,) float
+    matrix : (3, 4) float
+        Of the camera, with the flip of the sighting.
+    """
 
     points: Array
-    across: Array
-    down: Array
     weights: Array
     matrix: Array
 
@@ -242,18 +247,22 @@ class _Samples:
         points = sighting.points[distinct(sighting.points)]
         if len(points) > MOST_SAMPLES:
             points = points[np.linspace(0, len(points) - 1, MOST_SAMPLES).round().astype(int)]
-        across, down = np.ascontiguousarray(points.T)
-        lengths = np.hypot(np.diff(across), np.diff(down))
+        lengths = np.hypot(*np.diff(points, axis=0).T)
         share = np.zeros(len(points))
         share[:-1] += lengths
         share[1:] += lengths
         whole = share.sum()
         weights = share / whole if whole > 0.0 else np.full(len(points), 1.0 / len(points))
         matrix = camera_matrix(sighting.camera) * np.append(sighting.flip, 1.0)
-        return cls(points, across, down, WORTH * weights, matrix)
+        return cls(points, WORTH * weights, matrix)
 
-    def feet(self, curve: Array, near: Array | None) -> Pass | None:
-        """Return the picture of an edge at the foot points of the samples.
+    @cached_property
+    def targets(self) -> Array:
+        """The coordinates of the samples, (2 k,) px: first all across, then all down."""
+        return self.points.T.ravel()
+
+    def feet(self, curve: Array, near: Array | None) -> tuple[Pass, Array] | None:
+        """Return the picture of an edge at the foot points of the samples, and the ways there.
 
         Parameters
         ----------
@@ -264,25 +273,40 @@ class _Samples:
 
         Returns
         -------
-        Pass or None
-            None if a part of the edge is behind the eye, or far beyond the sheet.
+        (Pass, (2 k,) float) or None
+            The ways lead from the samples to their foot points, px. None if a part of the edge is
+            behind the eye, or far beyond the sheet.
         """
         pictured = Pictured.of(self.matrix, curve)
-        path = pictured.laid_out(FOOT_PLACES)
-        if not is_on_sheet(path):
-            return None
-        feet = self._nearest(path) if near is None else near
+        if near is None or not pictured.is_within(FARTHEST):
+            path = pictured.laid_out(FOOT_PLACES)
+            if not is_on_sheet(path):
+                return None
+            near = self._nearest(path) if near is None else near
+        at, targets = pictured.passed(near), self.targets
+        count = len(near)
+        places, speeds, t = at.places, at.speeds, at.t
+        ways, squares, products = np.empty((3, 2 * count))
+        pace, shift, feet = np.empty((3, count))
         for _ in range(FOOT_STEPS):
-            at = pictured.passed(feet)
-            way_x, way_y = self.across - at.x, self.down - at.y
-            pace = np.maximum(at.speed_x * at.speed_x + at.speed_y * at.speed_y, TINY)
-            shift = (way_x * at.speed_x + way_y * at.speed_y) / pace
-            shift = np.minimum(np.maximum(shift, -LONGEST_SHIFT), LONGEST_SHIFT)
-            moved = np.minimum(np.maximum(feet + shift, 0.0), 1.0)
-            if np.abs(moved - feet).max() < FOOT_SETTLED:
-                return at
-            feet = moved
-        return pictured.passed(feet)
+            np.subtract(places, targets, out=ways)
+            np.multiply(speeds, speeds, out=squares)
+            np.add(squares[:count], squares[count:], out=pace)
+            np.maximum(pace, TINY, out=pace)
+            np.multiply(ways, speeds, out=products)
+            np.add(products[:count], products[count:], out=shift)
+            np.divide(shift, pace, out=shift)
+            np.maximum(shift, -LONGEST_SHIFT, out=shift)
+            np.minimum(shift, LONGEST_SHIFT, out=shift)
+            np.subtract(t, shift, out=feet)
+            np.maximum(feet, 0.0, out=feet)
+            np.minimum(feet, 1.0, out=feet)
+            np.subtract(feet, t, out=shift)
+            np.absolute(shift, out=shift)
+            if shift[shift.argmax()] < FOOT_SETTLED:
+                return at, ways
+            at.go(feet)
+        return at, np.subtract(places, targets, out=ways)
 
     def _nearest(self, path: Array) -> Array:
         """Return parameters of the places on the picture of an edge that are nearest, (k,)."""
@@ -328,14 +352,8 @@ def _along_and_across(leg: Array, rows: Array, largest: float, seen_ways: Array)
     if not length > 0.0 or np.linalg.norm(rows @ leg) < FORESHORTENED * largest * length:
         return seen_ways
     along = leg / length
-    across = _cross(_cross(seen_ways[:, 0], seen_ways[:, 1]), along)
+    across = cross_product(cross_product(seen_ways[:, 0], seen_ways[:, 1]), along)
     return np.stack((along, across / np.linalg.norm(across)), axis=1)
-
-
-def _cross(one: Array, other: Array) -> Array:
-    """Return the cross product of two vectors (3,), in a tenth of NumPy's time."""
-    (a, b, c), (d, e, f) = one.tolist(), other.tolist()
-    return np.array((b * f - c * e, c * d - a * f, a * e - b * d))
 
 
 @dataclass(frozen=True, eq=False)
@@ -346,17 +364,15 @@ class _Try:
     ----------
     by : (q,) float
     curve : (4, 3) float
-    feet : sequence of Pass
-        The picture at the foot points of each sighting; none where it cannot be seen.
-    ways : sequence of ((k,), (k,)) float
-        From the samples of each sighting to their foot points, px.
+    feet : sequence of (Pass, (2 k,) float)
+        The picture at the foot points of each sighting, and the ways there from the samples, px;
+        none where it cannot be seen.
     price : float
     """
 
     by: Array
     curve: Array
-    feet: Sequence[Pass]
-    ways: Sequence[tuple[Array, Array]]
+    feet: Sequence[tuple[Pass, Array]]
     price: float
 
     @property
@@ -364,11 +380,14 @@ class _Try:
         """Whether all samples lie on the picture of the edge, as far as samples can tell."""
         if not np.isfinite(self.price):
             return False
-        apart = (
-            np.abs(at.normal_x * x + at.normal_y * y).max()
-            for at, (x, y) in zip(self.feet, self.ways, strict=True)
-        )
+        apart = (np.abs(_dotted(at.normals, ways)).max() for at, ways in self.feet)
         return all(px <= RESOLVED for px in apart)
+
+
+def _dotted(one: Array, other: Array) -> Array:
+    """Return the inner products (n,) of vectors (2 n,): first all across, then all down."""
+    products, count = one * other, len(one) // 2
+    return np.asarray(products[:count] + products[count:])
 
 
 def _price(tried: _Try) -> float:
@@ -390,31 +409,31 @@ class _Problem:
         return np.asarray(np.abs(self.moves).sum(axis=1).argmax(axis=0))
 
     @cached_property
-    def columns(self) -> Array:
-        """The moves in space, (q, 3)."""
-        return np.ascontiguousarray(self.moves.sum(axis=0).T)
+    def seen_moves(self) -> tuple[Array, ...]:
+        """The moves as (u w, v w, w) of each sighting, (q, 3)."""
+        columns = self.moves.sum(axis=0).T
+        return tuple(columns @ own.matrix[:, :3].T for own in self.data)
 
     def at(self, by: Array, near: _Try | None = None) -> _Try:
         """Return the cost of moves; foot points are searched for near those of another try."""
         curve = self.old.copy()
         curve[1:3] += self.moves @ by
-        feet, ways, far = [], [], self.ease * float(by @ by)
+        feet, far = [], self.ease * float(by @ by)
         for number, own in enumerate(self.data):
-            at = own.feet(curve, None if near is None else near.feet[number].t)
-            if at is None:
-                return _Try(by, curve, (), (), np.inf)
-            x, y = at.x - own.across, at.y - own.down
-            feet.append(at)
-            ways.append((x, y))
-            far += float(own.weights @ (x * x + y * y))
-        return _Try(by, curve, feet, ways, far)
+            found = own.feet(curve, None if near is None else near.feet[number][0].t)
+            if found is None:
+                return _Try(by, curve, (), np.inf)
+            feet.append(found)
+            far += float(own.weights @ _dotted(found[1], found[1]))
+        return _Try(by, curve, feet, far)
 
     def step(self, now: _Try) -> Array:
         """Return the Gauss–Newton step on the distances across the edge."""
         form, slope = self.ease * np.eye(len(now.by)), self.ease * now.by
-        for own, at, (x, y) in zip(self.data, now.feet, now.ways, strict=True):
-            rows = (self.columns @ own.matrix[:, :3].T) @ at.across * at.handles[self.handle]
+        for own, seen, (at, ways) in zip(self.data, self.seen_moves, now.feet, strict=True):
+            normals = at.normals
+            rows = (seen @ at.across(normals)) * at.led(self.handle)
             weighted = rows * own.weights
             form += weighted @ rows.T
-            slope = slope + weighted @ (at.normal_x * x + at.normal_y * y)
+            slope = slope + weighted @ _dotted(normals, ways)
         return np.asarray(-np.linalg.solve(form, slope))

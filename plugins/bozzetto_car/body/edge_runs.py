@@ -80,7 +80,14 @@ class Run:
     distance: float
 
 
-def find_run(network: Network, stroke: ArrayLike, camera: Camera, edges: Sequence[int] = ()) -> Run:
+def find_run(
+    network: Network,
+    stroke: ArrayLike,
+    camera: Camera,
+    edges: Sequence[int] = (),
+    *,
+    directed: bool = True,
+) -> Run:
     """Find the edges that a stroke traces.
 
     It may be a single edge, or a part of one, or several in a row along a chain or along the
@@ -98,6 +105,9 @@ def find_run(network: Network, stroke: ArrayLike, camera: Camera, edges: Sequenc
     edges : sequence of int, optional
         The edges that are meant, in the order of the row that they make. The stroke then
         belongs to all of them, and there is no search.
+    directed : bool
+        Whether it matters in which direction a stroke passes a single edge that is meant. If
+        not, the run has that of the edge, and half of the time is saved.
 
     Raises
     ------
@@ -117,7 +127,9 @@ def find_run(network: Network, stroke: ArrayLike, camera: Camera, edges: Sequenc
         what = "The edge that is meant is not" if edges else "No edge of the car is"
         raise UserError(f"{what} in view. Turn or move the view until it is.")
     places = resample(points, count=STROKE_PLACES)
-    if edges:
+    if len(edges) == 1 and not directed:
+        row = rows[0]
+    elif edges:
         row = _directed(paths, rows[0], places)
     else:
         row = _nearest_row(network, camera, paths, rows, places)

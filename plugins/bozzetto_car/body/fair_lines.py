@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto_car.body.chain_smoothing import anneal
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import EdgeJunction, Network, junctions, with_tangents
@@ -81,7 +81,7 @@ def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Net
         if patch.name.endswith(".L"):
             continue
         places = network.positions[list(patch.nodes)]
-        normal = np.cross(places[2] - places[0], places[3] - places[1])
+        normal = cross_product(places[2] - places[0], places[3] - places[1])
         for number in range(4):
             # The edge after the corner leaves it, the one before leads to it.
             ends = [_end_at(patch.edges[number]), _end_at(~patch.edges[number - 1])]
@@ -120,7 +120,7 @@ def inside_angle(ahead: Array, back: Array, normal: Array) -> float:
     normal : (3,) float
         Normal of the patch, outward.
     """
-    across = np.cross(ahead, back)
+    across = cross_product(ahead, back)
     angle = float(np.degrees(np.arctan2(np.linalg.norm(across), ahead @ back)))
     return angle if across @ normal >= 0.0 else 360.0 - angle
 
@@ -173,7 +173,7 @@ def double_bends(network: Network) -> Array:
     """
     ends, tangents = network.ends, network.tangents
     chord = ends[:, 1] - ends[:, 0]
-    turns = np.cross(chord[:, None], tangents)
+    turns = cross_product(chord[:, None], tangents)
     sizes = np.linalg.norm(chord, axis=1) ** 2 * np.linalg.norm(tangents, axis=2).prod(axis=1)
     return np.asarray((turns[:, 0] * turns[:, 1]).sum(axis=1) / np.where(sizes > 0.0, sizes, 1.0))
 
@@ -291,7 +291,7 @@ def _up_to_crest(own: Array, way: Array, level: Array) -> Array:
     highest = STEEPEST * float(way[2])
     rise = min(max(float(own[2]), length * float(chord[2])), highest)
     made = own if rise == own[2] else _sloped(own, rise)
-    bent_twice = np.cross(chord, made) @ np.cross(chord, level) > 0.0
+    bent_twice = cross_product(chord, made) @ cross_product(chord, level) > 0.0
     return np.asarray(chord if bent_twice else made / length)
 
 

@@ -114,7 +114,7 @@ def trace(
     UserError
         If the stroke runs along no edge, or along nothing but edges that are seen end-on.
     """
-    run = find_run(network, stroke, camera, edges)
+    run = find_run(network, stroke, camera, edges, directed=nodes_follow)
     shown = [edge for edge in run.edges if _is_seen(network, max(edge, ~edge), camera)]
     if not shown:
         names = ", ".join(network.template.edge_names[max(edge, ~edge)] for edge in run.edges)

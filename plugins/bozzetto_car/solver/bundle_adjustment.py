@@ -42,6 +42,9 @@ MOST_STEPS: Final = 40
 SETTLED: Final = 1e-6
 """Relative decrease of the cost at which a solve has converged."""
 
+ROUGH: Final = 1e-4
+"""The same of a solve for a frame of a drag."""
+
 FIRST_DAMPING: Final = 1e-3
 """Damping at the start, as a share of the diagonal of the normal matrix."""
 
@@ -107,6 +110,7 @@ def solve(
     locked: Dimensions | None = None,
     overlap: Overlap = NONE_BEYOND,
     hold_cameras: bool = False,
+    rough: bool = False,
 ) -> JointSolution:
     """Find the car of some sketches, and their cameras.
 
@@ -132,6 +136,8 @@ def solve(
         the surface. It hardly changes with the shape.
     hold_cameras : bool
         Leave the cameras as they are: the paper's deformation.
+    rough : bool
+        For a frame of a drag: the solve ends as soon as the cost hardly falls.
 
     Returns
     -------
@@ -149,6 +155,11 @@ def solve(
     first = template.variables if start is None else np.asarray(start, float)
     if not np.isfinite(first).all():
         raise ValueError("a solve must start from a finite car")
+    settled = ROUGH if rough else SETTLED
+
+    def problem_of(views: Sequence[MarkedView], prior: Prior, feasible: Feasible) -> _Problem:
+        return _Problem(template, views, cost, prior, feasible, hold_cameras, settled)
+
     if np.isfinite(cost.stiff):
         prior = Prior(template, cost)
     else:
@@ -158,25 +169,27 @@ def solve(
             measure = size_measure(template)
             prior = Prior(template, cost, float(measure @ first))
             feasible = Feasible.of(soundness, None, first, prior.form(first))
-            shape = _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
+            problem = problem_of(views, prior, feasible)
+            shape, _ = problem.settled()
+            seen = problem.turned(shape)
             size = believable_size(template, template.whole(shape.variables))
-            grown = size * shape.variables, [_enlarged(view, size) for view in shape.views]
-            for first, views in (grown, (shape.variables, shape.views)):
+            grown = size * shape.variables, [_enlarged(view, size) for view in seen]
+            for first, views in (grown, (shape.variables, seen)):
                 prior = Prior(template, cost, float(measure @ first))
                 try:
                     feasible = Feasible.of(soundness, None, first, prior.form(first))
                 except UserError:  # no car beside it is sound: it stays as large as it is
                     continue
-                if _Problem(template, views, cost, prior, feasible, hold_cameras).can_start:
+                if problem_of(views, prior, feasible).can_start:
                     break
         else:
             prior = Prior(template, cost, known, held=False)
     if locked is None or not locked.given():
         feasible = Feasible.of(soundness, None, first, prior.form(first))
-        return _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
+        return problem_of(views, prior, feasible).solved()
     locks = Locks.of(template, locked, first, overlap)
     feasible = Feasible.of(soundness, locks, first, prior.form(first))
-    best = _Problem(template, views, cost, prior, feasible, hold_cameras).solved()
+    best = problem_of(views, prior, feasible).solved()
     for _ in range(MOST_TIES):
         other = locks.tied(template, best.variables)
         if other is None:
@@ -184,7 +197,7 @@ def solve(
         # A node is level with the outermost one: the cost may be lower with it beyond.
         locks = Locks.of(template, locked, best.variables, overlap, other)
         feasible = Feasible.of(soundness, locks, best.variables, prior.form(best.variables))
-        tried = _Problem(template, best.views, cost, prior, feasible, hold_cameras).solved()
+        tried = problem_of(best.views, prior, feasible).solved()
         if tried.cost >= best.cost * (1.0 - SETTLED):
             break
         best = tried
@@ -244,9 +257,10 @@ class _Problem:
         prior: Prior,
         feasible: Feasible,
         held: bool,
+        settled: float,
     ) -> None:
         self.template, self.cost, self.prior, self.feasible = template, cost, prior, feasible
-        self.views = tuple(views)
+        self.views, self.least_gain = tuple(views), settled
         made = [Reprojection.of(template, view, held) for view in views]
         self.sights = tuple(sight for sight, _ in made)
         self.starts = tuple(pose for _, pose in made)
@@ -270,6 +284,11 @@ class _Problem:
         return tuple(np.zeros((ways.shape[1], 2)) for ways in self.ways)
 
     def solved(self) -> JointSolution:
+        """Return the car and the cameras of the least cost, with what is to be known about them."""
+        return self.joint(*self.settled())
+
+    def settled(self) -> tuple[_Iterate, int]:
+        """Return the iterate at which the solve has converged, and the number of steps."""
         here = self.at(self.feasible.start, self.starts, self.straight)
         if here is None:
             raise UserError(
@@ -288,13 +307,18 @@ class _Problem:
                 continue
             gain, here = here.cost - there.cost, there
             damping = max(damping * SOFTER, DAMPINGS[0])
-            if gain <= SETTLED * here.cost:
+            if gain <= self.least_gain * here.cost:
                 break
             further = None if last is None else self.moved(here, _rest(last, step))
             last = step
             if further is not None and further.cost < here.cost:
                 here, last = further, None
-        return self.joint(here, steps)
+        return here, steps
+
+    def turned(self, here: _Iterate) -> tuple[MarkedView, ...]:
+        """Return the sketches with their cameras at an iterate."""
+        of_views = zip(self.views, self.sights, here.poses, strict=True)
+        return tuple(view.turned(*sight.framing.camera(pose)) for view, sight, pose in of_views)
 
     def at(
         self, variables: Array, poses: tuple[Poses, ...], bends: tuple[Array, ...]
@@ -364,16 +388,13 @@ class _Problem:
     def joint(self, here: _Iterate, steps: int) -> JointSolution:
         positions = self.template.whole(here.variables)
         covariance = np.asarray(np.linalg.pinv(here.form, ANCHORED, True), float)
-        views, residuals, others = [], [], []
-        for number, (view, sight, pose) in enumerate(
-            zip(self.views, self.sights, here.poses, strict=True)
-        ):
-            views.append(view.turned(*sight.framing.camera(pose)))
+        residuals, others = [], []
+        for number, (sight, pose) in enumerate(zip(self.sights, here.poses, strict=True)):
             residuals.append(sight.pixels_missed(pose, positions))
             others.append(self.left_out(number, here, covariance))
         return JointSolution(
             here.variables,
-            tuple(views),
+            self.turned(here),
             tuple(residuals),
             tuple(others),
             here.cost,

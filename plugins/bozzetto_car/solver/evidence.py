@@ -54,6 +54,9 @@ USUAL_BEND: Final = (10.0, 1.35)
 (2 % of the diagonal of the marks), and the factor by which such hands differ. A bend is a matter of
 the eye and does not grow with the tremor of the pen."""
 
+_GRID: Final = tuple(grid.ravel() for grid in np.meshgrid(SPREADS, HANDS))
+"""All pairs of a spread and a hand."""
+
 KNOWN: Final = 64
 """Number of pairs of a template and a cost whose factors are remembered."""
 
@@ -165,19 +168,47 @@ def independent(sketch: LinearSketch, bend: float, counted: Flags) -> Independen
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Factored:
+    """Marks of sketches with the covariance of cars of a kind taken apart.
+
+    Attributes
+    ----------
+    sketches : tuple of Independent
+        The marks that count.
+    bend : float
+        By how much more the hand bends than it trembles, which they were made independent with.
+    missed : (m,) float
+        Of all sketches together.
+    sizes : (r,) float
+        The eigenvalues of A Σ Aᵀ.
+    by_car : (m, r) float
+        The eigenvectors, each times the root of its eigenvalue.
+    """
+
+    sketches: tuple[Independent, ...]
+    bend: float
+    missed: Array
+    sizes: Array
+    by_car: Array
+
+    @classmethod
+    def of(
+        cls, template: Template, cost: Cost, sketches: Sequence[Independent], bend: float
+    ) -> Factored:
+        """Take apart the covariance of cars that differ from a template as a cost says."""
+        missed = np.concatenate([sketch.missed for sketch in sketches])
+        by_car = np.vstack([sketch.by_car for sketch in sketches]) @ _factor(template, cost)
+        return cls(tuple(sketches), bend, missed, *_along_principal_axes(by_car))
+
+
 class Evidence:
     """The probability of marks, for all spreads and hands together.
 
     Parameters
     ----------
-    template : Template
-        The template of the car.
-    cost : Cost
-        How cars differ from it.
-    sketches : sequence of Independent
-        The marks that count.
-    bend : float
-        By how much more the hand bends than it trembles, which they were made independent with.
+    factored : Factored
+        The marks, and how cars differ from the template.
     anyone : bool
         Whether the hand may be anyone's, with heavy tails (Cauchy's distribution of the logarithm),
         so that a very unsteady one is told. With light tails (Gauss') a mistake in one mark is
@@ -192,21 +223,13 @@ class Evidence:
         Means of the logarithms of t and s.
     """
 
-    def __init__(
-        self,
-        template: Template,
-        cost: Cost,
-        sketches: Sequence[Independent],
-        bend: float,
-        anyone: bool,
-    ) -> None:
+    def __init__(self, factored: Factored, anyone: bool) -> None:
+        sketches, bend, sizes = factored.sketches, factored.bend, factored.sizes
         self._sketches = sketches
-        spreads, self._hands = (grid.ravel() for grid in np.meshgrid(SPREADS, HANDS))
+        spreads, self._hands = _GRID
         ratio = (spreads / self._hands) ** 2
-        self._missed = np.concatenate([sketch.missed for sketch in sketches])
+        self._missed, self._by_car = factored.missed, factored.by_car
         rank = sum(sketch.rank for sketch in sketches)
-        by_car = np.vstack([sketch.by_car for sketch in sketches]) @ _factor(template, cost)
-        sizes, self._by_car = _along_principal_axes(by_car)
         self._pulled = self._by_car.T @ self._missed
         self._damped = ratio / (1.0 + sizes[:, None] * ratio)
         misfit = self._missed @ self._missed - self._pulled**2 @ self._damped

@@ -24,6 +24,7 @@ from bozzetto.plugin import cached_property
 from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.solver.evidence import (
     Evidence,
+    Factored,
     Independent,
     LinearSketch,
     independent,
@@ -147,21 +148,17 @@ class Weights:
     ) -> None:
         self._template, self._sketches = template, sketches
         self._counted = [flags.copy() for flags in counted]
+        self._known: dict[Part, Factored] = {}
+        self._ready: dict[float, list[Independent]] = {}
 
     def of(self, part: Part) -> Evidence:
         """Return the evidence of a part of the mixture."""
-        return Evidence(
-            self._template, part.cost, self._independent(part.bend), part.bend, anyone=False
-        )
+        return Evidence(self._factored(part), anyone=False)
 
     @cached_property
     def parts(self) -> tuple[Evidence, ...]:
         """The evidence of each part."""
-        ready = {bend: self._independent(bend) for bend in BENDS}
-        return tuple(
-            Evidence(self._template, part.cost, ready[part.bend], part.bend, anyone=True)
-            for part in MIXTURE
-        )
+        return tuple(Evidence(self._factored(part), anyone=True) for part in MIXTURE)
 
     @cached_property
     def logs(self) -> Array:
@@ -173,9 +170,16 @@ class Weights:
         """Logarithm of the probability of the marks, up to a constant of their number."""
         return float(log_of_sum(self.logs))
 
-    def _independent(self, bend: float) -> list[Independent]:
-        pairs = zip(self._sketches, self._counted, strict=True)
-        return [independent(sketch, bend, flags) for sketch, flags in pairs]
+    def _factored(self, part: Part) -> Factored:
+        """Return the marks with the cars of a part taken apart; it takes most of the time."""
+        if part.bend not in self._ready:
+            pairs = zip(self._sketches, self._counted, strict=True)
+            ready = [independent(sketch, part.bend, flags) for sketch, flags in pairs]
+            self._ready[part.bend] = ready
+        if part not in self._known:
+            ready = self._ready[part.bend]
+            self._known[part] = Factored.of(self._template, part.cost, ready, part.bend)
+        return self._known[part]
 
 
 def judge_marks(
@@ -263,7 +267,8 @@ def evidence_of(template: Template, view: MarkedView) -> Evidence:
     """
     sketch = linear_sketch(template, view, Cost.balanced().hand)
     every = np.ones(len(view.nodes), bool)
-    return Evidence(template, Cost.balanced(), [independent(sketch, 0.0, every)], 0.0, anyone=False)
+    ready = [independent(sketch, 0.0, every)]
+    return Evidence(Factored.of(template, Cost.balanced(), ready, 0.0), anyone=False)
 
 
 def _losses(

@@ -273,7 +273,7 @@ def _solved_as_placed(
     joint = solve(
         template, views, cost, soundness, start=start, locked=locked,
         overlap=_overlap(template) if locked else Overlap(),
-        hold_cameras=state.cost == "paper",
+        hold_cameras=state.cost == "paper", rough=start is not None,
     )  # fmt: skip
     positions = template.whole(joint.variables)
     for number, (key, flags) in enumerate(zip(solid, judged.counted, strict=True)):

@@ -52,6 +52,9 @@ def blend_sheets(pixels: Floats, sheets: Sequence[Sheet]) -> None:
         return
     if not sheets:
         return
+    if len(sheets) == 2:
+        _blend_two(pixels, *sheets)
+        return
     every = Sheet(
         np.concatenate([s.pixel for s in sheets]),
         np.concatenate([s.nearness for s in sheets]),
@@ -92,13 +95,29 @@ def _keys(every: Sheet) -> NDArray[np.uint64]:
     return (every.pixel.astype(np.uint64) << np.uint64(32)) | rising.astype(np.uint64)
 
 
+def _blend_two(pixels: Floats, one: Sheet, other: Sheet) -> None:
+    """Blend two sheets, such as the back and the front of a mesh: they need not be sorted."""
+    nearness = np.full(len(pixels), -np.inf, np.float32)
+    nearness[one.pixel] = one.nearness
+    beneath = other.nearness < nearness[other.pixel]
+    if not beneath.any():
+        _blend(pixels, one, slice(None))
+        _blend(pixels, other, slice(None))
+        return
+    _blend(pixels, other, np.flatnonzero(beneath))
+    _blend(pixels, one, slice(None))
+    _blend(pixels, other, np.flatnonzero(~beneath))
+
+
 def _blend(pixels: Floats, sheet: Sheet, part: Index | slice) -> None:
-    pixel, alpha, color = sheet.pixel[part], sheet.opacity[part], sheet.color[part]
+    pixel = sheet.pixel[part]
     whole = pixels.view(np.complex128)[:, 0]  # four floats are moved as one value
-    mixed = whole.take(pixel).view(np.float32).reshape(-1, 4)
-    for channel in range(3):
-        value = mixed[:, channel]
-        value += alpha * (color[:, channel] - value)
-    covered = mixed[:, 3]
-    covered += alpha * (1 - covered)
-    whole[pixel] = mixed.view(np.complex128)[:, 0]
+    mixed = whole.take(pixel).view(np.float32)
+    # Opacity mixes as a colour does that is 1 everywhere: all four are mixed in one row.
+    colors = np.ones((len(pixel), 4), np.float32)
+    colors[:, :3] = sheet.color[part]
+    step: Floats = colors.ravel()
+    step -= mixed
+    step *= np.repeat(sheet.opacity[part], 4)
+    mixed += step
+    whole[pixel] = mixed.view(np.complex128)

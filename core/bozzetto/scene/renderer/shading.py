@@ -108,10 +108,11 @@ def fragments(
     places = soup.places[faces]
     weight = places[:, :, 2:] if sight.perspective else np.ones((len(faces), 3, 1))
 
-    y, x = np.divmod(pixel, sight.width)
+    y, x = np.divmod(pixel.astype(np.int32), np.int32(sight.width))
     right, down = x + 0.5, y + 0.5
-    dx = (right - places[row, 0, 0]).astype(np.float32)
-    dy = (down - places[row, 0, 1]).astype(np.float32)
+    first = places[:, 0]
+    dx = (right - first[:, 0].take(row)).astype(np.float32)
+    dy = (down - first[:, 1].take(row)).astype(np.float32)
 
     normal = _interpolated(places, soup.normals[corners] * weight, row, dx, dy)
     length = np.sqrt(np.einsum("kn,kn->n", normal, normal))
@@ -152,10 +153,14 @@ def _interpolated(
     by_y = (rise2 * edge[:, 0, :1] - rise1 * edge[:, 1, :1]) * scale
     count = values.shape[2]
     table = np.concatenate((values[:, 0], by_x, by_y), 1).astype(np.float32)
+    table = np.ascontiguousarray(table.T)
     result = np.empty((count, len(row)), np.float32)
-    rows = table.take(row, 0)
     for k in range(count):
-        result[k] = rows[:, k] + rows[:, count + k] * dx + rows[:, 2 * count + k] * dy
+        own = table[k].take(row, out=result[k], mode="clip")  # clipped or not, rows are in range
+        for slopes, way in ((table[count + k], dx), (table[2 * count + k], dy)):
+            step = slopes.take(row)
+            step *= way
+            own += step
     # Rounding in slivers must not leave the range of the corners by much.
     limit = np.float32(np.abs(values).max(initial=0.0))
     return np.clip(result, -limit, limit, out=result)

@@ -11,8 +11,10 @@ import pytest
 from bozzetto.geometry.patches.patch import grid
 from bozzetto.plugin import Context, Ink
 from bozzetto_car.body import build as body_module
-from bozzetto_car.body.build import Body, body_of, preview_of
+from bozzetto_car.body.build import Body, body_at_rest_of, body_of, preview_of
+from bozzetto_car.solver import pipeline as pipeline_module
 from bozzetto_car.state import BentEdge, CarState, MovedNode, Treatment
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.network import edge_called, junctions
 from bozzetto_car.tools.trace_edges import TraceEdges
 from bozzetto_car.view.scene import scene_of
@@ -334,3 +336,34 @@ def test_while_a_share_of_templates_is_dragged_edits_are_carried_along(
         exact.network.control_points - one.network.control_points for one in (carried, plain)
     )
     assert 0.0 < np.sqrt((gap**2).mean()) < left * np.sqrt((change**2).mean())
+
+
+@pytest.mark.parametrize("field", ["trace", "share"])
+def test_a_kept_dimension_is_solved_for_while_something_else_is_dragged(field: str) -> None:
+    """What is shown at the release is what was shown before it."""
+    template = bundled("hatchback")
+    start = replace(
+        traced(marked(14, "hatchback"), "C1-C2"),
+        blend="minivan", share=0.3, lock=True,
+        wheelbase=0.94 * float(np.ptp(template.positions[template.wheels[:, 0], 0])),
+    )  # fmt: skip
+    body_at_rest_of(start)
+    later = replace(start, **{field: 0.5})
+    shown, exact = preview_of(later), body_of(later)
+    stretched = body_of(replace(later, lock=False))
+    gap, jump = (
+        float(np.abs(one.network.positions - exact.network.positions).max())
+        for one in (shown, stretched)
+    )
+    assert gap < 0.1 * jump
+    assert shown.dimensions.wheelbase == pytest.approx(start.wheelbase, abs=1e-6)
+
+
+def test_a_kept_dimension_that_is_dragged_is_stretched_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    start = replace(traced(marked(15), "C1-C2"), lock=True, length=4600.0)
+    body_at_rest_of(start)
+    preview_of(replace(start, length=4610.0))
+    with monkeypatch.context() as context:
+        context.setattr(pipeline_module, "solve", None)
+        shown = preview_of(replace(start, length=4700.0))
+    assert shown.dimensions.length == pytest.approx(4700.0, abs=1e-6)
