@@ -282,11 +282,12 @@ def _dealt(
     parts = _parts(members, home, len(pairs))
     if not all(parts):
         return ()
+    misfit = _misfit(around, parts)
     for number in unsure:
         home[number], second[number] = second[number], home[number]
         others = _parts(members, home, len(pairs))
-        if all(others) and _misfit(around, others) < _misfit(around, parts):
-            parts = others
+        if all(others) and (least := _misfit(around, others)) < misfit:
+            parts, misfit = others, least
         else:
             home[number], second[number] = second[number], home[number]
     return _lines(around, parts, pairs)
@@ -294,8 +295,10 @@ def _dealt(
 
 def _parts(members: Members, home: Sequence[int], count: int) -> tuple[Members, ...]:
     """Return the segments of each of some lines."""
-    both = list(zip(members, home, strict=True))
-    return tuple(tuple(k for k, own in both if own == number) for number in range(count))
+    found: list[list[int]] = [[] for _ in range(count)]
+    for member, own in zip(members, home, strict=True):
+        found[own].append(member)
+    return tuple(map(tuple, found))
 
 
 def _misfit(around: Surroundings, parts: Sequence[Members]) -> float:
