@@ -8,11 +8,11 @@ cost what they gain by agreeing. Lengths are shares of the drawing's diagonal, c
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import atan2, cos, hypot, inf, log, pi, radians, sin, sqrt
-from typing import Final
+from typing import Any, Final
 
 from bozzetto_polyhedron.graph.grouping import LONGEST_DASH, Members
 from bozzetto_polyhedron.graph.segments import Segments
@@ -136,6 +136,7 @@ class Fits:
     rows: list[list[list[float]]] = field(default_factory=list)
     light: list[bool] = field(default_factory=list)
     strokes: list[int] = field(default_factory=list)
+    dealt: dict[tuple[Any, ...], tuple[tuple[Members, Members], ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.rows.extend(self.segments.ends.tolist())
@@ -149,6 +150,24 @@ class Fits:
             key = tuple(sorted(members))
             found = self.known.get(key) or self._fitted(key)
             self.known[key] = self.known[members] = found
+        return found
+
+    def once(
+        self, ways: Callable[..., Iterator[tuple[Members, Members]]], *members: Members
+    ) -> tuple[tuple[Members, Members], ...]:
+        """Return the ways to deal segments of lines out in two, found once for the same lines.
+
+        Parameters
+        ----------
+        ways : callable
+            Of these fits and the segments of each line.
+        *members : tuple of int
+            Segments of each line.
+        """
+        key = ways, *members
+        found = self.dealt.get(key)
+        if found is None:
+            found = self.dealt[key] = tuple(ways(self, *members))
         return found
 
     def _fitted(self, key: Members) -> Line:

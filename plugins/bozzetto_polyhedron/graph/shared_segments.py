@@ -12,6 +12,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto_polyhedron.graph.draft import Change, Joined
 from bozzetto_polyhedron.graph.grouping import Members
+from bozzetto_polyhedron.graph.likelihood import Fits
 from bozzetto_polyhedron.graph.surroundings import Surroundings, placed
 
 SHORT: Final = 0.15
@@ -48,7 +49,7 @@ def exchanged(around: Surroundings, key: int, others: Sequence[int]) -> Iterator
         members = (*mine.line.members, *theirs.line.members)
         if len(members) < FEWEST:
             continue
-        crossed = list(_crossed_over(around, mine.line.members, theirs.line.members))
+        crossed = draft.fits.once(_crossed_over, mine.line.members, theirs.line.members)
         ways = [
             pairs
             for pairs in (
@@ -243,13 +244,11 @@ def _turn(around: Surroundings, corner: int, one: int, two: int) -> float:
     return abs(atan2(cross, -(x0 - x) * (x1 - x) - (y0 - y) * (y1 - y)))
 
 
-def _crossed_over(
-    around: Surroundings, mine: Members, theirs: Members
-) -> Iterator[tuple[Members, Members]]:
+def _crossed_over(fits: Fits, mine: Members, theirs: Members) -> Iterator[tuple[Members, Members]]:
     """Exchange all segments beyond a place along two lines, for places where both run."""
-    rows = around.draft.fits.segments.ends
+    rows = fits.segments.ends
     first, second = rows[list(mine)].mean(1), rows[list(theirs)].mean(1)
-    line = around.draft.fits.line(mine)
+    line = fits.line(mine)
     along = np.subtract(line.stop, line.start)
     a, b = (first - line.start) @ along, (second - line.start) @ along
     low, high = max(a.min(), b.min()), min(a.max(), b.max())

@@ -23,7 +23,7 @@ class Surroundings:
         self.draft = draft
         self.corners = sorted(draft.sums)
         found = draft.places()
-        self.places = np.array([found[k] for k in self.corners]).reshape(-1, 2)
+        self._x, self._y = np.array([found[k] for k in self.corners]).reshape(-1, 2).T.copy()
         self.place = found
         self.keys = sorted(draft.lines)
         self._near: dict[tuple[float, float], list[tuple[int, float]]] = {}
@@ -32,7 +32,7 @@ class Surroundings:
         """Return corners within reach of a place, `MOST_NEAR` at most, the nearest first."""
         found = self._near.get(place)
         if found is None:
-            away = np.hypot(self.places[:, 0] - place[0], self.places[:, 1] - place[1])
+            away = np.hypot(self._x - place[0], self._y - place[1])
             order = np.argsort(away, kind="stable")[:MOST_NEAR].tolist()
             found = self._near[place] = [(self.corners[k], float(away[k])) for k in order]
         return [corner for corner, distance in found[:most] if distance < reach]
