@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
-from bozzetto_polyhedron.reconstruction.vectors import dots, lengths_of
+from bozzetto_polyhedron.reconstruction.lengths import dots, lengths_of
 
 MOST: Final = 24
 """Most planes that are tried for one shape."""

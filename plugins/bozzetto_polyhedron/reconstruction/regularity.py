@@ -18,8 +18,8 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.plugin import cached_property
 from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.lengths import dots, lengths_of
 from bozzetto_polyhedron.reconstruction.mirror_planes import mirror_normals, mirror_planes
-from bozzetto_polyhedron.reconstruction.vectors import dots, lengths_of
 
 RIGHT: Final = (0.03, 5.0, 0.13)
 """Cosine at which an angle counts half as a right one: without noise, more for each diagonal of

@@ -1,4 +1,4 @@
-"""Products and lengths of many vectors in space: much faster than sums over an axis of three."""
+"""Scalar products and lengths in space: much faster than sums over an axis of three numbers."""
 
 from __future__ import annotations
 
