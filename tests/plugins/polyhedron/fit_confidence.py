@@ -1,22 +1,14 @@
 """Fit the numbers that tell how likely the first reading is the right one.
 
-``python -m tests.plugins.polyhedron.fit_confidence [drawings]`` draws solids with `SEEDS`, to which
-nothing else is fitted, reads them as the program does, and writes ``confidence_tables.py``.
+``python -m tests.plugins.polyhedron.fit_confidence [drawings]`` draws random solids with `SEEDS`,
+to which nothing else is fitted, reads them as the program does, and writes
+``confidence_tables.py``.
 
-The drawings are a fifth each:
-
-* random solids (``objects.py``): a sixth each of upright ones, of slanted ones twice, and of blocks
-  with a pocket, a boss or a tunnel, all with lines alike; of such blocks, and of upright and
-  slanted ones together, with hidden lines drawn lightly, 10 % of them wrongly;
-* parts of ``cad_parts.py``, of ``workshop_parts.py``, and of ``machine_parts.py``: half of them
-  with lines alike, half with light hidden lines as above;
-* all these from strokes, two of three with light hidden lines, half of them untidily.
-
-Where lines and corners are given, a corner is off by 0, 0.5, 1 or 2 % of the diagonal (standard
-deviation), a quarter each; the program is told that noise wrong by a factor of 1.28. Strokes have a
-jitter of 0.5, 1 or 2 %; drawings of them that do not look healthy are left out, and wrong lines are
-wrong readings. A reading is right if its shape is (``objects.is_right``) and it has the faces of
-the solid; where hidden lines are light, its mirror image is wrong.
+The drawings: a sixth each of upright solids, of slanted ones twice, and of blocks with a pocket, a
+boss or a tunnel, all with lines alike; of such blocks, and of upright and slanted solids together,
+with hidden lines drawn lightly, 10 % of them wrongly. A corner is off by 0, 0.5, 1 or 2 % of the
+diagonal (standard deviation), a quarter each; the program is told that noise wrong by a factor of
+1.28. A reading is right if its shape is (``objects.is_right``) and it has the faces of the solid.
 
 The log odds of being right are a sum: of a function of the lead of the first reading (the log odds
 of its share), one for each kind of evidence, straight between knots and never falling; and of the
@@ -30,8 +22,8 @@ others.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -40,42 +32,24 @@ from scipy.optimize import minimize
 
 import bozzetto_polyhedron.reconstruction.confidence_tables as written
 from bozzetto_polyhedron.graph.line_graph import LineGraph
-from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.reconstruction.answers import evidence_of, ranked_readings
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
 from bozzetto_polyhedron.reconstruction.ranking import (
     DRAWN,
     FEATURES,
-    Evidence,
+    LEAST,
+    MOST,
     lead_of,
     traits_of,
 )
-from bozzetto_polyhedron.solve.line_readings import decided
-from tests.plugins.polyhedron import cad_parts
 from tests.plugins.polyhedron.fit_ranking import NOISES
-from tests.plugins.polyhedron.graph_truth import corner_numbers
-from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
-from tests.plugins.polyhedron.hand import SIZE, UNTIDY, Hand, strokes_of
-from tests.plugins.polyhedron.machine_parts import MACHINE, machine_part
-from tests.plugins.polyhedron.objects import (
-    CAMERA,
-    TO_CANVAS,
-    Polyhedron,
-    View,
-    graph_of,
-    is_right,
-    made,
-    view,
-)
-from tests.plugins.polyhedron.workshop_parts import WORKSHOP, workshop_part
-
-Maker = Callable[[str, int], Polyhedron | None]
+from tests.plugins.polyhedron.objects import CAMERA, View, graph_of, is_right, made, view
 
 SEEDS = (*range(30_000, 35_200), *range(50_000, 52_800))
 UPRIGHT = ("rectilinear prism", "stairs", "letter prism", "boxes", "notched box")
 SLANTED = ("slanted prism", "slanted step", "tapered", "chamfered")
 LOOPED = ("looped",)
-KINDS: tuple[tuple[tuple[str, ...], float | None], ...] = (
+KINDS = (
     (UPRIGHT, None),
     (SLANTED, None),
     (LOOPED, 0.1),
@@ -83,24 +57,12 @@ KINDS: tuple[tuple[tuple[str, ...], float | None], ...] = (
     (SLANTED, None),
     (LOOPED, None),
 )
-"""Random solids, and the share of wrong marks of hidden lines; none where lines are alike."""
-
-PARTS: tuple[tuple[tuple[str, ...], Maker], ...] = (
-    (tuple(cad_parts.PARTS), cad_parts.part),
-    (tuple(WORKSHOP), workshop_part),
-    (tuple(MACHINE), machine_part),
-)
-"""Kinds of parts, and what makes one of a kind by a seed."""
-
-FAMILIES = ("random", "parts", "workshop", "machine", "strokes")
-WRONG_MARKS = 0.1
-JITTERS = (0.01, 0.005, 0.02)
-OVERSHOT = 0.3
+"""Solids, and the share of wrong marks of hidden lines; none where all lines are alike."""
 
 KNOTS = (-6.0, -3.0, -1.5, -0.5, 0.5, 1.5, 3.0, 4.5, 6.0)
-EVIDENCE: tuple[Evidence, ...] = ("plain", "loose", "marked")
+EVIDENCE = ("plain", "loose", "marked")
 BINS = (0.0, 0.5, 0.7, 0.85, 0.95, 1.01)
-QUARTERS = 4
+PARTS = 4
 STEADY = 2.0
 """Pull of the steps of the functions to those of the lead, drawings a squared unit of log odds."""
 
@@ -121,7 +83,7 @@ from typing import Final
 class Outcome:
     """The first reading of one drawing: its lead and traits, and whether it is right."""
 
-    evidence: Evidence
+    evidence: str
     lead: float
     traits: np.ndarray
     right: bool
@@ -136,81 +98,39 @@ class Fit:
 
 
 def outcome(seed: int) -> Outcome | None:
-    """Draw a solid of a family and judge the first reading.
-
-    Returns
-    -------
-    Outcome or None
-        None where there is no solid, no view or no reading, or where the lines of strokes look
-        wrong.
-    """
-    family, number = seed % len(FAMILIES), seed // len(FAMILIES)
-    if FAMILIES[family] == "strokes":
-        return _of_strokes(seed, number)
-    solid: Polyhedron | None
-    if FAMILIES[family] == "random":
-        kinds, marks = KINDS[number % len(KINDS)]
-        turn, solid = number // len(KINDS), made(seed, kinds)
-    else:
-        names, make = PARTS[family - 1]
-        cycle = number // len(names)
-        turn, marks = cycle // 2, (None, WRONG_MARKS)[cycle % 2]
-        solid = make(names[number % len(names)], seed)
-    seen = None if solid is None else view(solid, seed)
+    """Draw a solid and judge the first reading; None where there is no view or no reading."""
+    kinds, marks = KINDS[seed % len(KINDS)]
+    noise = NOISES[seed // len(KINDS) % len(NOISES)]
+    solid = made(seed, kinds)
+    seen = view(solid, seed)
     if seen is None:
         return None
-    noise = NOISES[turn % len(NOISES)]
     graph, _ = graph_of(seen, noise, seed, marks)
-    return _judged(graph, np.arange(len(graph.places)), seen, noise)
+    return judged(graph, np.arange(len(graph.places)), seen, noise)
 
 
-def _of_strokes(seed: int, number: int) -> Outcome | None:
-    """Judge the first reading of strokes; `number` counts the drawings from strokes."""
-    sources: tuple[tuple[tuple[str, ...], Maker], ...] = (
-        (("any",), lambda name, seed: made(seed)),
-        *PARTS,
-    )
-    (names, make), number = sources[number % len(sources)], number // len(sources)
-    solid = make(names[number % len(names)], seed)
-    seen = None if solid is None else view(solid, seed)
-    if seen is None:
-        return None
-    rng = np.random.default_rng((17, seed))
-    marked, tidy = rng.random() < 2 / 3, rng.random() < 0.5
-    jitter = JITTERS[rng.integers(len(JITTERS))]
-    hand = Hand(jitter=jitter) if tidy else replace(UNTIDY, jitter=jitter, overshot=OVERSHOT)
-    edges = [(int(a), int(b)) for a, b in seen.solid.edges]
-    hidden = np.flatnonzero(seen.hidden > 0.5).tolist() if marked else ()
-    strokes = strokes_of(seen.plane * TO_CANVAS, edges, hand, seed, hidden)
-    graph = decided(searched(strokes), CAMERA, lambda *_: None).graph
-    if graph.health:
-        return None
-    places = seen.plane * TO_CANVAS * SIZE + 200.0
-    numbers = corner_numbers(graph, places) if is_right_graph(graph, places, edges) else None
-    return _judged(graph, numbers, seen, jitter)
-
-
-def _judged(
-    graph: LineGraph, numbers: np.ndarray | None, seen: View, noise: float
+def judged(
+    graph: LineGraph, numbers: np.ndarray | None, seen: View, noise: float, mirrored: bool = True
 ) -> Outcome | None:
     """Judge the first reading of lines; None where there is none.
 
     Parameters
     ----------
     graph : LineGraph
-    camera : Camera
     numbers : (n,) array, optional
-        The vertex of the solid that each corner is; without where lines are wrong.
+        The vertex of the solid that each corner is; without where lines are wrong, and so is what
+        is read.
     seen : View
     noise : float
         Of the corners, diagonals.
+    mirrored : bool
+        Whether the mirror image is right as well.
     """
     drawing = drawing_of(graph)
     sight, found = ranked_readings(drawing, CAMERA)
     if not found:
         return None
-    first, evidence = found[0], evidence_of(drawing)
-    right = False
+    first, right = found[0], False
     if numbers is not None:
         shape = np.empty((len(numbers), 3))
         shape[numbers] = np.column_stack((sight.drawing.points, first.depths))
@@ -218,11 +138,10 @@ def _judged(
             frozenset(frozenset(int(numbers[corner]) for corner in ring) for ring in face)
             for face in first.faces
         }
-        right = faces == seen.solid.face_sets()
-        right = right and is_right(seen, shape, noise, mirrored=evidence != "marked")
+        right = faces == seen.solid.face_sets() and is_right(seen, shape, noise, mirrored)
     lead = lead_of(np.array([each.score for each in found]))
     traits = traits_of(first.features, len(drawing.lines), drawing.noise)
-    return Outcome(evidence, lead, traits, right)
+    return Outcome(evidence_of(drawing), lead, traits, right)
 
 
 def fitted(every: Sequence[Outcome]) -> Fit:
@@ -284,14 +203,20 @@ def told(fit: Fit, each: Outcome) -> float:
     return float(1.0 / (1.0 + np.exp(-odds - np.clip(each.traits, low, high) @ weights)))
 
 
-def held_out(every: Sequence[Outcome]) -> str:
-    """Return a table of what is said of each drawing by the fit to three quarters without it."""
-    part = np.random.default_rng(0).permutation(len(every)) % QUARTERS
-    said, right = np.zeros(len(every)), np.array([each.right for each in every])
-    for k in range(QUARTERS):
+def said_unseen(every: Sequence[Outcome]) -> np.ndarray:
+    """Return what is said of each drawing by the fit to three quarters without it, (n,)."""
+    part = np.random.default_rng(0).permutation(len(every)) % PARTS
+    said = np.zeros(len(every))
+    for k in range(PARTS):
         fit = fitted([each for each, own in zip(every, part, strict=True) if own != k])
         for number in np.flatnonzero(part == k).tolist():
             said[number] = told(fit, every[number])
+    return np.clip(said, LEAST, MOST)
+
+
+def held_out(every: Sequence[Outcome]) -> str:
+    """Return a table of what is said of drawings that a fit has not seen."""
+    said, right = said_unseen(every), np.array([each.right for each in every])
     lines = ["| said | right | drawings |", "| --- | --- | --- |"]
     for low, high in pairwise(BINS):
         here = (said >= low) & (said < high)
