@@ -125,8 +125,8 @@ def _of_strokes(seed: int, number: int) -> Outcome | None:
     return judged(graph, numbers, seen, jitter, mirrored=not marked)
 
 
-def rows(name: str, right: np.ndarray, told: np.ndarray, anew: np.ndarray) -> None:
-    """Print a row for each bin of what is said, and one of how likely that made what came."""
+def rows(name: str, right: np.ndarray, told: np.ndarray) -> None:
+    """Print a row for each bin of what is said."""
     for low, high in pairwise(BINS):
         here = (told >= low) & (told < high)
         if not here.any():
@@ -138,9 +138,6 @@ def rows(name: str, right: np.ndarray, told: np.ndarray, anew: np.ndarray) -> No
             f"| {name} | {mean:.1f} % | {share:.1f} % of {here.sum()} | {off:.1f} ± {error:.1f} "
             f"points | {'yes' if off <= ASKED else 'no'} |"
         )
-    if name == "all drawings":
-        print(f"\nNegative log-likelihood of a drawing: {loss(right, told):.4f}; ", end="")
-        print(f"by a fit to the others of these drawings {loss(right, anew):.4f}.")
 
 
 def loss(right: np.ndarray, told: np.ndarray) -> float:
@@ -152,16 +149,18 @@ def table(found: dict[int, Outcome]) -> None:
     """Print what is said of the outcomes of seeds, and how often they are right."""
     every = list(found.values())
     right = np.array([each.right for each in every], bool)
-    told, anew = np.array([said(each) for each in every]), said_unseen(every)
+    told = np.array([said(each) for each in every])
     families = np.array([family_of(seed) for seed in found])
     evidence = np.array([each.evidence for each in every])
-    head = f"| drawings | said | right | difference | at most {ASKED:g} points |"
-    print(f"{head}\n| --- | --- | --- | --- | --- |")
+    print(f"| drawings | said | right | difference | at most {ASKED:g} points |")
+    print("| --- | --- | --- | --- | --- |")
+    rows("all drawings", right, told)
     for name in FAMILIES:
-        rows(name, *(each[families == name] for each in (right, told, anew)))
+        rows(name, right[families == name], told[families == name])
     for kind, name in NAMES.items():
-        rows(name, *(each[evidence == kind] for each in (right, told, anew)))
-    rows("all drawings", right, told, anew)
+        rows(name, right[evidence == kind], told[evidence == kind])
+    print(f"\nMean negative log-likelihood of what came: {loss(right, told):.4f}; by fits to three")
+    print(f"quarters of these drawings, of the fourth, {loss(right, said_unseen(every)):.4f}.")
 
 
 def main(count: int) -> None:
