@@ -96,23 +96,31 @@ class Draft:
         """Return by how much a change raises the cost; infinite if it is impossible."""
         if any(each.start == each.stop for each in change.added):
             return float("inf")
+        return self._priced(change, self._after(change), {})
+
+    def _priced(
+        self, change: Change, after: dict[int, tuple[End, int]], costs: dict[int, float]
+    ) -> float:
+        """Return the price of a change, and put the costs of corners after it into `costs`."""
         total = self.fits.tick_cost(change.dropped) if change.dropped else 0.0
         for each in change.added:
             total += each.line.misfit
         for key in change.removed:
             total -= self.lines[key].line.misfit
-        costs = self.costs
-        for corner, (sums, degree) in self._after(change).items():
-            total += corner_cost(sums, degree) - costs.get(corner, 0.0)
+        before = self.costs
+        for corner, (sums, degree) in after.items():
+            cost = costs[corner] = corner_cost(sums, degree)
+            total += cost - before.get(corner, 0.0)
             if degree >= CROWDED:
-                total += self._passing_cost(corner, change)
+                passing = self._passing_cost(corner, change)
+                total += passing
+                costs[corner] += passing
         return total + SAME_ENDS * self._more_pairs(change)
 
     def apply(self, change: Change) -> None:
-        """Make a change."""
-        self.cost += self.price(change)
-        after = self._after(change)
-        costs = {k: self._cost_of(k, sums, degree, change) for k, (sums, degree) in after.items()}
+        """Make a change that is possible."""
+        after, costs = self._after(change), dict[int, float]()
+        self.cost += self._priced(change, after, costs)
         for corner, (sums, degree) in after.items():
             if degree:
                 self.sums[corner], self.degrees[corner] = sums, degree
@@ -169,11 +177,6 @@ class Draft:
     def at(self, corner: int) -> list[int]:
         """Return the keys of the lines at a corner."""
         return list(self.around.get(corner, ()))
-
-    def _cost_of(self, corner: int, sums: End, degree: int, change: Change) -> float:
-        """Return the cost of a corner after a change."""
-        passing = self._passing_cost(corner, change) if degree >= CROWDED else 0.0
-        return corner_cost(sums, degree) + passing
 
     def _passing_cost(self, corner: int, change: Change) -> float:
         """Return the cost of lines that go straight on through a corner after a change."""

@@ -8,11 +8,11 @@ cost what they gain by agreeing. Lengths are shares of the drawing's diagonal, c
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 from itertools import pairwise
 from math import atan2, cos, hypot, inf, log, pi, radians, sin, sqrt
-from typing import Final
+from typing import Any, Final
 
 from bozzetto_polyhedron.graph.grouping import LONGEST_DASH, Members
 from bozzetto_polyhedron.graph.segments import Segments
@@ -135,29 +135,52 @@ class Fits:
     known: dict[Members, Line] = field(default_factory=dict)
     rows: list[list[list[float]]] = field(default_factory=list)
     light: list[bool] = field(default_factory=list)
+    strokes: list[int] = field(default_factory=list)
+    dealt: dict[tuple[Any, ...], tuple[tuple[Members, Members], ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.rows.extend(self.segments.ends.tolist())
         self.light.extend(self.segments.light.tolist())
+        self.strokes.extend(self.segments.strokes.tolist())
 
     def line(self, members: Members) -> Line:
-        """Return the line through segments."""
-        key = tuple(sorted(members))
-        found = self.known.get(key)
+        """Return the line through segments, given in any order."""
+        found = self.known.get(members)
         if found is None:
-            found = self.known[key] = _line([self.rows[k] for k in key], key, self.spread)
-            if len(key) > 1:
-                order = self.segments.strokes[list(key)].tolist()
-                at_once = sum(later - sooner <= 1 for sooner, later in pairwise(order))
-                misfit = found.misfit - (AGAIN - AGAIN_AT_ONCE) * at_once
-                misfit += MIXED * self._is_mixed(key) + BESIDE * self._dashes_beside(key, found)
-                found = self.known[key] = replace(found, misfit=misfit)
+            key = tuple(sorted(members))
+            found = self.known.get(key) or self._fitted(key)
+            self.known[key] = self.known[members] = found
         return found
 
-    def _is_mixed(self, members: Members) -> bool:
-        """Whether some of the segments were drawn lightly and others firmly."""
-        light = {self.light[k] for k in members}
-        return len(light) == 2
+    def once(
+        self, ways: Callable[..., Iterator[tuple[Members, Members]]], *members: Members
+    ) -> tuple[tuple[Members, Members], ...]:
+        """Return the ways to deal segments of lines out in two, found once for the same lines.
+
+        Parameters
+        ----------
+        ways : callable
+            Of these fits and the segments of each line.
+        *members : tuple of int
+            Segments of each line.
+        """
+        key = ways, *members
+        found = self.dealt.get(key)
+        if found is None:
+            found = self.dealt[key] = tuple(ways(self, *members))
+        return found
+
+    def _fitted(self, key: Members) -> Line:
+        """Return the line through segments, which ascend."""
+        found = _line([self.rows[k] for k in key], key, self.spread)
+        if len(key) == 1:
+            return found
+        at_once = sum(self.strokes[b] - self.strokes[a] <= 1 for a, b in pairwise(key))
+        light = sum(self.light[k] for k in key)
+        misfit = found.misfit - (AGAIN - AGAIN_AT_ONCE) * at_once
+        beside = self._dashes_beside(key, found) if light > 1 else 0
+        misfit += MIXED * (0 < light < len(key)) + BESIDE * beside
+        return Line(key, found.start, found.stop, misfit, found.ends, found.angles)
 
     def _dashes_beside(self, members: Members, line: Line) -> int:
         """Count light dashes that lie beside the one before them along the line."""

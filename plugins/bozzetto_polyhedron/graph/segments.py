@@ -256,16 +256,17 @@ def _cut_at_ends(
     Traced ink goes on through corners of which the edges bow so that nothing turns sharply there.
     """
     count = len(path)
-    apart = np.linalg.norm(path[:, None] - ends, axis=2).min(1, initial=np.inf)
-    beside = np.flatnonzero(apart < BESIDE * size)
-    cost = _line_costs(path)
+    close = _apart_squared(path, ends).min(1, initial=np.inf) < (BESIDE * size) ** 2
+    beside = np.flatnonzero(close)
+    cost: Array | None = None
     made: list[tuple[int, int]] = []
     for first, last in runs or [(0, count - 1)]:
-        away = np.linalg.norm(path[beside][:, None] - path[[first, last]], axis=2).min(1)
-        inner = beside[(beside > first + 2) & (beside < last - 2) & (away > LEAST_HALF * size)]
+        away = _apart_squared(path[beside], path[[first, last]]).min(1) > (LEAST_HALF * size) ** 2
+        inner = beside[(beside > first + 2) & (beside < last - 2) & away]
         if not len(inner):
             made.append((first, last))
             continue
+        cost = _line_costs(path) if cost is None else cost
         corner = int(inner[int((cost[first, inner] + cost[inner, last]).argmin())])
         halves = [(first, corner), (corner, last)]
         before, after = (_direction(path[a : b + 1]) for a, b in halves)
@@ -275,6 +276,12 @@ def _cut_at_ends(
         )
         made += halves if straight and bends else [(first, last)]
     return made if runs or len(made) > 1 else None
+
+
+def _apart_squared(points: Array, others: Array) -> Array:
+    """Return squared distances of points, (n, 2), from others, (m, 2), as (n, m)."""
+    x, y = points[:, :1] - others[:, 0], points[:, 1:] - others[:, 1]
+    return np.asarray(x * x + y * y)
 
 
 def _bow_cost(path: Array) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto_polyhedron.graph.draft import Change, Joined
 from bozzetto_polyhedron.graph.grouping import Members
+from bozzetto_polyhedron.graph.likelihood import Fits
 from bozzetto_polyhedron.graph.surroundings import Surroundings, placed
 
 SHORT: Final = 0.15
@@ -48,7 +49,7 @@ def exchanged(around: Surroundings, key: int, others: Sequence[int]) -> Iterator
         members = (*mine.line.members, *theirs.line.members)
         if len(members) < FEWEST:
             continue
-        crossed = list(_crossed_over(around, mine.line.members, theirs.line.members))
+        crossed = draft.fits.once(_crossed_over, mine.line.members, theirs.line.members)
         ways = [
             pairs
             for pairs in (
@@ -243,13 +244,11 @@ def _turn(around: Surroundings, corner: int, one: int, two: int) -> float:
     return abs(atan2(cross, -(x0 - x) * (x1 - x) - (y0 - y) * (y1 - y)))
 
 
-def _crossed_over(
-    around: Surroundings, mine: Members, theirs: Members
-) -> Iterator[tuple[Members, Members]]:
+def _crossed_over(fits: Fits, mine: Members, theirs: Members) -> Iterator[tuple[Members, Members]]:
     """Exchange all segments beyond a place along two lines, for places where both run."""
-    rows = around.draft.fits.segments.ends
+    rows = fits.segments.ends
     first, second = rows[list(mine)].mean(1), rows[list(theirs)].mean(1)
-    line = around.draft.fits.line(mine)
+    line = fits.line(mine)
     along = np.subtract(line.stop, line.start)
     a, b = (first - line.start) @ along, (second - line.start) @ along
     low, high = max(a.min(), b.min()), min(a.max(), b.max())
@@ -282,11 +281,12 @@ def _dealt(
     parts = _parts(members, home, len(pairs))
     if not all(parts):
         return ()
+    misfit = _misfit(around, parts)
     for number in unsure:
         home[number], second[number] = second[number], home[number]
         others = _parts(members, home, len(pairs))
-        if all(others) and _misfit(around, others) < _misfit(around, parts):
-            parts = others
+        if all(others) and (least := _misfit(around, others)) < misfit:
+            parts, misfit = others, least
         else:
             home[number], second[number] = second[number], home[number]
     return _lines(around, parts, pairs)
@@ -294,8 +294,10 @@ def _dealt(
 
 def _parts(members: Members, home: Sequence[int], count: int) -> tuple[Members, ...]:
     """Return the segments of each of some lines."""
-    both = list(zip(members, home, strict=True))
-    return tuple(tuple(k for k, own in both if own == number) for number in range(count))
+    found: list[list[int]] = [[] for _ in range(count)]
+    for member, own in zip(members, home, strict=True):
+        found[own].append(member)
+    return tuple(map(tuple, found))
 
 
 def _misfit(around: Surroundings, parts: Sequence[Members]) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto_polyhedron.graph.draft import Change, Draft, Joined
 from bozzetto_polyhedron.graph.grouping import Members
-from bozzetto_polyhedron.graph.likelihood import LONGEST_TICK, Line, strain_of
+from bozzetto_polyhedron.graph.likelihood import LONGEST_TICK, Fits, strain_of
 from bozzetto_polyhedron.graph.shared_segments import (
     contracted,
     exchanged,
@@ -228,7 +228,7 @@ def _told_apart(around: Surroundings, key: int, others: list[int]) -> Iterator[C
     """Let some segments of a line be another line, or part of another one."""
     draft = around.draft
     each = draft.lines[key]
-    for part, rest in _partitions(draft, each.line):
+    for part, rest in draft.fits.once(_partitions, each.line.members):
         mine, left = draft.fits.line(part), draft.fits.line(rest)
         homes = {each.pair}
         nearest = [around.near(tip, 1) for tip in (left.start, left.stop)]
@@ -251,10 +251,10 @@ def _told_apart(around: Surroundings, key: int, others: list[int]) -> Iterator[C
                     yield Change((key, other), (kept, both))
 
 
-def _partitions(draft: Draft, line: Line) -> Iterator[tuple[Members, Members]]:
+def _partitions(fits: Fits, members: Members) -> Iterator[tuple[Members, Members]]:
     """Return ways to part the segments of a line: each one alone, by side, and by place along."""
-    members = line.members
-    rows = draft.fits.segments.ends[list(members)].mean(1) - np.array(line.start)
+    line = fits.line(members)
+    rows = fits.segments.ends[list(members)].mean(1) - np.array(line.start)
     axis = np.array(line.stop) - np.array(line.start)
     axis /= max(hypot(*axis), 1e-9)
     seen: set[Members] = set()

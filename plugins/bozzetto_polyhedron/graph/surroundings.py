@@ -12,6 +12,9 @@ from bozzetto_polyhedron.graph.likelihood import Line
 REACH: Final = 0.08
 """Shares of the diagonal within which other corners are looked at."""
 
+MOST_NEAR: Final = 5
+"""Corners that are looked at beside one place, at most."""
+
 
 class Surroundings:
     """Corners of a draft and which ones are close, as they are before a round of changes."""
@@ -20,15 +23,19 @@ class Surroundings:
         self.draft = draft
         self.corners = sorted(draft.sums)
         found = draft.places()
-        self.places = np.array([found[k] for k in self.corners]).reshape(-1, 2)
+        self._x, self._y = np.array([found[k] for k in self.corners]).reshape(-1, 2).T.copy()
         self.place = found
         self.keys = sorted(draft.lines)
+        self._near: dict[tuple[float, float], list[tuple[int, float]]] = {}
 
     def near(self, place: tuple[float, float], most: int, reach: float = REACH) -> list[int]:
-        """Return corners within reach of a place, the nearest first."""
-        away = np.hypot(self.places[:, 0] - place[0], self.places[:, 1] - place[1])
-        order = np.argsort(away, kind="stable")[:most]
-        return [self.corners[k] for k in order if away[k] < reach]
+        """Return corners within reach of a place, `MOST_NEAR` at most, the nearest first."""
+        found = self._near.get(place)
+        if found is None:
+            away = np.hypot(self._x - place[0], self._y - place[1])
+            order = np.argsort(away, kind="stable")[:MOST_NEAR].tolist()
+            found = self._near[place] = [(self.corners[k], float(away[k])) for k in order]
+        return [corner for corner, distance in found[:most] if distance < reach]
 
 
 def placed(around: Surroundings, line: Line, one: int, two: int) -> Joined:

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
+from bozzetto_polyhedron.reconstruction.lengths import dots, lengths_of
 
 MOST: Final = 24
 """Most planes that are tried for one shape."""
@@ -32,16 +33,18 @@ def mirror_planes(corners: Array, normals: Array, scale: float) -> Array:
         Distance at which a corner counts half as mirrored, root mean square sizes.
     """
     centred = corners - corners.mean(1, keepdims=True)
-    size = np.sqrt((centred**2).sum(2).mean(1))
+    size = np.sqrt(dots(centred, centred).mean(1))
     centred /= np.maximum(1e-12, size)[:, None, None]
     normals, tried = _distinct(normals)
     across = centred @ normals.transpose(0, 2, 1)
-    squares = (centred**2).sum(2)
-    # |c_i - 2 (c_i . n) n - c_j|^2, without the images themselves
+    squares = dots(centred, centred)
+    # |c_i - 2 (c_i . n) n - c_j|^2, the same for i and j exchanged, without the images themselves
     own = centred @ centred.transpose(0, 2, 1)
     apart = squares[:, :, None] + squares[:, None] - 2.0 * own
     crossed = across.transpose(0, 2, 1)
-    nearest = (apart[:, None] + 4.0 * crossed[..., None] * crossed[:, :, None]).min(3)
+    images = (4.0 * crossed)[..., None] * crossed[:, :, None]
+    images += apart[:, None]
+    nearest = images.min(2)
     fits = (1.0 / (1.0 + np.maximum(nearest, 0.0) / scale**2)).mean(2)
     fits = -np.sort(-np.where(tried, fits, 0.0), axis=1)[:, :3]
     fits = np.pad(fits, ((0, 0), (0, 3 - fits.shape[1])))
@@ -62,7 +65,7 @@ def mirror_normals(directions: Array, faces: Array) -> Array:
     first, second = np.triu_indices(min(directions.shape[1], CLASSES), 1)
     one, other = directions[:, first], directions[:, second]
     normals = np.concatenate((directions, faces, one + other, one - other), axis=1)
-    lengths = np.linalg.norm(normals, axis=2, keepdims=True)
+    lengths = lengths_of(normals)
     return np.asarray(np.where(lengths > 1e-9, normals / np.maximum(lengths, 1e-9), 0.0))
 
 
@@ -72,7 +75,9 @@ def _distinct(normals: Array) -> tuple[Array, Flags]:
     kept = np.zeros(normals.shape[:2], bool)
     there = (normals != 0.0).any(2)
     for number in range(normals.shape[1]):
-        kept[:, number] = there[:, number] & ~(same[:, number] & kept).any(1)
-    order = np.argsort(~kept, axis=1, kind="stable")[:, :MOST]
+        earlier = (same[:, number, :number] & kept[:, :number]).any(1)
+        kept[:, number] = there[:, number] & ~earlier
+    most = min(MOST, int(kept.sum(1).max(initial=0)))
+    order = np.argsort(~kept, axis=1, kind="stable")[:, :most]
     rows = np.arange(len(normals))[:, None]
     return normals[rows, order], kept[rows, order]

@@ -18,6 +18,7 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.plugin import cached_property
 from bozzetto_polyhedron.reconstruction.answer import Rings
+from bozzetto_polyhedron.reconstruction.lengths import dots, lengths_of
 from bozzetto_polyhedron.reconstruction.mirror_planes import mirror_normals, mirror_planes
 
 RIGHT: Final = (0.03, 5.0, 0.13)
@@ -159,7 +160,7 @@ class Relief:
         along = maps @ self.slopes.T
         flat = np.broadcast_to(self.directions, (*along.shape, 2))
         found = np.concatenate((flat, along[..., None]), axis=2)
-        return np.asarray(found / np.linalg.norm(found, axis=2, keepdims=True))
+        return np.asarray(found / lengths_of(found))
 
     def heights(self, chosen: Array) -> Array:
         """Return the depths of one map, (n,), diagonals."""
@@ -376,14 +377,14 @@ def _normals(relief: Relief, maps: Array) -> Array:
     flat = (maps @ rows.T).reshape(len(maps), len(relief.normals), 2)
     areas = np.broadcast_to(relief.areas, flat.shape[:2])
     normals = np.concatenate((flat, areas[..., None]), axis=2)
-    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12))
+    return np.asarray(normals / np.maximum(lengths_of(normals), 1e-12))
 
 
 def _square_dihedrals(relief: Relief, normals: Array, right: float) -> Array:
     """Return the share of lines between two faces at a right angle, (k,)."""
     if not len(relief.dihedrals):
         return np.zeros(len(normals))
-    cosines = (normals[:, relief.dihedrals[:, 0]] * normals[:, relief.dihedrals[:, 1]]).sum(2)
+    cosines = dots(normals[:, relief.dihedrals[:, 0]], normals[:, relief.dihedrals[:, 1]])
     return np.asarray(_near(cosines, right).mean(1))
 
 
@@ -416,8 +417,8 @@ def _opposite_faces(relief: Relief, maps: Array, normals: Array) -> Array:
     ways = relief.middles[second] - relief.middles[first]
     depth = maps @ (relief.levels[second] - relief.levels[first]).T
     spans = np.concatenate((np.broadcast_to(ways, (*depth.shape, 2)), depth[..., None]), axis=2)
-    spans /= np.maximum(np.linalg.norm(spans, axis=2, keepdims=True), 1e-12)
-    cosines = (spans * normals[:, relief.opposite[:, 0]]).sum(2)
+    spans /= np.maximum(lengths_of(spans), 1e-12)
+    cosines = dots(spans, normals[:, relief.opposite[:, 0]])
     return np.asarray(_near(np.sqrt(np.maximum(0.0, 1.0 - cosines**2)), OPPOSITE).max(1))
 
 
@@ -445,7 +446,7 @@ def _frame_coverage(directions: Array, counts: Array, right: float) -> Array:
     number, first, second = np.nonzero(np.triu(square, 1))
     axes, others = directions[number, first], directions[number, second]
     thirds = _cross(axes, others)
-    thirds /= np.linalg.norm(thirds, axis=1, keepdims=True)
+    thirds /= lengths_of(thirds)
     frames = np.stack((axes, _cross(thirds, axes), thirds), axis=2)
     nearest = np.abs(directions[number] @ frames).max(2)
     off = np.sqrt(np.maximum(0.0, 1.0 - nearest**2))
@@ -464,6 +465,6 @@ def _equal_angles(relief: Relief, space: Array) -> Array:
     if not len(relief.angles):
         return np.zeros(len(space))
     sides = np.diff(space[:, relief.angles], axis=2)
-    sides /= np.maximum(np.linalg.norm(sides, axis=3, keepdims=True), 1e-12)
-    turns = np.arccos(np.clip(-(sides[:, :, :2] * sides[:, :, 1:]).sum(3), -1.0, 1.0))
+    sides /= np.maximum(lengths_of(sides), 1e-12)
+    turns = np.arccos(np.clip(-dots(sides[:, :, :2], sides[:, :, 1:]), -1.0, 1.0))
     return np.asarray(_near(turns[..., 0] - turns[..., 1], SAME_ANGLE).mean(1))

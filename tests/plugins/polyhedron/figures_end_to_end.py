@@ -34,11 +34,13 @@ from bozzetto_polyhedron.solid.hand_over import mesh_of
 from bozzetto_polyhedron.solve.line_readings import decided
 from tests.plugins.polyhedron.cad_parts import PARTS, part
 from tests.plugins.polyhedron.fit_confidence import BINS
+from tests.plugins.polyhedron.graph_truth import corner_numbers
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
 from tests.plugins.polyhedron.hand import SIZE, UNTIDY, Hand, strokes_of
 from tests.plugins.polyhedron.machine_parts import MACHINE, machine_part
 from tests.plugins.polyhedron.objects import (
     CAMERA,
+    TO_CANVAS,
     Polyhedron,
     View,
     in_eye_frame,
@@ -47,9 +49,6 @@ from tests.plugins.polyhedron.objects import (
     view,
 )
 from tests.plugins.polyhedron.workshop_parts import WORKSHOP, workshop_part
-
-UPRIGHT = np.array((1.0, -1.0))
-"""From a picture with y up, as objects are seen, to a canvas."""
 
 EXACT = 1e-9
 """Distance of a vertex from its planes, as share of the size."""
@@ -82,7 +81,7 @@ def outcome_of(solid: Polyhedron, seed: int, hand: Hand) -> Outcome | None:
         return None
     edges = [(int(a), int(b)) for a, b in solid.edges]
     hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
-    strokes = strokes_of(seen.plane * UPRIGHT, edges, hand, seed, hidden)
+    strokes = strokes_of(seen.plane * TO_CANVAS, edges, hand, seed, hidden)
     found = Outcome(solid.orthogonal)
     began = time.process_time()
     graph = decided(searched(strokes), CAMERA, lambda *_: None).graph
@@ -90,10 +89,10 @@ def outcome_of(solid: Polyhedron, seed: int, hand: Hand) -> Outcome | None:
     found.seconds = time.process_time() - began
     found.findings = len(graph.health)
     found.confidence = answers[0].confidence
-    places = seen.plane * UPRIGHT * SIZE + 200.0
+    places = seen.plane * TO_CANVAS * SIZE + 200.0
     found.graph = is_right_graph(graph, places, edges)
     if found.graph:
-        numbers = np.linalg.norm(graph.places[:, None] - places, axis=2).argmin(axis=1)
+        numbers = corner_numbers(graph, places)
         found.right = [is_whole(answer, numbers, seen, graph) for answer in answers[:3]]
     return found
 

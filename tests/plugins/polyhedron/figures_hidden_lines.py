@@ -18,10 +18,10 @@ from bozzetto.ink import Stroke
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
 from bozzetto_polyhedron.solve.completion import completed
-from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT, is_whole, share
+from tests.plugins.polyhedron.figures_end_to_end import is_whole, share
 from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
-from tests.plugins.polyhedron.objects import CAMERA, View, hidden_places, made, view
+from tests.plugins.polyhedron.objects import CAMERA, TO_CANVAS, View, hidden_places, made, view
 
 PRISMS = ("rectilinear prism", "stairs", "letter prism", "slanted prism", "slanted step")
 
@@ -34,7 +34,7 @@ SHORTEST = 0.03
 def visible_lines(seen: View) -> tuple[Array, list[tuple[int, int]]]:
     """Ends of the visible stretches of edges, (2 k, 2) diagonals, and pairs of them."""
     at = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    places = [*(seen.plane * UPRIGHT)]
+    places = [*(seen.plane * TO_CANVAS)]
     lines = []
     for (first, second), behind in zip(seen.solid.edges, hidden_places(seen, at), strict=True):
         for low, high in stretches(~behind):
@@ -74,7 +74,7 @@ def outcome(seed: int, hand: Hand) -> tuple[list[bool], bool] | None:
         return None
     seen, strokes = drawn
     edges = [(int(a), int(b)) for a, b in seen.solid.edges]
-    places = seen.plane * UPRIGHT * SIZE + 200.0
+    places = seen.plane * TO_CANVAS * SIZE + 200.0
     right, whole = [], False
     for guess in hidden_lines(graph_of(strokes)):
         graph = graph_of(completed(strokes, guess))

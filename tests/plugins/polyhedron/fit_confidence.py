@@ -31,11 +31,19 @@ import numpy as np
 from scipy.optimize import minimize
 
 import bozzetto_polyhedron.reconstruction.confidence_tables as written
+from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.reconstruction.answers import evidence_of, ranked_readings
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
-from bozzetto_polyhedron.reconstruction.ranking import DRAWN, FEATURES, lead_of, traits_of
+from bozzetto_polyhedron.reconstruction.ranking import (
+    DRAWN,
+    FEATURES,
+    LEAST,
+    MOST,
+    lead_of,
+    traits_of,
+)
 from tests.plugins.polyhedron.fit_ranking import NOISES
-from tests.plugins.polyhedron.objects import CAMERA, graph_of, is_right, made, view
+from tests.plugins.polyhedron.objects import CAMERA, View, graph_of, is_right, made, view
 
 SEEDS = (*range(30_000, 35_200), *range(50_000, 52_800))
 UPRIGHT = ("rectilinear prism", "stairs", "letter prism", "boxes", "notched box")
@@ -98,14 +106,39 @@ def outcome(seed: int) -> Outcome | None:
     if seen is None:
         return None
     graph, _ = graph_of(seen, noise, seed, marks)
+    return judged(graph, np.arange(len(graph.places)), seen, noise)
+
+
+def judged(
+    graph: LineGraph, numbers: np.ndarray | None, seen: View, noise: float, mirrored: bool = True
+) -> Outcome | None:
+    """Judge the first reading of lines; None where there is none.
+
+    Parameters
+    ----------
+    graph : LineGraph
+    numbers : (n,) array, optional
+        The vertex of the solid that each corner is; without where lines are wrong, and so is what
+        is read.
+    seen : View
+    noise : float
+        Of the corners, diagonals.
+    mirrored : bool
+        Whether the mirror image is right as well.
+    """
     drawing = drawing_of(graph)
     sight, found = ranked_readings(drawing, CAMERA)
     if not found:
         return None
-    first = found[0]
-    shape = is_right(seen, np.column_stack((sight.drawing.points, first.depths)), noise)
-    faces = {frozenset(frozenset(ring) for ring in face) for face in first.faces}
-    right = shape and faces == solid.face_sets()
+    first, right = found[0], False
+    if numbers is not None:
+        shape = np.empty((len(numbers), 3))
+        shape[numbers] = np.column_stack((sight.drawing.points, first.depths))
+        faces = {
+            frozenset(frozenset(int(numbers[corner]) for corner in ring) for ring in face)
+            for face in first.faces
+        }
+        right = faces == seen.solid.face_sets() and is_right(seen, shape, noise, mirrored)
     lead = lead_of(np.array([each.score for each in found]))
     traits = traits_of(first.features, len(drawing.lines), drawing.noise)
     return Outcome(evidence_of(drawing), lead, traits, right)
@@ -170,14 +203,20 @@ def told(fit: Fit, each: Outcome) -> float:
     return float(1.0 / (1.0 + np.exp(-odds - np.clip(each.traits, low, high) @ weights)))
 
 
-def held_out(every: Sequence[Outcome]) -> str:
-    """Return a table of what is said of each drawing by the fit to three quarters without it."""
+def said_unseen(every: Sequence[Outcome]) -> np.ndarray:
+    """Return what is said of each drawing by the fit to three quarters without it, (n,)."""
     part = np.random.default_rng(0).permutation(len(every)) % PARTS
-    said, right = np.zeros(len(every)), np.array([each.right for each in every])
+    said = np.zeros(len(every))
     for k in range(PARTS):
         fit = fitted([each for each, own in zip(every, part, strict=True) if own != k])
         for number in np.flatnonzero(part == k).tolist():
             said[number] = told(fit, every[number])
+    return np.clip(said, LEAST, MOST)
+
+
+def held_out(every: Sequence[Outcome]) -> str:
+    """Return a table of what is said of drawings that a fit has not seen."""
+    said, right = said_unseen(every), np.array([each.right for each in every])
     lines = ["| said | right | drawings |", "| --- | --- | --- |"]
     for low, high in pairwise(BINS):
         here = (said >= low) & (said < high)

@@ -21,8 +21,14 @@ def is_right(graph: LineGraph, places: Array, edges: Sequence[tuple[int, int]]) 
     """Whether corners and lines are those meant, each corner next to its own place (n, 2) px."""
     if len(graph.places) != len(places):
         return False
-    nearest = np.linalg.norm(graph.places[:, None] - places, axis=2).argmin(1)
+    nearest = corner_numbers(graph, places)
     if len(set(nearest.tolist())) != len(places):
         return False
     found = {tuple(sorted(pair)) for pair in nearest[graph.lines].tolist()}
     return found == {tuple(sorted(pair)) for pair in edges} and len(graph.lines) == len(edges)
+
+
+def corner_numbers(graph: LineGraph, places: Array) -> Array:
+    """Return of each corner the number of the place (n, 2), px, that is next to it, (k,)."""
+    away = np.linalg.norm(graph.places[:, None] - places, axis=2)
+    return np.asarray(away.argmin(axis=1))

@@ -25,6 +25,9 @@ CANVAS = (1200.0, 900.0)
 SPAN = 560.0
 """Diagonal of a picture, px."""
 
+TO_CANVAS = np.array((1.0, -1.0))
+"""From a picture with y up, as objects are seen, to a canvas."""
+
 
 @dataclass(frozen=True, eq=False)
 class Polyhedron:

@@ -12,9 +12,8 @@ from bozzetto_polyhedron.graph.dashes import rows_of_dashes
 from bozzetto_polyhedron.graph.segments import Segments, pieces_of
 from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import SIZE, Hand, owned_strokes_of, strokes_of
-from tests.plugins.polyhedron.objects import made, view
+from tests.plugins.polyhedron.objects import TO_CANVAS, made, view
 
-UPRIGHT = np.array((1.0, -1.0))
 HAND = Hand(jitter=0.01)
 
 PARALLEL = np.array([(0.0, 0.0), (0.7, 0.3), (0.01, 0.03), (0.71, 0.33)])
@@ -69,8 +68,8 @@ def drawing(seed: int) -> tuple[tuple[Stroke, ...], Array, list[tuple[int, int]]
     assert seen is not None
     edges = [(int(a), int(b)) for a, b in seen.solid.edges]
     hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
-    strokes = strokes_of(seen.plane * UPRIGHT, edges, HAND, seed, hidden)
-    return strokes, seen.plane * UPRIGHT * SIZE + 200.0, edges
+    strokes = strokes_of(seen.plane * TO_CANVAS, edges, HAND, seed, hidden)
+    return strokes, seen.plane * TO_CANVAS * SIZE + 200.0, edges
 
 
 @pytest.mark.parametrize("seed", [304, 526, 538, 543, 578, 596, 695])

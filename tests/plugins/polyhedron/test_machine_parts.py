@@ -9,12 +9,13 @@ from bozzetto_polyhedron.graph import steps
 from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.solve.line_readings import decided
-from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT, outcome_of
+from tests.plugins.polyhedron.figures_end_to_end import outcome_of
 from tests.plugins.polyhedron.graph_truth import is_right as is_right_graph
 from tests.plugins.polyhedron.hand import CLEAN, SIZE, strokes_of
 from tests.plugins.polyhedron.machine_parts import MACHINE, machine_part
 from tests.plugins.polyhedron.objects import (
     CAMERA,
+    TO_CANVAS,
     Polyhedron,
     View,
     box,
@@ -109,8 +110,8 @@ def test_hidden_lines_that_run_over_one_another_are_told_apart(
     seen = seen_part(name, seed)
     edges = [(int(a), int(b)) for a, b in seen.solid.edges]
     hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
-    strokes = strokes_of(seen.plane * UPRIGHT, edges, CLEAN, seed, hidden)
-    places = seen.plane * UPRIGHT * SIZE + 200.0
+    strokes = strokes_of(seen.plane * TO_CANVAS, edges, CLEAN, seed, hidden)
+    places = seen.plane * TO_CANVAS * SIZE + 200.0
     assert is_right_graph(searched(strokes).graph, places, edges)
     monkeypatch.setattr(steps, "overlapping", lambda around, key: iter(()))
     assert not is_right_graph(searched(strokes).graph, places, edges)

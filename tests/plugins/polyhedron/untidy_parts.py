@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.plugins.polyhedron.figures_end_to_end import UPRIGHT
 from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
-from tests.plugins.polyhedron.objects import Polyhedron, view
+from tests.plugins.polyhedron.objects import TO_CANVAS, Polyhedron, view
 
 HAND = Hand(retraced=0.15, split=0.1, overshot=0.3)
 
@@ -18,5 +17,5 @@ def untidy(solid: Polyhedron | None, seed: int):
     assert seen is not None
     edges = [(int(a), int(b)) for a, b in solid.edges]
     hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
-    strokes = strokes_of(seen.plane * UPRIGHT, edges, HAND, seed, hidden)
-    return strokes, seen.plane * UPRIGHT * SIZE + 200.0, edges
+    strokes = strokes_of(seen.plane * TO_CANVAS, edges, HAND, seed, hidden)
+    return strokes, seen.plane * TO_CANVAS * SIZE + 200.0, edges
