@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -92,6 +93,8 @@ class DrawCurve(ErasingTool):
             drawn = add_strokes(state, ink.strokes)
         if state.snapping:
             drawn = with_drawn_snaps(drawn, context)
+        elif drawn.chosen is not None:
+            drawn = drawn.with_node(replace(drawn.chosen, settles=False))
         # Solved here, the curve is remembered when several ask for it at once.
         if drawn.chosen is not None:
             with suppress(UserError):

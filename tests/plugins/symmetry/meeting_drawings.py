@@ -128,12 +128,12 @@ def bicycle(noise: float, random: np.random.Generator) -> list[Line]:
     bar = np.column_stack(
         (head[0] - 6 * (2 * m.SHARE - 1) ** 2, 38 * (2 * m.SHARE - 1), head[2] + 0 * m.SHARE)
     )
-    return _drawn(
-        [
-            steering, pillar, _straight(bottom, steering[220]), _straight(pillar[240], steering[80]),
-            fork + shift[5], _straight(bottom + (0, 4, 0), drop), _straight(pillar[210] + (0, 3, 0), drop), bar,
-        ], noise, random,
-    )  # fmt: skip
+    tubes = [_straight(bottom, steering[220]), _straight(pillar[240], steering[80])]
+    stays = [
+        _straight(place + np.array((0.0, beside, 0.0)), drop)
+        for place, beside in ((bottom, 4.0), (pillar[210], 3.0))
+    ]
+    return _drawn([steering, pillar, *tubes, fork + shift[5], *stays, bar], noise, random)
 
 
 KINDS: Final[dict[str, Callable[[float, np.random.Generator], list[Line]]]] = {
