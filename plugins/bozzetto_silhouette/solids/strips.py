@@ -18,7 +18,8 @@ from bozzetto_silhouette.numerics.isotropic_remeshing import cross, dot
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.contacts import Apart, Contact, Pair
 from bozzetto_silhouette.solids.seams import OFF, RINGS, SPREAD, Sewn, settled, with_even
-from bozzetto_silhouette.solids.strip_borders import Net, cut_meshes, mean_edges
+from bozzetto_silhouette.solids.strip_borders import cut_meshes
+from bozzetto_silhouette.solids.strip_nets import Net, mean_edges
 from bozzetto_silhouette.solids.strip_rows import Strips
 from bozzetto_silhouette.solids.volume_check import RESAMPLED
 
