@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_symmetry.operations.free_ends import FreeEnd
+from bozzetto_symmetry.operations.open_ends import FreeEnd
 from bozzetto_symmetry.operations.snap_candidates import SMOOTH
 
 
