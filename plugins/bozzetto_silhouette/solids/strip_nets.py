@@ -102,7 +102,7 @@ def net_of(bodies: Sequence[Body], pairs: list[Pair]) -> Net:
 
 
 def mean_edges(vertices: Array, faces: Index) -> Array:
-    """Return the mean length (v,) of the edges at vertices."""
+    """Return the mean length (v,) of the edges of faces at vertices; 0 where there are none."""
     a, b = faces.ravel(), faces[:, [1, 2, 0]].ravel()
     way = vertices[b] - vertices[a]
     count = np.maximum(np.bincount(a, minlength=len(vertices)), 1)
@@ -192,7 +192,8 @@ def _refined(net: Net, pairs: list[Pair], bodies: Sequence[Body]) -> Net:
     """Halve edges that are long beside the blend where the mesh is cut."""
     steps = np.array([pair.step for pair in pairs] or [1.0])
     ones = np.array([pair.one for pair in pairs] or [0])
-    room = 2.0 * mean_edges(net.vertices, net.faces)
+    met = net.faces[(net.pair >= 0)[net.faces].any(axis=1)]
+    room = 2.0 * mean_edges(net.vertices, met)
     near = (net.ahead > -(net.local + room)) & (net.ahead < room)
     around = np.zeros(len(near), bool)
     around[net.faces[near[net.faces].any(axis=1)]] = True
