@@ -24,7 +24,7 @@ from tests.plugins.symmetry import meeting_drawings as m
 from tests.plugins.symmetry.meeting_drawings import Line
 
 SEED: Final = 95000
-COUNT: Final = 24
+COUNT: Final = 10
 """Drawings of a kind."""
 
 
