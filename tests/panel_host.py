@@ -1,5 +1,8 @@
 """The program, as far as a plugin's own panel sees it."""
 
+from bozzetto.errors import UserError
+from bozzetto.plugin import Context
+
 
 class StandInHost:
     """A `bozzetto.plugin.PanelHost` that keeps a state and writes down what it is asked for.
@@ -26,6 +29,14 @@ class StandInHost:
         self.labels.append(label)
         self.going.append(going)
         self.put(state)
+
+    def run(self, command):
+        try:
+            state = command.run(self.state, Context())
+        except UserError as problem:
+            self.complain(problem)
+        else:
+            self.change(state, command.title)
 
     def put(self, state):
         """Put another state there, as an undo does."""

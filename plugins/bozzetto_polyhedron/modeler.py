@@ -20,7 +20,7 @@ from bozzetto.plugin import (
     override,
 )
 from bozzetto.scene import Scene
-from bozzetto.view import Camera, with_kind
+from bozzetto.view import Camera
 from bozzetto_polyhedron.commands.listing import all_commands
 from bozzetto_polyhedron.hand_over import shapes_of, traced_curves
 from bozzetto_polyhedron.model.assign_stroke import drawings_in, new_body
@@ -41,14 +41,16 @@ from bozzetto_polyhedron.report import FIGURES, cautions_of, report_of
 from bozzetto_polyhedron.solve.followed import Sources, bodies_of
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
 from bozzetto_polyhedron.tools.listing import all_tools
+from bozzetto_polyhedron.view.drawn_views import advice_before, advice_on_drawings
 from bozzetto_polyhedron.view.scene import scene_of
 
 
 @dataclass(frozen=True, eq=False)
 class PolyhedronResult:
-    """What became of every drawing, by its id, in their order; and what other objects gave."""
+    """What became of every drawing, by its id, and the drawings; and what other objects gave."""
 
     bodies: Mapping[str, Solved]
+    drawings: tuple[Body, ...]
     sources: Sources
 
 
@@ -82,19 +84,19 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
 
     @override
     def view_advice(self, state: PolyhedronState, camera: Camera, job: Job) -> ViewAdvice | None:
-        """Return the view without perspective until a drawing is turned.
+        """Return the view without perspective until a drawing is turned."""
+        return advice_before(state.of_kind(Body), camera)
 
-        Lines are nearly always drawn without it, and a solid covers its lines only where it is
-        seen as they were drawn.
-        """
-        if camera.kind == "orthographic" or any(body.choice for body in state.of_kind(Body)):
-            return None
-        return ViewAdvice(
-            "good",
-            "Lines are read best without perspective",
-            with_kind(camera, "orthographic"),
-            follow=True,
-        )
+    @override
+    def advice_on_result(
+        self,
+        state: PolyhedronState,
+        result: PolyhedronResult,
+        camera: Camera,
+        seen: Sequence[PolyhedronResult],
+    ) -> ViewAdvice | None:
+        """Return the view that shows drawings as another one showed them before they were moved."""
+        return advice_on_drawings(result.drawings, camera, [earlier.drawings for earlier in seen])
 
     @override
     def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> PolyhedronState:
@@ -157,7 +159,7 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
 
             checkpoint(0.0, "Lines")
             results[body.id] = solved(body, state, job.quality, checkpoint)
-        return PolyhedronResult(results, job.sources)
+        return PolyhedronResult(results, tuple(state.shown(Body)), job.sources)
 
     @override
     def scene(self, state: PolyhedronState, result: PolyhedronResult | None) -> Scene:

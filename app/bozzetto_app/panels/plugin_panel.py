@@ -17,6 +17,7 @@ from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
+    from bozzetto.plugin.commands import Command
     from bozzetto.plugin.next_step import NextStep
     from bozzetto_app.session.session import Session
 
@@ -66,6 +67,10 @@ class _Host:
         if self._going and not going:
             session.objects.end_drag()
         self._going = key if going else ""
+
+    def run(self, command: Command) -> None:
+        if self._model is not None:
+            self._session.commands.run_of_panel(command)
 
     def complain(self, problem: UserError) -> None:
         self._session.notices.complain(problem)

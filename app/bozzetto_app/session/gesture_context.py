@@ -61,5 +61,6 @@ class GestureContext:
             pictures=self.pictures,
             curves=self._workbench.curves.of(document),
             seen=self._advice.seen_states(target),
+            alone=self._workbench.is_alone(document, target),
             sources={} if target is None else self._workbench.given_sources(target),
         )

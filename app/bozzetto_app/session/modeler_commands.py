@@ -156,7 +156,11 @@ class ModelerCommands(QObject):
         else:
             self._submit(command_id, begins=self._selection.model is None)
 
-    def _submit(self, command_id: str, *, begins: bool) -> None:
+    def run_of_panel(self, command: Command) -> None:
+        """Run a command that a plugin's panel has made on the selected model, as one step."""
+        self._submit(command, begins=False)
+
+    def _submit(self, wanted: Command | str, *, begins: bool) -> None:
         """Queue a command; what was to be changed and is gone meanwhile is not begun anew."""
         model = self._selection.model
         modeler = self.modeler if model is None else model.modeler
@@ -170,7 +174,7 @@ class ModelerCommands(QObject):
             begun = base or bench.create(modeler, context)
             if begun.modeler != modeler:
                 return None
-            command = bench.commands.find(modeler, command_id)
+            command = bench.commands.find(modeler, wanted) if isinstance(wanted, str) else wanted
             made = bench.commands.run(begun, command, context)
             only_chosen = base is not None and bench.parts.only_choice_differs(base, made)
             differs = base is None or bench.differs(begun, made, only_chosen=only_chosen)
@@ -185,7 +189,7 @@ class ModelerCommands(QObject):
             elif answer.base is not None and all(
                 answer.base is not known for known in self._drawing.document
             ):
-                self._submit(command_id, begins=begins)  # the document changed meanwhile
+                self._submit(wanted, begins=begins)  # the document changed meanwhile
             else:
                 try:
                     self._drawing.document.refuse_circle(answer.made)

@@ -8,6 +8,7 @@ advises on results, else only if answers come quickly.
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -39,9 +40,12 @@ INTERVAL = 100
 QUICK = 0.1
 """How long an answer may take for the next to be asked for in a drag, seconds."""
 
-MOST_PINNED = 32
+MOST_SEEN = 32
 """Earlier states of a model that are remembered as seen: a hand that drags a mark and lets it
 go, or takes a few steps back, passes through no more before the view has followed."""
+
+SAME_WAY = 1e-9
+"""Difference of the axes of two views that look the same way."""
 
 
 Question = tuple[str, Model | None, Camera, Any] | None
@@ -91,7 +95,8 @@ class ViewAdviser(QObject):
         self._asked: Question = None
         self._silent: set[str] = set()
         self._empty: tuple[str, Scene, Model] | None = None
-        self._pinned: deque[Model] = deque(maxlen=MOST_PINNED)
+        self._pinned: deque[Model] = deque(maxlen=MOST_SEEN)
+        self._as_drawn: deque[Model] = deque(maxlen=MOST_SEEN)
         self._channel = Channel("advice", time_limit=LATE_AFTER, parent=self)
         self._pace = QTimer(self, singleShot=True, interval=INTERVAL)
         self._pace.timeout.connect(self._ask)
@@ -111,7 +116,8 @@ class ViewAdviser(QObject):
     @property
     def may_follow(self) -> bool:
         """Whether a pinned view may still go along with the newest result, which waits for it."""
-        waits = self._is_pinned and self._advises_on_results and not self._drawing.is_dragging
+        goes_along = self._is_pinned or self._shows_as_drawn
+        waits = goes_along and self._advises_on_results and not self._drawing.is_dragging
         return waits and self.busy
 
     def holds_eye(self, camera: Camera) -> bool:
@@ -122,10 +128,14 @@ class ViewAdviser(QObject):
         return self._is_pinned and camera.kind == self._seen.kind and camera.eye == self._seen.eye
 
     def seen(self, model: Model | None) -> tuple[Model, ...]:
-        """Return the recent states of a model to which the view was pinned, newest first."""
+        """Return the recent states of a model that the view went along with, newest first.
+
+        It was pinned to them, or has shown them as they were drawn and was not turned since.
+        """
         if model is None:
             return ()
-        return tuple(known for known in self._pinned if known.id == model.id)
+        known = (*self._as_drawn, *self._pinned)
+        return tuple(each for each in known if each.id == model.id)
 
     def seen_states(self, model: Model | None) -> tuple[Any, ...]:
         """Return the same as the states of the modeler; see `Context.seen`."""
@@ -149,16 +159,21 @@ class ViewAdviser(QObject):
     def _is_pinned(self) -> bool:
         return self.advice is not None and self.advice.pinned
 
+    @property
+    def _shows_as_drawn(self) -> bool:
+        return self.advice is not None and self.advice.as_drawn
+
     def _forget(self) -> None:
         """Let go of a closed document: models hold all their pictures, a scene all its meshes."""
         self._channel.cancel()
         self._asked = None
         self._pinned.clear()
+        self._as_drawn.clear()
         self._empty = None
 
     def _look_at_change(self) -> None:
         """Follow a picture at once, whose camera may differ; anything else can wait."""
-        if self._is_pinned:
+        if self._is_pinned or self._shows_as_drawn:
             self.look()
         else:
             self.look_later()
@@ -227,6 +242,8 @@ class ViewAdviser(QObject):
                 self._asked = None
             return
         modeler, model, camera, rests_on = question
+        if not _looks_the_same_way(camera, self._seen):
+            self._as_drawn.clear()  # the view was turned: what it shows is not as it was drawn
         waits = self._advises_on_results and rests_on is None
         if waits and self._solver.busy:
             return  # it is being solved: to solve it here as well would take longer
@@ -247,7 +264,7 @@ class ViewAdviser(QObject):
             if self._toolbox.modeler == modeler:
                 self.about, self._seen = model, camera
                 self._remember(model, advice)
-                self._take(advice)
+                self._take(self._allowed(model, advice))
 
         def failed(problem: BaseException) -> None:
             self._take(None)
@@ -270,10 +287,22 @@ class ViewAdviser(QObject):
         )
 
     def _remember(self, model: Model | None, advice: ViewAdvice | None) -> None:
-        """Remember the state of a model to which the view is pinned, or goes to be pinned."""
-        pinned = advice is not None and advice.pinned
-        if pinned and model is not None and (not self._pinned or self._pinned[0] is not model):
-            self._pinned.appendleft(model)
+        """Remember the state of a model that the view goes along with."""
+        if model is None or advice is None:
+            return
+        for goes_along, seen in (
+            (advice.pinned, self._pinned),
+            (advice.as_drawn and not advice.follow, self._as_drawn),
+        ):
+            if goes_along and (not seen or seen[0] is not model):
+                seen.appendleft(model)
+
+    def _allowed(self, model: Model | None, advice: ViewAdvice | None) -> ViewAdvice | None:
+        """Return the advice; no view follows one model alone where it shows others as well."""
+        if advice is None or advice.pinned or not (advice.follow and advice.as_drawn):
+            return advice
+        alone = self._workbench.is_alone(self._drawing.document, model)
+        return advice if alone else replace(advice, better=None, follow=False)
 
     def _begun(self, modeler: str, camera: Camera, visible: Scene) -> Model:
         """Return the model that a stroke would begin beside what is visible, in the worker."""
@@ -293,6 +322,11 @@ class ViewAdviser(QObject):
             self._scene.show_alone("" if alone is None else alone.id)
             self._scene.show_advice(Scene() if advice is None else advice.scene)
             self.changed.emit()
+
+
+def _looks_the_same_way(one: Camera, other: Camera) -> bool:
+    """Return whether a view was moved at most since, and not turned."""
+    return bool(abs(one.axes - other.axes).max() < SAME_WAY)
 
 
 def _same(one: Question, other: Question) -> bool:

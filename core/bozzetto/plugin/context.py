@@ -61,8 +61,12 @@ class Context:
     drawings : mapping of str to Drawing
         Those that `facts` name, by the names of their files as they stand there.
     seen : tuple
-        States in which the model was a moment ago, newest first, while the view was pinned to it
-        (`ViewAdvice.pinned`): a hand that is quicker than the view draws on what it saw.
+        States in which the model was a moment ago, newest first, while the view was pinned to it or
+        showed it as it was drawn (`ViewAdvice.pinned`, `ViewAdvice.as_drawn`): a hand that is
+        quicker than the view draws on what it saw.
+    alone : bool
+        Whether nothing is visible but this model. Then it may be put elsewhere in space, for the
+        view can go along (`ViewAdvice.as_drawn`).
     sources : mapping of str to Shapes
         What the models hand over that `Modeler.sources` names, by their ids, as they were when
         this model was solved last; mm, in the frame of the model, as `Job.sources`. Empty before.
@@ -81,6 +85,7 @@ class Context:
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     drawings: Mapping[str, Drawing] = field(default_factory=dict)
     seen: tuple[Any, ...] = ()
+    alone: bool = False
     sources: Mapping[str, Shapes] = field(default_factory=dict)
     file: str = ""
 

@@ -281,9 +281,10 @@ class Modeler(ABC, Generic[State, Result]):
         camera : Camera
             The view now.
         seen : sequence of Result
-            Results to which the view was pinned a moment ago, newest first. Where what the view
-            showed of one has another camera now, the advice is on the view through that one,
-            which is `ViewAdvice.better`, and says `ViewAdvice.follow`.
+            Results to which the view was pinned a moment ago, or which it showed as they were
+            drawn (`ViewAdvice.as_drawn`), newest first. Where what the view showed of one has
+            another camera now, the advice is on the view through that one, which is
+            `ViewAdvice.better`, and says `ViewAdvice.follow`.
         """
         return None
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from bozzetto.errors import UserError
+    from bozzetto.plugin.commands import Command
     from bozzetto.plugin.next_step import NextStep
 
 
@@ -40,6 +41,14 @@ class PanelHost(Protocol):
         going : bool
             Whether more of the same follows, as while a slider is dragged: all such changes of one
             label and the one that ends them are one step.
+        """
+        ...
+
+    def run(self, command: Command) -> None:
+        """Change the state by a command, beside the window: for what takes more than a moment.
+
+        It runs like those of `Modeler.commands`, of which it need not be one: after what was drawn
+        before, with the world around as its context, and as one step of the history.
         """
         ...
 

@@ -31,6 +31,11 @@ class ViewAdvice:
         camera about its eye and change its opening angle, so that the picture and what is
         laid over it stay together; turning the view leaves the place as usual. Other objects of
         the modeler are not shown meanwhile: they would stand before the picture.
+    as_drawn : bool
+        The view shows the model as it was drawn. Where the model is put elsewhere in space, nothing
+        moves on the sheet: a modeler that sees this in `Modeler.advice_on_result` says with
+        `better` and `follow` which view shows the same now. The view goes along if nothing else
+        is visible, which would move instead. Other than a pinned view it moves freely.
     follow : bool
         What the view showed has another camera now: the view goes to `better` at once, unless a
         hand is turning it.
@@ -41,4 +46,5 @@ class ViewAdvice:
     better: Camera | None = None
     scene: Scene = field(default_factory=Scene)
     pinned: bool = False
+    as_drawn: bool = False
     follow: bool = False

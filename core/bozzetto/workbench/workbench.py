@@ -242,8 +242,9 @@ class Workbench:
         camera : Camera
             The view.
         seen : iterable of Model
-            The model as it was a moment ago, newest first, while the view was pinned to it. Where
-            it has changed, the view may have to go along; see `Modeler.view_after`.
+            The model as it was a moment ago, newest first, while the view was pinned to it or
+            showed it as it was drawn. Where it has changed, the view may have to go along; see
+            `Modeler.view_after`.
         job : Job, optional
             Says whether anybody still waits for the advice.
         result : optional
@@ -402,6 +403,13 @@ class Workbench:
                     underlay.opacity,
                 )
                 yield Layer(underlay.name, (image,))
+
+    @staticmethod
+    def is_alone(document: Document, model: Model | None) -> bool:
+        """Whether nothing is visible but a model, or nothing at all."""
+        wanted = "" if model is None else model.id
+        others = any(each.visible and each.id != wanted for each in document)
+        return not others and not any(underlay.visible for underlay in document.underlays)
 
     @staticmethod
     def is_foreign(model: Model) -> bool:

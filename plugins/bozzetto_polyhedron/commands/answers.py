@@ -10,6 +10,7 @@ from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import Body, Choice, PolyhedronState
 from bozzetto_polyhedron.solve.choice import choice_of, mirrored_number
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
+from bozzetto_polyhedron.solve.standing import stood
 
 
 def chosen_body(state: PolyhedronState) -> Body:
@@ -35,8 +36,12 @@ def has_body(state: PolyhedronState) -> bool:
     return any(len(body.strokes) for body in state.of_kind(Body))
 
 
-def with_answer(state: PolyhedronState, body: Body, number: int) -> PolyhedronState:
+def with_answer(
+    state: PolyhedronState, body: Body, number: int, *, alone: bool = False
+) -> PolyhedronState:
     """Return the state with another answer of a body, counted from 0 and round.
+
+    Where nothing else is visible (`alone`) its sheet stands on the ground then; see `stood`.
 
     Raises
     ------
@@ -46,18 +51,20 @@ def with_answer(state: PolyhedronState, body: Body, number: int) -> PolyhedronSt
     found = _answered(body, state)
     number %= len(found.answers)
     choice = choice_of(found.answers, number)
-    return state.with_node(replace(body, choice=choice, answer=number + 1))
+    made = state.with_node(replace(body, choice=choice, answer=number + 1))
+    return stood(state, made, body.id) if alone else made
 
 
 def next_answer(state: PolyhedronState, context: Context) -> PolyhedronState:
     """Return the state with the next answer of the chosen body; a drawing is turned first."""
     body = chosen_body(state)
     if body.choice is None:
-        return with_answer(state, body, max(_answered(body, state).number, 0))
+        number = max(_answered(body, state).number, 0)
+        return with_answer(state, body, number, alone=context.alone)
     found = _answered(body, state)
     if len(found.answers) == 1:
         raise UserError("This drawing has only this answer. Draw the hidden edges lightly.")
-    return with_answer(state, body, found.number + 1)
+    return with_answer(state, body, found.number + 1, alone=context.alone)
 
 
 def mirrored_answer(state: PolyhedronState, context: Context) -> PolyhedronState:
@@ -70,7 +77,7 @@ def mirrored_answer(state: PolyhedronState, context: Context) -> PolyhedronState
             "No answer has near and far exchanged: the light lines say which side is which. "
             "Set hidden edges to “Drawn like the others” to have both."
         )
-    return with_answer(state, body, other)
+    return with_answer(state, body, other, alone=context.alone)
 
 
 def _answered(body: Body, state: PolyhedronState) -> Solved:

@@ -7,20 +7,15 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry import Placement
 from bozzetto.plugin import Context
 from bozzetto_polyhedron.commands.answers import chosen_body
-from bozzetto_polyhedron.model.state import PolyhedronState
-from bozzetto_polyhedron.solid.planar_body import PlanarBody
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.pipeline import solved
+from bozzetto_polyhedron.solve.standing import standing_of, with_sheet_moved
 
 SHEET: Final = 0.02
 """Thickness of a sheet in extents of the body, where none is given yet."""
-
-BELOW: Final = 1e-6
-"""Distance in extents of the body by which a vertex may lie under the face it stands on."""
 
 
 def begin_body(state: PolyhedronState, context: Context) -> PolyhedronState:
@@ -53,47 +48,16 @@ def sheet(state: PolyhedronState, context: Context) -> PolyhedronState:
 def on_the_ground(state: PolyhedronState, context: Context) -> PolyhedronState:
     """Return the state with the chosen body standing on z = 0.
 
-    It stands on the face that looks down most among those that all of it lies above.
+    Drawings of its sheet that are no solids yet come along.
     """
     body = chosen_body(state)
     found = solved(body, state)
     if found.body is None:
         raise UserError(found.problem or "This drawing is no solid yet. Draw on.")
-    number = foot_of(found.body)
-    if number is None:
+    way = standing_of(body, found.body)
+    if way is None:
         raise UserError("This body has no face to stand on. Turn it with the object's handles.")
-    rotation = upright(found.body, number)
-    turned = Placement(rotation).points(found.body.vertices)
-    middle = 0.5 * (turned.min(axis=0) + turned.max(axis=0))
-    target = np.asarray(body.strokes[0].camera.target)
-    x, y = (float(target[k] - middle[k]) for k in (0, 1))
-    standing = Placement(rotation, 1.0, (x, y, -float(turned[:, 2].min())))
-    return state.with_node(replace(body, placement=standing.after(body.placement)))
-
-
-def foot_of(body: PlanarBody) -> int | None:
-    """Return the face that looks down most among those with the whole body on one side."""
-    slack = BELOW * float(np.linalg.norm(np.ptp(body.vertices, axis=0)))
-    heights = body.vertices @ body.normals.T - body.offsets
-    holds = heights.max(axis=0) <= slack
-    if not holds.any():
-        return None
-    return int(np.argmin(np.where(holds, body.normals[:, 2], np.inf)))
-
-
-def upright(body: PlanarBody, number: int) -> tuple[float, ...]:
-    """Return the rotation, row by row, that turns a face down and the longest edge of it along x.
-
-    So walls that are square to it become planes of the world's axes.
-    """
-    down = body.normals[number]
-    ring = body.vertices[list(body.faces[number][0])]
-    edges = np.roll(ring, -1, axis=0) - ring
-    along = edges[int(np.argmax(np.linalg.norm(edges, axis=1)))]
-    along = along - (along @ down) * down
-    return _rows(along / np.linalg.norm(along), -down)
-
-
-def _rows(x_axis: Array, z_axis: Array) -> tuple[float, ...]:
-    turn = np.stack((x_axis, np.cross(z_axis, x_axis), z_axis))
-    return tuple(float(value) for value in turn.ravel())
+    others = (each for each in state.of_kind(Body) if each.id != body.id)
+    if any(each.choice is not None and each.placement == body.placement for each in others):
+        return state.with_node(replace(body, placement=way.after(body.placement)))
+    return with_sheet_moved(state, body, way)

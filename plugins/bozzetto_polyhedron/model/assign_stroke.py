@@ -10,7 +10,8 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, Strokes, on_canvas
+from bozzetto.geometry import Placement
+from bozzetto.ink import Stroke, Strokes, on_sheet_of
 from bozzetto_polyhedron.model.same_view import into_drawing, is_one_sheet, with_stroke
 from bozzetto_polyhedron.model.state import Body, Choice, PolyhedronState
 
@@ -23,6 +24,8 @@ next line may be the far side."""
 
 TOUCH: Final = 0.02
 """Distance of two ends, in heights of the canvas, at which a stroke makes one drawing of two."""
+
+IN_PLACE: Final = Placement()
 
 DOT: Final = 3.0
 """Extent of ink, px, below which it is no line."""
@@ -47,16 +50,32 @@ def with_strokes(state: PolyhedronState, strokes: Sequence[Stroke]) -> Polyhedro
 
 
 def new_body(
-    state: PolyhedronState, strokes: Sequence[Stroke], choice: Choice | None = None
+    state: PolyhedronState,
+    strokes: Sequence[Stroke],
+    choice: Choice | None = None,
+    placement: Placement = IN_PLACE,
 ) -> PolyhedronState:
-    """Return the state with one more body, selected, of strokes of one view."""
+    """Return the state with one more body, selected, of strokes of one view.
+
+    Parameters
+    ----------
+    state : PolyhedronState
+        A model.
+    strokes : sequence of Stroke
+        In the frame of the new drawing.
+    choice : Choice, optional
+        Of the solid that the drawing shows; None until somebody turns it.
+    placement : Placement
+        Where the sheet of the drawing lies now.
+    """
     camera = strokes[0].camera
     return state.with_node(
         Body(
             id=state.unused_id(),
             name=state.unused_name("Body"),
-            strokes=Strokes([on_canvas(stroke, camera) for stroke in strokes]),
+            strokes=Strokes([on_sheet_of(stroke, camera) for stroke in strokes]),
             choice=choice,
+            placement=placement,
         )
     )
 
@@ -64,41 +83,65 @@ def new_body(
 def drawings_in(strokes: Sequence[Stroke]) -> list[list[Stroke]]:
     """Return the strokes of each body of a whole drawing, in the order drawn.
 
-    Strokes with one name are one body. Of the others, those of one view are together whose
-    bounding boxes overlap, a little enlarged: a hole lies inside what it is a hole of.
+    Strokes of one view with one name are one body. Of the others, those of one view are together
+    whose bounding boxes overlap, a little enlarged: a hole lies inside what it is a hole of.
     """
-    named: dict[str, list[Stroke]] = {}
+    named: list[list[Stroke]] = []
     for stroke in strokes:
-        if stroke.group:
-            named.setdefault(stroke.group, []).append(stroke)
-    rest = [stroke for stroke in strokes if not stroke.group]
-    return [*named.values(), *_apart(rest)]
+        if not stroke.group:
+            continue
+        for body in named:
+            if body[0].group == stroke.group and is_one_sheet(stroke.camera, body[0].camera):
+                body.append(stroke)
+                break
+        else:
+            named.append([stroke])
+    return [*named, *_apart([stroke for stroke in strokes if not stroke.group])]
 
 
 def _with_stroke(state: PolyhedronState, stroke: Stroke) -> PolyhedronState:
+    sheet: tuple[Stroke, Placement] | None = None
     for body in _candidates(state):
         own = into_drawing(stroke, body)
-        if own is not None and _is_near(body, own, body.id == state.selected):
+        if own is None:
+            continue
+        sheet = sheet or (own, body.placement)
+        if _is_near(body, own, stroke, body.id == state.selected):
             body = with_stroke(body, own, stroke.camera)
-            return _with_what_it_touches(state.with_node(body), body, own)
-    return new_body(state, [stroke])
+            return _with_what_it_touches(state.with_node(body), body, own, stroke)
+    own, placement = sheet or (stroke, IN_PLACE)
+    return new_body(state, [own], placement=placement)
 
 
-def _with_what_it_touches(state: PolyhedronState, body: Body, stroke: Stroke) -> PolyhedronState:
+def _with_what_it_touches(
+    state: PolyhedronState, body: Body, own: Stroke, drawn: Stroke
+) -> PolyhedronState:
     """Return the state with one body of all drawings of one sheet at which a stroke of one ends.
 
     Lines of one drawing may begin far from one another. Only drawings that nobody turned yet are
     joined; the one that was begun first stays, and is chosen.
+
+    Parameters
+    ----------
+    state : PolyhedronState
+        With the stroke in it.
+    body : Body
+        To which the stroke belongs.
+    own, drawn : Stroke
+        The stroke on the canvas of the body, and on the one on which it was drawn.
     """
+    reach = TOUCH * _seen_height(drawn, own)
     numbers = [each.id for each in state.of_kind(Body)]
     others = [each for each in state.shown(Body) if each.id != body.id and _is_begun(each)]
     for other in others if _is_begun(body) else ():
-        strokes = [into_drawing(each, body) for each in other.strokes]
-        own = [each for each in strokes if each is not None]
-        if len(own) < len(strokes) or not _touches(stroke, own):
+        if other.placement != body.placement:
+            continue
+        strokes = [into_drawing(each, replace(body, placement=IN_PLACE)) for each in other.strokes]
+        others_here = [each for each in strokes if each is not None]
+        if len(others_here) < len(strokes) or not _touches(own, others_here, reach):
             continue
         first, second = sorted((body, other), key=lambda each: numbers.index(each.id))
-        moved = [into_drawing(each, first) for each in second.strokes]
+        moved = [into_drawing(s, replace(first, placement=IN_PLACE)) for s in second.strokes]
         ink = [*first.strokes, *(each for each in moved if each is not None)]
         body = replace(first, strokes=Strokes(ink))
         state = state.without_nodes(second.id).with_node(body)
@@ -106,22 +149,22 @@ def _with_what_it_touches(state: PolyhedronState, body: Body, stroke: Stroke) ->
 
 
 def _is_begun(body: Body) -> bool:
-    """Whether a body is nothing but lines that nobody turned, moved or held yet."""
-    return (
-        body.choice is None
-        and body.moves == "whole"
-        and not body.anchors
-        and not body.guessed
-        and body.placement.is_identity
-    )
+    """Whether a body is nothing but lines that nobody turned or held yet."""
+    return body.choice is None and body.moves == "whole" and not body.anchors and not body.guessed
 
 
-def _touches(stroke: Stroke, others: Sequence[Stroke]) -> bool:
-    """Whether an end of a stroke is beside an end of another one."""
+def _seen_height(drawn: Stroke, own: Stroke) -> float:
+    """Return how high the canvas on which a stroke was drawn is on that of its body, px."""
+    canvas = own.camera
+    return canvas.viewport[1] * drawn.camera.visible_height / canvas.visible_height
+
+
+def _touches(stroke: Stroke, others: Sequence[Stroke], reach: float) -> bool:
+    """Whether an end of a stroke is within reach of an end of another one, px."""
     ends = stroke.points[[0, -1]]
     places = np.concatenate([each.points[[0, -1]] for each in others])
     apart = np.linalg.norm(ends[:, None] - places, axis=2)
-    return bool(apart.min() <= TOUCH * stroke.camera.viewport[1])
+    return bool(apart.min() <= reach)
 
 
 def _candidates(state: PolyhedronState) -> list[Body]:
@@ -130,13 +173,14 @@ def _candidates(state: PolyhedronState) -> list[Body]:
     return sorted(bodies, key=lambda body: body.id != state.selected)
 
 
-def _is_near(body: Body, stroke: Stroke, is_chosen: bool) -> bool:
+def _is_near(body: Body, own: Stroke, drawn: Stroke, is_chosen: bool) -> bool:
+    """Whether a stroke, on the canvas of a body and as it was drawn, belongs to its drawing."""
     low, high = _box([each.points for each in body.strokes])
     reach = BESIDE * float(np.linalg.norm(high - low))
     if is_chosen and body.choice is None:
-        reach = max(reach, GROWING * stroke.camera.viewport[1])
-    inside = np.clip(stroke.points, low, high)
-    return bool(np.linalg.norm(stroke.points - inside, axis=1).min() <= reach)
+        reach = max(reach, GROWING * _seen_height(drawn, own))
+    inside = np.clip(own.points, low, high)
+    return bool(np.linalg.norm(own.points - inside, axis=1).min() <= reach)
 
 
 def _apart(strokes: Sequence[Stroke]) -> list[list[Stroke]]:
@@ -156,7 +200,7 @@ def _overlap(one: Sequence[Stroke], other: Sequence[Stroke]) -> bool:
     camera = one[0].camera
     if not is_one_sheet(camera, other[0].camera):
         return False
-    boxes = [_box([on_canvas(each, camera).points for each in group]) for group in (one, other)]
+    boxes = [_box([on_sheet_of(each, camera).points for each in group]) for group in (one, other)]
     reach = BESIDE * max(float(np.linalg.norm(high - low)) for low, high in boxes)
     (low, high), (low_other, high_other) = boxes
     return bool((low - reach <= high_other).all() and (low_other - reach <= high).all())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Final
 
 from PySide6.QtCore import QSize, Qt, QTimer
@@ -14,8 +15,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto.errors import UserError
-from bozzetto.plugin import PanelHost, override
+from bozzetto.plugin import Command, Context, PanelHost, override
 from bozzetto_app.toolkit import PanelScroll, PanelWorker, palette_of
 from bozzetto_polyhedron.commands.answers import with_answer
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
@@ -115,13 +115,16 @@ class AnswersPanel(PanelScroll):
 
     def _choose(self, number: int) -> None:
         """Take an answer of the body that is shown, in the newest state."""
-        state = self._host.state
-        body = state.node(self._gallery.body) if isinstance(state, PolyhedronState) else None
-        if isinstance(state, PolyhedronState) and isinstance(body, Body):
-            try:
-                self._host.change(with_answer(state, body, number), "Choose an answer")
-            except UserError as problem:
-                self._host.complain(problem)
+        chosen = partial(_chosen, self._gallery.body, number)
+        self._host.run(Command("choose-answer", "Choose an answer", "Take this answer.", chosen))
+
+
+def _chosen(body_id: str, number: int, state: PolyhedronState, context: Context) -> PolyhedronState:
+    """Return the state with an answer of a body, counted from 0; as it is where that is gone."""
+    body = state.node(body_id)
+    if not isinstance(body, Body):
+        return state
+    return with_answer(state, body, number, alone=context.alone)
 
 
 def _pixmap(each: AnswerPicture, scale: float) -> QPixmap:

@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.ink import carried_places, distances_to_polyline
+from bozzetto.ink import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_polyhedron.model.changes import Join
-from bozzetto_polyhedron.model.same_view import is_one_sheet, is_same, view_of
+from bozzetto_polyhedron.model.same_view import is_one_sheet, is_same, on_sheet, view_of
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
 
@@ -95,7 +95,7 @@ def corner_places(body: Body, found: Solved, camera: Camera) -> Array:
     """
     view = view_of(body)
     if (is_one_sheet if body.choice is None else is_same)(camera, view):
-        return carried_places(found.graph.places, view, camera)
+        return camera.project(on_sheet(body, found.graph.places))[0]
     if found.base is not None:
         return camera.project(found.base.vertices)[0]
     if found.answer is not None:

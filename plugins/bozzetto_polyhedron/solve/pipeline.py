@@ -302,20 +302,26 @@ def exact_body_of_ink(
 
 
 def placed_body(body: PlanarBody, placement: Placement) -> PlanarBody:
-    """Return a body where a placement takes it; planes that are square to an axis become so."""
+    """Return a body where a placement takes it; planes that are square to an axis become so.
+
+    A plane that comes on the origin but for rounding lies on it: a body stands on the ground.
+    """
     if placement.is_identity:
         return body
     normals = placement.directions(body.normals)
     near = np.abs(normals) > 1.0 - ON_AXIS
     normals = np.where(near.any(axis=1, keepdims=True), near * np.sign(normals), normals)
     vertices = placement.points(body.vertices)
+    offsets = placement.scale * body.offsets + normals @ np.asarray(placement.offset)
     if near.any():
-        vertices = evened(vertices, ROUNDED * float(np.ptp(vertices, axis=0).max()))
+        least = ROUNDED * float(np.ptp(vertices, axis=0).max())
+        vertices = evened(vertices, least)
+        offsets = np.where(near.any(axis=1) & (np.abs(offsets) < least), 0.0, offsets)
     moved = replace(
         body,
         vertices=vertices,
         normals=normals,
-        offsets=placement.scale * body.offsets + normals @ np.asarray(placement.offset),
+        offsets=offsets,
         frame=None if body.frame is None else placement.directions(body.frame),
     )
     return on_axis_planes(moved)

@@ -12,7 +12,7 @@ from bozzetto.ink import Stroke, Strokes, on_canvas
 from bozzetto_polyhedron.drawing_on.body_hits import Met, met_by
 from bozzetto_polyhedron.drawing_on.changed import Changed
 from bozzetto_polyhedron.model.changes import Added, Join
-from bozzetto_polyhedron.model.same_view import camera_of, into_drawing, is_same
+from bozzetto_polyhedron.model.same_view import camera_of, into_drawing, is_as_large
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solve.changes import MEETS
@@ -126,11 +126,11 @@ def _added(state: PolyhedronState, body: Body, stroke: Stroke) -> PolyhedronStat
     own = _own(body, stroke)
     changes = state.changes_of(body)
     last = changes[-1] if changes else None
-    if isinstance(last, Added) and is_same(last.strokes[0].camera, own.camera):
+    if isinstance(last, Added) and is_as_large(last.strokes[0].camera, own.camera):
         camera = last.strokes[0].camera
         strokes = last.strokes.extended([on_canvas(own, camera)])
         return with_change(state, body, replace(last, strokes=strokes))
-    camera = camera_of(body) if is_same(own.camera, camera_of(body)) else own.camera
+    camera = camera_of(body) if is_as_large(own.camera, camera_of(body)) else own.camera
     change = Added(
         id=state.unused_id(),
         name=state.unused_name("Lines"),

@@ -14,10 +14,11 @@ from bozzetto_polyhedron.commands.answers import has_body
 from bozzetto_polyhedron.commands.pieces import has_followed, step_of_followed
 from bozzetto_polyhedron.model.assign_stroke import with_strokes
 from bozzetto_polyhedron.model.changes import Added, Join
-from bozzetto_polyhedron.model.same_view import on_sheet
+from bozzetto_polyhedron.model.same_view import on_sheet, where_seen
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
 from bozzetto_polyhedron.solve.spots import is_linkage
+from bozzetto_polyhedron.solve.standing import stood
 from bozzetto_polyhedron.tools.added_lines import with_added
 from bozzetto_polyhedron.tools.erase import ErasingTool
 from bozzetto_polyhedron.tools.turn_solid import TurnSolid, sentence_of
@@ -43,7 +44,13 @@ class DrawLines(ErasingTool):
     def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
         """Add ink to the drawing or the solid that it belongs to, or begin a new drawing."""
         for stroke in ink.strokes:
-            state = with_added(state, stroke) or with_strokes(state, [stroke])
+            stroke = where_seen(stroke, state, context.seen)
+            added = with_added(state, stroke)
+            if added is None:
+                added = with_strokes(state, [stroke])
+                if context.alone:
+                    added = stood(state, added, added.selected)
+            state = added
         return state
 
     @override

@@ -13,7 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
 from bozzetto.plugin import Context, Ink, Tool, override
 from bozzetto_polyhedron.model.changes import Added, Change, Join
-from bozzetto_polyhedron.model.same_view import into_drawing
+from bozzetto_polyhedron.model.same_view import drawing_seen
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.change_lines import change_lines
 from bozzetto_polyhedron.solve.followed import Sources
@@ -154,11 +154,9 @@ def _without_fittings(
 
 def _rubbed(body: Body, state: PolyhedronState, path: Stroke, takes: Takes) -> set[int]:
     """Return the numbers of the strokes of a body that a path takes."""
-    own = into_drawing(path, body)
-    if own is not None:
-        return {
-            number for number, stroke in enumerate(body.strokes) if takes(own.points, stroke.points)
-        }
+    drawn = drawing_seen(body, path.camera)
+    if drawn is not None:
+        return {n for n, stroke in enumerate(drawn) if takes(path.points, stroke.points)}
     found = solved(body, state)
     places = corner_places(body, found, path.camera)
     covered = [

@@ -34,9 +34,10 @@ class TurnSolid(ErasingTool):
             raise UserError("There is no corner here. Touch a corner of the drawing.")
         body = touched.body
         if body.choice is None or body.id != state.selected:
-            return with_answer(state, body, max(touched.found.number, 0))
-        step = -1 if tap.shift else 1
-        return with_answer(state, body, touched.found.number + step)
+            number = max(touched.found.number, 0)
+        else:
+            number = touched.found.number + (-1 if tap.shift else 1)
+        return with_answer(state, body, number, alone=context.alone)
 
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:

@@ -19,8 +19,10 @@ from bozzetto.geometry import DEGREE, Spline
 from bozzetto.ink import (
     Stroke,
     arc_length,
+    carried_places,
     distances_to_polyline,
     fit_spline,
+    is_one_view,
     merge_strokes,
     places_on_sheet,
     spline_weights,
@@ -136,22 +138,9 @@ def _on_canvas(stroke: Stroke, camera: Camera) -> Array:
     points = places_on_sheet(stroke.points, "stroke")
     if stroke.camera == camera:
         return points
-    if not _is_same_view(stroke.camera, camera):
+    if not is_one_view(stroke.camera, camera, SAME_VIEW):
         raise UserError("These strokes were drawn in different views. Draw a curve in one view.")
-    (width, height), (wide, high) = stroke.camera.viewport, camera.viewport
-    middle = np.array((0.5 * width, 0.5 * height))
-    return np.asarray(np.array((0.5 * wide, 0.5 * high)) + high / height * (points - middle))
-
-
-def _is_same_view(one: Camera, other: Camera) -> bool:
-    """Whether two cameras see the same, on canvases of whatever size."""
-    wide = [view.fov_y if view.kind == "perspective" else view.height for view in (one, other)]
-    return bool(
-        one.kind == other.kind
-        and abs(wide[0] - wide[1]) < SAME_VIEW * wide[0]
-        and np.abs(np.subtract(one.eye, other.eye)).max() < SAME_VIEW * one.distance
-        and np.abs(one.axes - other.axes).max() < SAME_VIEW
-    )
+    return carried_places(points, stroke.camera, camera)
 
 
 def _refitted(points: Array, count: int, closed: bool) -> Spline:

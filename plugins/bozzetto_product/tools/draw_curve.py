@@ -10,7 +10,14 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
-from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
+from bozzetto.ink import (
+    Stroke,
+    Strokes,
+    distances_to_polyline,
+    is_one_view,
+    on_canvas,
+    resample,
+)
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, Preview, override
 from bozzetto.scene import Layer, Points, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, triple
@@ -217,9 +224,10 @@ def _on_rough_shapes(state: ProductState, scene: Scene, strokes: Sequence[Stroke
     names = {canvas_layer_name(part.id) for part in kinds}
     rough = tuple(layer for layer in scene.layers if layer.name in names)
     owners = {layer.owner for layer in rough}
-    pixels = np.concatenate([stroke.points for stroke in strokes]).astype(float)
+    camera = strokes[0].camera
+    pixels = np.concatenate([on_canvas(stroke, camera).points for stroke in strokes]).astype(float)
     chosen = pixels[np.linspace(0, len(pixels) - 1, LOOKS).astype(int)]
-    hits = cast_rays(Scene(rough), strokes[0].camera.rays(chosen))
+    hits = cast_rays(Scene(rough), camera.rays(chosen))
     if hits.hit.mean() < ON_ROUGH:
         return None
     return Scene(
@@ -234,9 +242,10 @@ def continued_curve(state: ProductState, strokes: Sequence[Stroke]) -> Curve | N
     curve = state.chosen_of(Curve)
     if curve is None or not curve.strokes or curve.spline is None:
         return None
-    if any(stroke.camera != curve.strokes[0].camera for stroke in strokes):
+    camera = strokes[0].camera
+    if not all(is_one_view(stroke.camera, camera) for stroke in (*curve.strokes, *strokes[1:])):
         return None
-    paths = [stroke.points for stroke in curve.strokes if len(stroke.points) > 1]
+    paths = [on_canvas(each, camera).points for each in curve.strokes if len(each.points) > 1]
     for stroke in strokes:
         if len(stroke.points) < 2 or not np.ptp(stroke.points, axis=0).max() > 0.0 or not paths:
             return None

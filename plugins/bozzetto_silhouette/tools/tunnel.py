@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from bozzetto.errors import Unfinished
-from bozzetto.ink import Stroke, Strokes, resample
+from bozzetto.ink import Stroke, Strokes, is_one_view, resample
 from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import Sheet, sheet_under
@@ -87,7 +87,7 @@ class DrawTunnel(ErasingTool):
 def _on_surface(sheet: Sheet, trace: Trace, strokes: tuple[Stroke, ...]) -> Sheet:
     """Return the parallel sheet where the outline first meets the shape: depth is from there."""
     camera = strokes[0].camera
-    if not trace.hit.any() or any(stroke.camera != camera for stroke in strokes):
+    if not trace.hit.any() or not all(is_one_view(stroke.camera, camera) for stroke in strokes):
         return sheet  # elsewhere what was drawn from two sides would not meet
     height = float(((trace.near[trace.hit] - sheet.origin) @ sheet.normal).max())
     _, most = view_rays_through(sheet, camera).before_eye(0.0, height)

@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke
+from bozzetto.ink import Stroke, is_one_view, on_canvas
 from bozzetto.view import triple
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import AskedReading, SymmetryState
@@ -117,7 +117,8 @@ def box_around(strokes: Sequence[Stroke], plane: CentrePlane) -> dict[str, Any]:
     normal, target = np.asarray(plane.normal), np.asarray(camera.target)
     centre = target - normal * float((target - plane.point) @ normal)
     middle, _ = camera.project(centre)
-    ink = np.concatenate([stroke.points for stroke in strokes if stroke.camera == camera])
+    here = [stroke for stroke in strokes if is_one_view(stroke.camera, camera)]
+    ink = np.concatenate([on_canvas(stroke, camera).points for stroke in here])
     if not np.isfinite(middle).all():
         middle = 0.5 * np.asarray([camera.viewport])
     reach = 2.0 * float(np.abs(ink - middle).max()) / camera.pixels_per_mm

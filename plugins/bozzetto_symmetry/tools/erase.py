@@ -10,7 +10,14 @@ import numpy as np
 
 from bozzetto.arrays import Flags
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, Strokes, distances_to_polyline, resample
+from bozzetto.ink import (
+    Stroke,
+    Strokes,
+    distances_to_polyline,
+    is_one_view,
+    on_canvas,
+    resample,
+)
 from bozzetto.plugin import Context, Ink, Tool, override
 from bozzetto_symmetry.editing.trim import share_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
@@ -118,12 +125,7 @@ def _stretch(side: Seen, flags: Flags) -> Stretch:
 
 def _without_strokes(state: SymmetryState, node: Curve, eraser: Stroke) -> SymmetryState:
     """Return a state without a curve's strokes of this view that are mostly rubbed over."""
-    kept = [
-        stroke
-        for stroke in node.strokes
-        if stroke.camera != eraser.camera
-        or (distances_to_polyline(stroke.points, eraser.points) <= REACH).mean() < MOST
-    ]
+    kept = [stroke for stroke in node.strokes if not _is_rubbed(stroke, eraser)]
     if len(kept) == len(node.strokes):
         return state
     return (
@@ -131,6 +133,14 @@ def _without_strokes(state: SymmetryState, node: Curve, eraser: Stroke) -> Symme
         if kept
         else state.without_nodes(node.id)
     )
+
+
+def _is_rubbed(stroke: Stroke, eraser: Stroke) -> bool:
+    """Whether a stroke was drawn in the view of the eraser and is mostly rubbed over."""
+    if not is_one_view(stroke.camera, eraser.camera):
+        return False
+    places = on_canvas(stroke, eraser.camera).points
+    return bool((distances_to_polyline(places, eraser.points) <= REACH).mean() >= MOST)
 
 
 def _is_over(line: Line, eraser: Stroke) -> bool:

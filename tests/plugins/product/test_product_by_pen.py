@@ -12,6 +12,8 @@ from bozzetto.errors import UserError
 from bozzetto.ink import distances_to_polyline
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen, Shell, same
+from bozzetto.view import with_kind
+from bozzetto.view.navigation import pan, zoom
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
@@ -253,3 +255,17 @@ def test_a_single_surface_faces_away_from_what_it_was_drawn_on(shell: Shell, sid
     shell.put(shell.state.with_node(replace(patch, pressure=1.0)))
     (swollen,) = shell.shapes().surfaces
     assert (swollen.mesh.vertices @ out).max() > (mesh.vertices @ out).max() + 1.0
+
+
+def test_a_stroke_over_the_last_curve_belongs_to_it_in_an_enlarged_view(shell: Shell) -> None:
+    seen = with_kind(FRONT, "orthographic")
+    first, again = (straight((x, -30.0, 60.0), (50.0, -30.0, 60.0)) for x in (-50.0, -47.0))
+    shell.camera = seen
+    shell.draw(PEN.but(camera=seen).along(seen.project(first)[0]), tool="draw")
+    shell.camera = zoom(pan(seen, 60.0, -30.0), 1.8, (500.0, 400.0))
+    near = PEN.but(camera=shell.camera, seed=7)
+    shell.draw(near.along(shell.camera.project(again)[0]), tool="draw")
+    (curve,) = shell.state.of_kind(Curve)
+    assert len(curve.strokes) == 2
+    at = curve.spline.sampled(50)
+    assert np.abs(at[:, 1:] - (-30.0, 60.0)).max() < 1.0

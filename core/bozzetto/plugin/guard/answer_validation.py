@@ -185,6 +185,7 @@ def sound_advice(advice: Any) -> ViewAdvice | None:
         check_text(advice.message, "ViewAdvice.message")
     expect(advice.better is None or type(advice.better) is Camera, "ViewAdvice.better")
     expect(isinstance(advice.pinned, bool), "ViewAdvice.pinned")
+    expect(isinstance(advice.as_drawn, bool), "ViewAdvice.as_drawn")
     expect(isinstance(advice.follow, bool), "ViewAdvice.follow")
     sound_scene(advice.scene)
     return advice
