@@ -17,7 +17,7 @@ from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.model.state import Snap, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
-from bozzetto_symmetry.operations.snap_targets import Targets, targets
+from bozzetto_symmetry.operations.snap_targets import Targets, targets, without_own
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.solve.picking import solved_curves
 
@@ -229,7 +229,7 @@ def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
         raise UserError("Choose a curve with free ends. They snap to what is near them.")
     others = [curve for other, curve in solved_curves(state) if other.id != node.id]
     camera = node.strokes[-1].camera
-    known = targets(state, others, context)
+    known = targets(state, others, without_own(context, state))
     snaps = snaps_of(trace.curve, trace.sigma, camera, known, state)
     if not snaps:
         raise UserError("There is nothing near the ends of this curve. Draw them closer.")

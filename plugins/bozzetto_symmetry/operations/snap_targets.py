@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -10,13 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
+from bozzetto.errors import UserError
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import Context, remembered
 from bozzetto.view import Camera, triple
+from bozzetto_symmetry.export import shapes_of
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
+from bozzetto_symmetry.solve.curve_solver import trace_of
 
 Kind = Literal["end", "crossing", "corner", "curve", "line", "edge"]
 """The end of a curve or line, where a curve crosses the centre plane, a corner of the box or of
@@ -28,6 +32,9 @@ by a thousandth of its length."""
 
 NEAREST_DEPTH: Final = 1e-6
 """Share of the camera's distance in front of the eye at which segments are cut off."""
+
+SAME_CURVE: Final = 1e-6
+"""Distance of control points, in diagonals of the box, that is the rounding of a change of frame."""
 
 SAME_PIXEL: Final = 0.5
 """Difference of distances, px, below which the place nearer to the eye is meant."""
@@ -148,6 +155,37 @@ def targets(
             points.append((path[[0, -1]], "end", _end_ways(controls)))
     solved = [curve_targets(curve, state.plane) for curve in curves]
     return Targets.joined((*solved, Targets.of(points, paths)))
+
+
+def without_own(context: Context, state: SymmetryState) -> Context:
+    """Return a context that knows the curves of other models only.
+
+    In the window it has those of all, and ends would be held by what they were before.
+
+    Parameters
+    ----------
+    context : Context
+        In the frame of the model.
+    state : SymmetryState
+        As it was solved last.
+    """
+    traces = {}
+    for node in state.shown_curves:
+        with suppress(UserError):
+            traces[node.id] = trace_of(node, state)
+    own: dict[str, list[Array]] = {}
+    for curve in shapes_of(state, traces).curves:
+        own.setdefault(curve.name, []).append(curve.control_points)
+
+    def is_own(curve: ShapeCurve) -> bool:
+        controls = np.asarray(curve.control_points)
+        return any(
+            each.shape == controls.shape
+            and float(np.abs(each - controls).max()) < SAME_CURVE * state.diagonal
+            for each in own.get(curve.name, ())
+        )
+
+    return replace(context, curves=tuple(c for c in context.curves if not is_own(c)))
 
 
 @remembered(limit=512)
