@@ -34,7 +34,7 @@ NEAREST_DEPTH: Final = 1e-6
 """Share of the camera's distance in front of the eye at which segments are cut off."""
 
 SAME_CURVE: Final = 1e-6
-"""Distance of control points, in diagonals of the box, that is the rounding of a change of frame."""
+"""Distance of control points, in diagonals of the box, that a change of frame rounds by."""
 
 SAME_PIXEL: Final = 0.5
 """Difference of distances, px, below which the place nearer to the eye is meant."""
