@@ -21,7 +21,7 @@ from bozzetto_symmetry.editing.end_snaps import drawn_end, with_end_snaps
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import Curve, EndSnap, Snap, SymmetryState
-from bozzetto_symmetry.operations.common_ends import common_places, continued, meetings
+from bozzetto_symmetry.operations.end_meetings import common_places, continued, meetings
 from bozzetto_symmetry.operations.open_ends import LEAST, Free, FreeEnd, ends_of, free_curves
 from bozzetto_symmetry.operations.snap_candidates import snap_within
 from bozzetto_symmetry.operations.snap_targets import Targets, curve_targets, targets
