@@ -275,7 +275,8 @@ def test_the_rim_of_a_fillet_has_no_teeth(operation: Operation, blend: float, aw
             assert len(rim) > 20
             now, _ = Shaped.of(solid, step, some.cell, surface.vertices)
             away_from = np.maximum(np.abs(now.top), np.abs(now.flank))[rim] / some.cell
-            outer = np.flatnonzero(side == OUTER)
+            others = np.concatenate([rim, c[(side[c] == OUTER) & (side[a] == END)]])
+            outer = np.setdiff1d(np.flatnonzero(side == OUTER), others)
             beside = np.quantile(np.abs(now.top[outer]), 0.99) / some.cell
             off.append((np.quantile(away_from, 0.9), beside))
         (teeth, _), (smooth, beside) = off
