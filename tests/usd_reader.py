@@ -26,13 +26,18 @@ print("answer:" + json.dumps(answer), flush=True)
 """
 
 
-def asked_usd(script: str, *arguments: object) -> Any:
-    """Run a script about the ``stage`` of a file that leaves an ``answer``; skip without USD."""
+def python_of_usd() -> str:
+    """Return the Python that has USD; skip the test where there is none."""
     python = os.environ.get("BOZZETTO_USD")
     if not python:
         pytest.skip("BOZZETTO_USD names no Python with pxr")
+    return python
+
+
+def asked_usd(script: str, *arguments: object) -> Any:
+    """Run a script about the ``stage`` of a file that leaves an ``answer``; skip without USD."""
     done = subprocess.run(
-        [python, "-c", BEGIN + script + END, *map(str, arguments)],
+        [python_of_usd(), "-c", BEGIN + script + END, *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=300,

@@ -276,6 +276,7 @@ def seeds() -> list[Case]:
     metres = FileFrame("m", "y")
     found += [(".usda", USDA), (".usd", usda.write_shapes(painted, metres, beside="a"))]
     found += [(".usdz", usdz.write_shapes(painted, metres)), (".usdc", USDA)]
+    found += [(".usdc", (Path(__file__).parents[1] / "data" / "scenes" / "worm.usdc").read_bytes())]
     found.append((".ply", ASCII_PLY.replace(b"4 0 1 2 3", b"3 0 1 2")))
     if find_spec("ezdxf"):
         found += [(".dxf", DXF), (".dxf", DXF_MESH)]

@@ -300,11 +300,14 @@ class FileQuestions:
 
     def ask_turntable(self) -> None:
         """Ask for a file and for how long, and make a turntable."""
-        kinds = f"{tr('Files', 'Moving picture')} (*.gif);;{tr('Files', 'Row of pictures')} (*.png)"
+        from bozzetto.workbench.turntables import MOVING
+
+        moving = tr("Files", "Moving picture")
+        kinds = f"{moving} (*.gif);;{moving} (*.mp4);;{tr('Files', 'Row of pictures')} (*.png)"
         path, is_asked = self._place(tr("Files", "Turntable"), kinds, "")
         if path is None:
             return
-        if path.suffix.lower() == ".gif" and not (is_asked or self._may_replace(path)):
+        if path.suffix.lower() in MOVING and not (is_asked or self._may_replace(path)):
             return
         films = self._session.files.exchange.films
         self._ask_seconds("turntable", tr("Files", "Turntable"), path, films.turn)

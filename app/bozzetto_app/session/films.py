@@ -91,7 +91,7 @@ class Films(QObject):
         Parameters
         ----------
         path : Path
-            Its ending says what is written: .gif, or a row of .png.
+            Its ending says what is written: .gif, .mp4, or a row of .png.
         seconds : float
             How long one turn takes.
         """

@@ -184,7 +184,7 @@ def _parser() -> argparse.ArgumentParser:
         "--turntable",
         type=int,
         metavar="N",
-        help="turn it once around in N pictures: a .gif, or a row of .png files",
+        help="turn it once around in N pictures: a .gif, an .mp4 (by ffmpeg) or a row of .png",
     )
     render.add_argument("--seconds", type=float, default=4.0, help="of one turn; default 4")
     add_place(render)

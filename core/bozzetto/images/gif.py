@@ -17,6 +17,9 @@ COLORS: Final = 128
 SHORTEST: Final = 20
 """Least time of a picture, ms: viewers show shorter ones slowly."""
 
+GRAIN: Final = 10
+"""What times in a GIF are multiples of, ms."""
+
 
 def gif_of_pictures(pictures: Iterable[NDArray[np.uint8]], rate: float) -> bytes:
     """Return a GIF that goes on for ever.
@@ -41,13 +44,15 @@ def gif_of_pictures(pictures: Iterable[NDArray[np.uint8]], rate: float) -> bytes
     ]
     if not images:
         raise UserError("A moving picture needs one picture at least.")
+    ends = np.rint(np.arange(len(images) + 1) * (1000.0 / GRAIN) / rate).astype(int)
+    times = np.maximum(GRAIN * np.diff(ends), SHORTEST)  # together as long as they should be
     data = io.BytesIO()
     images[0].save(
         data,
         "GIF",
         save_all=True,
         append_images=images[1:],
-        duration=max(SHORTEST, round(1000.0 / rate)),
+        duration=times.tolist(),
         loop=0,
     )
     return data.getvalue()

@@ -1,4 +1,4 @@
-"""Turntables of documents, as GIF or as a row of PNG files."""
+"""Turntables of documents, as GIF, as MP4 or as a row of PNG files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from bozzetto.document.model import Document
     from bozzetto.workbench.workbench import Workbench
 
-ENDINGS: Final = (".gif", ".png")
+MOVING: Final = (".gif", ".mp4")
+"""Endings of moving pictures."""
+
+ENDINGS: Final = (*MOVING, ".png")
 """Of the files: a moving picture, or a row of pictures."""
 
 
@@ -38,11 +41,12 @@ def write_turntable(
     document : Document
         What turns.
     path : Path
-        Ends in .gif, or in .png: then a number stands before that in the name of each file.
+        Ends in .gif, in .mp4, or in .png: then a number stands before that in the name of each
+        file.
     count : int
         How many pictures.
     seconds : float
-        How long one turn takes in a GIF.
+        How long one turn takes in a moving picture.
     job : Job, optional
         Is told how far it has come.
     replaces : bool
@@ -58,14 +62,16 @@ def write_turntable(
     Raises
     ------
     UserError
-        If the ending is another one, a number is out of its range, or a file is in the way.
+        If the ending is another one, a number is out of its range, a file is in the way, or
+        what makes an MP4 is not installed.
     """
     from bozzetto.images.gif import gif_of_pictures
+    from bozzetto.images.mp4 import mp4_of_pictures
     from bozzetto.images.png import write_png
     from bozzetto.scene.turntable import turned_pictures
 
     if path.suffix.lower() not in ENDINGS:
-        raise UserError("A turntable is a .gif, or a row of .png files. Choose one of these.")
+        raise UserError("A turntable is a .gif, an .mp4, or a row of .png files. Choose one.")
     if not seconds > 0.0:
         raise UserError("A turn takes some time. Give seconds above 0.")
     job = job or Job()
@@ -76,8 +82,9 @@ def write_turntable(
             job.checkpoint(number / count, f"{number + 1} / {count}")
             yield pixels
 
-    if path.suffix.lower() == ".gif":
-        write_bytes(path, gif_of_pictures(watched(), count / seconds))
+    if path.suffix.lower() in MOVING:
+        film_of = gif_of_pictures if path.suffix.lower() == ".gif" else mp4_of_pictures
+        write_bytes(path, film_of(watched(), count / seconds))
         return (path,)
     digits = len(str(count))
     paths = tuple(

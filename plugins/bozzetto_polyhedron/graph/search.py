@@ -15,7 +15,7 @@ from bozzetto_polyhedron.graph.repair import LEAST_GAIN, repair
 from bozzetto_polyhedron.graph.segments import Segments
 from bozzetto_polyhedron.graph.step_pairs import with_detours
 
-ACROSS: Final = (0.004, 0.006, 0.009, 0.013)
+ACROSS: Final = (0.0015, 0.0025, 0.004, 0.006, 0.009, 0.013)
 """Standard deviations of line ends across the line that are tried, shares of the diagonal."""
 
 OVERSHOOTS: Final = ((0.0, 0.0), (0.015, 0.015), (0.022, 0.032))
@@ -73,7 +73,9 @@ def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None])
             checkpoint()
             key = number, spread.across
             if key not in groups:
-                groups[key] = grouped(segments, 1.6 * spread.across + 0.004, each)
+                groups[key] = grouped(
+                    segments, 1.6 * spread.across + min(0.004, spread.across), each
+                )
             starts.append(first_draft(groups[key], fits))
     many = min(len(each.lines) for each in starts) > MANY_LINES
     best: Draft | None = None

@@ -3,13 +3,15 @@
 Parallel lines and planar faces tell the depth of such a part up to a constant. It is found where a
 ring of the part lies in a face of the body that surrounds it on the sheet. Two rings in two faces
 make a through-hole, one a pocket or a boss, which differ in whether the part is inside the body.
+The other way round, a part lies on a body where one of its faces surrounds a ring of the body, as
+the second plate of a spool does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -32,6 +34,17 @@ MARKS: Final = 1.0
 
 MOST: Final = 6
 """Ways that are kept for each part."""
+
+
+class Seat(NamedTuple):
+    """Numbers of a face of a body and one of a part that lie in one plane.
+
+    On the sheet the body's face surrounds the part's, or `is_outward` and the other way round.
+    """
+
+    face: int
+    ring: int
+    is_outward: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,8 +146,14 @@ def attached(
     """
     found = [Attached.alone(depths, faces)]
     known = list(body)
+    holds = _holds(drawing, [tuple(faces), *(part.faces for part in parts)], around)
+    outward = len(_reached(0, holds)) <= len(parts)
     for part in parts:
-        ways = [way for each in found for way in _ways(drawing, classes, each, known, part, around)]
+        ways = [
+            way
+            for each in found
+            for way in _ways(drawing, classes, each, known, part, around, outward)
+        ]
         known += part.corners
         found = likeliest(drawing, ways, known, MOST)
     return found
@@ -171,7 +190,9 @@ def hanging_order(drawing: Drawing, parts: Sequence[Lifting]) -> list[Lifting]:
     """Return parts so that each one can lie in faces of those before it.
 
     The long shaft of a bolt lies in a face of its short head. So the body is the largest part of
-    those at which all others hang, directly or by others; where there is none, the largest part.
+    those at which all others hang, directly or by others. Where there is none, some are held by
+    what lies in their own faces, as both plates of a spool are by its core; then, or where that
+    holds not all of them, the body is the largest part.
 
     Parameters
     ----------
@@ -180,20 +201,27 @@ def hanging_order(drawing: Drawing, parts: Sequence[Lifting]) -> list[Lifting]:
     parts : sequence of Lifting
         The largest first.
     """
-    around: dict[tuple[Ring, Ring], bool] = {}
-    holds = [
-        {
-            k
-            for k, other in enumerate(parts)
-            if other is not part and _may_hold(drawing, part, other, around)
-        }
-        for part in parts
-    ]
-    orders = [_reached(start, holds) for start in range(len(parts))]
+    holds = _holds(drawing, [part.faces for part in parts], {})
+    both = [held | {k for k, each in enumerate(holds) if n in each} for n, held in enumerate(holds)]
+    orders = [_reached(start, way) for way in (holds, both) for start in range(len(parts))]
     if not orders:
         return []
     whole = next((each for each in orders if len(each) == len(parts)), orders[0])
     return [parts[k] for k in (*whole, *(k for k in range(len(parts)) if k not in whole))]
+
+
+def _holds(
+    drawing: Drawing, parts: Sequence[Sequence[Rings]], around: dict[tuple[Ring, Ring], bool]
+) -> list[set[int]]:
+    """Return for each part, given by its faces, which others may lie in a face of it."""
+    return [
+        {
+            k
+            for k, inner in enumerate(parts)
+            if k != number and _may_hold(drawing, outer, inner, around)
+        }
+        for number, outer in enumerate(parts)
+    ]
 
 
 def _reached(start: int, holds: Sequence[set[int]]) -> list[int]:
@@ -205,14 +233,13 @@ def _reached(start: int, holds: Sequence[set[int]]) -> list[int]:
 
 
 def _may_hold(
-    drawing: Drawing, part: Lifting, other: Lifting, around: dict[tuple[Ring, Ring], bool]
+    drawing: Drawing,
+    part: Sequence[Rings],
+    other: Sequence[Rings],
+    around: dict[tuple[Ring, Ring], bool],
 ) -> bool:
     """Whether a face of a part appears around one of another part."""
-    return any(
-        _surrounds(drawing, outer[0], inner[0], around)
-        for outer in part.faces
-        for inner in other.faces
-    )
+    return any(_surrounds(drawing, outer[0], inner[0], around) for outer in part for inner in other)
 
 
 def _ways(
@@ -222,31 +249,36 @@ def _ways(
     known: list[int],
     part: Lifting,
     around: dict[tuple[Ring, Ring], bool],
+    outward: bool,
 ) -> list[Attached]:
-    """Return the ways in which one part lies in the faces of a body."""
+    """Return the ways in which one part lies in the faces of a body, or these in its own.
+
+    The latter are looked for if `outward`.
+    """
     system = _Part.of(drawing, classes, body.depths, known, part)
     tolerance = 0.012 + 2.5 * drawing.noise
     planes = [_plane(drawing, body, face) for face in range(len(body.faces))]
     options = [
-        (face, ring)
+        Seat(face, ring, is_outward)
+        for is_outward in ((False, True) if outward else (False,))
         for face, (_, normal) in enumerate(planes)
         if abs(normal[2]) >= EDGE_ON
         for ring in range(len(part.faces))
-        if _surrounds(drawing, body.faces[face][0], part.faces[ring][0], around)
+        if _may_seat(drawing, body.faces[face], part.faces[ring], is_outward, around)
     ]
-    levels = {each: _seat(drawing, planes[each[0]], part.faces[each[1]][0]) for each in options}
+    levels = {each: _seat(drawing, planes[each.face], part.faces[each.ring][0]) for each in options}
     found: list[Attached] = []
-    seen: set[frozenset[tuple[int, int]]] = set()
+    seen: set[frozenset[Seat]] = set()
     for option in options:
         depths, misfit = system.solved([levels[option]])
-        if misfit > tolerance / abs(float(planes[option[0]][1][2])):
+        if misfit > tolerance / abs(float(planes[option.face][1][2])):
             continue
         seats = [option]
         for other in options:
             level, corners = levels[other]
-            if all(other[0] != s[0] and other[1] != s[1] for s in seats):
+            if all(other.face != s.face and other.ring != s.ring for s in seats):
                 off = float(np.abs(depths[system.places(corners)] - level).mean())
-                if off < tolerance / abs(float(planes[other[0]][1][2])):
+                if off < tolerance / abs(float(planes[other.face][1][2])):
                     seats.append(other)
         key = frozenset(seats)
         if key in seen:
@@ -257,28 +289,56 @@ def _ways(
     return found or [_loose(body, known, part, system.solved([])[0])]
 
 
+def _may_seat(
+    drawing: Drawing,
+    face: Rings,
+    ring: Rings,
+    is_outward: bool,
+    around: dict[tuple[Ring, Ring], bool],
+) -> bool:
+    """Whether a face of a body surrounds one of a part, or the other way round.
+
+    What is surrounded is whole: of a face with a hole nobody knows what lies in the hole.
+    """
+    if is_outward:
+        return len(face) == 1 and _surrounds(drawing, ring[0], face[0], around)
+    return _surrounds(drawing, face[0], ring[0], around)
+
+
 def _joined(
     drawing: Drawing,
     body: Attached,
     part: Lifting,
-    seats: Sequence[tuple[int, int]],
+    seats: Sequence[Seat],
     depths: Array,
     misfit: float,
 ) -> Attached:
-    """Return the body with a part in its faces."""
+    """Return the body with a part in its faces, or with faces of it in those of the part."""
     new = body.depths.copy()
     new[list(part.corners)] = depths
-    holes = {face: part.faces[ring][0] for face, ring in seats}
-    taken = {ring for _, ring in seats}
+    inward = {seat.face: part.faces[seat.ring][0] for seat in seats if not seat.is_outward}
+    outward = {seat.ring: body.faces[seat.face][0] for seat in seats if seat.is_outward}
+    covered = [seat.face for seat in seats if seat.is_outward]
+    taken = [seat.ring for seat in seats if not seat.is_outward]
     faces = [
-        (*face, holes[number]) if number in holes else face
-        for number, face in enumerate(body.faces)
+        *_with_holes(body.faces, inward, left_out=covered),
+        *_with_holes(part.faces, outward, left_out=taken),
     ]
-    faces += [face for number, face in enumerate(part.faces) if number not in taken]
-    corners = frozenset(corner for ring in holes.values() for corner in ring)
+    corners = frozenset(corner for seat in seats for corner in part.faces[seat.ring][0])
     seated = Seated(part, corners, body.faces, len(seats) > 1)
     measures = seated.measures(drawing, new) + np.array((0.0, 0.0, misfit, 0.0))
     return Attached(new, tuple(faces), body.measures + measures, (*body.seated, seated))
+
+
+def _with_holes(
+    faces: Sequence[Rings], holes: Mapping[int, Ring], left_out: Sequence[int]
+) -> list[Rings]:
+    """Return faces, one more hole in each that is named, but for some of them."""
+    return [
+        (*face, holes[number]) if number in holes else face
+        for number, face in enumerate(faces)
+        if number not in left_out
+    ]
 
 
 def _loose(body: Attached, known: list[int], part: Lifting, depths: Array) -> Attached:

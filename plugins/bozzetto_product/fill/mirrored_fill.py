@@ -165,7 +165,12 @@ def mirrored_fill(
     """
     if isinstance(fill, PartedFill):
         parts = (mirrored_fill(part, net, loop, pieces, axis) for part in fill.parts)
-        return PartedFill.of(loop, tuple(part for part in parts if isinstance(part, PatchFill)))
+        whole = fill.whole and mirrored_fill(fill.whole, net, loop, pieces, axis)
+        return PartedFill.of(
+            loop,
+            tuple(part for part in parts if isinstance(part, PatchFill)),
+            whole if isinstance(whole, PatchFill) else None,
+        )
     numbers = {half_edge: number for number, half_edge in enumerate(loop)}
 
     def image(piece: SidePiece) -> SidePiece:

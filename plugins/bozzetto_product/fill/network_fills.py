@@ -24,6 +24,7 @@ from bozzetto_product.fill.mirrored_fill import (
 from bozzetto_product.fill.normal_field import NormalField
 from bozzetto_product.fill.normals import LoopNormals, edge_normals
 from bozzetto_product.fill.parted_fill import PartedFill
+from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.network.net import HalfEdge, Loop, Net
 
 SEGMENTS: Final = 16.0
@@ -36,6 +37,13 @@ UNKEPT: Final = 1.0
 SEEN: Final = 5.0
 """Angle to its normals, degrees, from which a surface in parts is made a crease there."""
 
+
+BENT_INWARD: Final = 2
+"""Sides with a concave corner from which on patches round one centre may bulge without folding."""
+
+BULGE: Final = 0.995
+"""Share of the area of a surface round one centre below which one in parts is taken: the other
+bulges."""
 
 ONCE_ROUND: Final = 0.25 * float(np.pi)
 """How far from once round a loop may turn, radians, that is believed to turn once."""
@@ -172,7 +180,7 @@ def _filled(
 
     fill = filled(normals)
     if fill is not None and not fill.folded:
-        return fill
+        return _without_bulge(fill, normals, pieces)
     if fill is not None:
         for fields in _with_creases(normals.fields, fill.g1_degrees):
             other = filled(replace(normals, fields=fields))
@@ -186,6 +194,21 @@ def _filled(
         if other is not None and not other.folded:
             return other
     return fill
+
+
+def _without_bulge(
+    fill: Fill, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...]
+) -> Fill:
+    """Return a surface, or one in parts of the same loop that is smaller.
+
+    Patches round a centre that does not see all of the outline may bulge without folding, where
+    no neighbours tell tangent planes.
+    """
+    bends = sum(side.bend != 0.0 for side in fill.sides)
+    if bends < BENT_INWARD or not isinstance(fill, PatchFill) or any(normals.fields):
+        return fill
+    found = parted_fill(fill.loop, normals, pieces, fill.spacing)
+    return fill if found is None or found.area > BULGE * fill.area else replace(found, whole=fill)
 
 
 def _with_convex_corners(

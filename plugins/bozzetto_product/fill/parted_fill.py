@@ -26,17 +26,22 @@ class PartedFill(Fill):
     sides, patches
         Those of the parts, one after the other; pieces of cuts have the half edge `CUT`.
     parts : tuple of PatchFill
+    whole : PatchFill, optional
+        Patches round one centre, where these do not fold.
     """
 
     parts: tuple[PatchFill, ...]
+    whole: PatchFill | None = None
 
     @classmethod
-    def of(cls, loop: Loop, parts: tuple[PatchFill, ...]) -> PartedFill:
+    def of(
+        cls, loop: Loop, parts: tuple[PatchFill, ...], whole: PatchFill | None = None
+    ) -> PartedFill:
         """Return parts as one surface."""
         sides = tuple(side for part in parts for side in part.sides)
         patches = tuple(patch for part in parts for patch in part.patches)
         key = b"".join(part.key for part in parts)
-        return cls(loop, sides, patches, parts[0].spacing, key, parts)
+        return cls(loop, sides, patches, parts[0].spacing, key, parts, whole)
 
     @cached_property
     @override
@@ -77,9 +82,9 @@ class PartedFill(Fill):
 
     @property
     @override
-    def bent(self) -> None:
-        """None: the parts cannot be bent as one."""
-        return
+    def bent(self) -> PatchFill | None:
+        """Patches round one centre: parts cannot be bent as one. None where these would fold."""
+        return self.whole
 
     @override
     def places_beside(self, half: HalfSide, number: int, at: Array) -> tuple[Array, Array]:

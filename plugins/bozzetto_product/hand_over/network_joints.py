@@ -29,6 +29,10 @@ WIDTHS: Final = (1e-3, 3e-3, 1e-2, 2e-2)
 """Gaps that are closed, one after the other, as shares of the diagonal: what nearly meets is joined
 before what is farther apart, so that narrow strips stay strips."""
 
+PLACED: Final = 3e-3
+"""Gaps up to which ends that meet exactly are joined to the inside of a curve, as share of the
+diagonal: what is farther from it is a narrow strip that is meant."""
+
 CROSSING: Final = 1e-2
 """Largest distance, as share of the diagonal, of curves that cross."""
 
@@ -62,8 +66,9 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
     state = settled_state(replace(drawn, joints=alone), {})
     if every != alone:
         state = _unless_worse(state, settled_state(replace(drawn, joints=every), {}))
+    exact = {joint.id for joint in state.joints}
     for width in WIDTHS:
-        closed, _ = ends_joined(state, width * size)
+        closed, _ = ends_joined(state, width * size, placed=exact if width > PLACED else ())
         state = _unless_worse(state, closed)
         if width == CROSSING:
             reach = NEAR * width * size

@@ -26,6 +26,10 @@ as they like between."""
 MOST_THROUGH: Final = 40
 """Most points that a curve goes through where they are few and foretell one another."""
 
+SLIGHT: Final = 1e-7
+"""Weight of the second differences of control points: of the curves that fit few points, the one in
+which they are least is taken."""
+
 HOPELESS: Final = 6.0
 """Distance, in tolerances, from which no correction of parameters helps enough."""
 
@@ -125,7 +129,7 @@ def _foretold(points: Array, along: Array, tolerance: float) -> bool:
 def closed_spline_through(points: Array, tolerance: float, fine: float | None = None) -> Spline:
     """Fit a closed cubic spline to points round a ring, the first one not repeated.
 
-    As `spline_through`, with knots at equal steps; at least four points.
+    As `spline_through`; at least four points.
     """
     ring = np.vstack((points, points[:1]))
     along = _shares(ring)[:-1]
@@ -134,13 +138,16 @@ def closed_spline_through(points: Array, tolerance: float, fine: float | None = 
     for count in COUNTS:
         if not 6 <= count <= max(6, SPARE * len(points)):
             continue
-        at = along
+        at, knots = along, _closed_knots(along, count)
+        second = SLIGHT * np.diff(np.eye(count)[np.arange(count + 2) % count], 2, axis=0)
         for _ in range(CORRECTIONS):
-            basis = _closed_basis(at, count)
-            found, *_ = np.linalg.lstsq(basis, points, rcond=None)
-            spline = Spline.uniform(found, closed=True)
-            at = spline.foot_points(points, at, steps=FOOT_STEPS)
-            worst = float(np.linalg.norm(spline.value(at) - points, axis=1).max())
+            rows = np.vstack((_closed_basis(at, knots), second))
+            wanted = np.vstack((points, np.zeros((count, 3))))
+            found, *_ = np.linalg.lstsq(rows, wanted, rcond=None)
+            spline = Spline(knots, np.vstack((found, found[:DEGREE])), closed=True)
+            feet = spline.foot_points(points, at, steps=FOOT_STEPS)
+            worst = float(np.linalg.norm(spline.value(feet) - points, axis=1).max())
+            at = _ordered_round(feet, at)
             if worst <= finer:
                 return spline
             if worst <= tolerance and kept is None:
@@ -175,13 +182,11 @@ def _least_squares(points: Array, at: Array, count: int) -> Spline:
     knots = np.concatenate((np.zeros(4), np.sort(inner.clip(1e-6, 1.0 - 1e-6)), np.ones(4)))
     basis = BSpline.design_matrix(at.clip(0.0, 1.0), knots, DEGREE).toarray()
     rest = points - np.outer(basis[:, 0], points[0]) - np.outer(basis[:, -1], points[-1])
-    # Few points leave some freedom: of the curves that fit, the one with the least second
-    # differences of its control points is taken.
     second = np.diff(np.eye(count), 2, axis=0)
-    small = 1e-7 * second
+    small = SLIGHT * second
     fixed = np.outer(second[:, 0], points[0]) + np.outer(second[:, -1], points[-1])
     rows = np.vstack((basis[:, 1:-1], small[:, 1:-1]))
-    found, *_ = np.linalg.lstsq(rows, np.vstack((rest, -1e-7 * fixed)), rcond=None)
+    found, *_ = np.linalg.lstsq(rows, np.vstack((rest, -SLIGHT * fixed)), rcond=None)
     return Spline(knots, np.vstack((points[:1], found, points[-1:])))
 
 
@@ -190,6 +195,12 @@ def _ordered(at: Array, before: Array) -> Array:
     at = at.copy()
     at[0], at[-1] = 0.0, 1.0
     return at if (np.diff(at) > 0.0).all() else before
+
+
+def _ordered_round(at: Array, before: Array) -> Array:
+    """Return corrected parameters of a ring, or those of before where the order would be lost."""
+    steps = np.mod(np.diff(at, append=at[:1]), 1.0)
+    return at if steps.sum() < 1.5 and (steps > 0.0).all() else before
 
 
 def _interpolated(points: Array, along: Array) -> Spline:
@@ -205,15 +216,21 @@ def _interpolated(points: Array, along: Array) -> Spline:
     return _with_ends(Spline(made.t, made.c), points)
 
 
-def _closed_basis(at: Array, count: int) -> Array:
+def _closed_knots(along: Array, count: int) -> Array:
+    """Return the knots of a closed curve of so many control points, which lie where points do."""
+    around = np.append(along, 1.0)
+    breaks = np.interp(np.arange(count) * len(along) / count, np.arange(len(around)), around)
+    return np.concatenate((breaks[-DEGREE:] - 1.0, breaks, breaks[: DEGREE + 1] + 1.0))
+
+
+def _closed_basis(at: Array, knots: Array) -> Array:
     """Return the values of the periodic basis functions at parameters, (n, count)."""
-    unit = np.eye(count)
-    return np.column_stack(
-        [
-            Spline.uniform(np.column_stack((row, row, row)), closed=True).value(at)[:, 0]
-            for row in unit
-        ]
-    )
+    from scipy.interpolate import BSpline
+
+    count = len(knots) - 2 * DEGREE - 1
+    rows = BSpline.design_matrix(np.mod(at, 1.0), knots, DEGREE).toarray()
+    rows[:, :DEGREE] += rows[:, count:]
+    return np.asarray(rows[:, :count])
 
 
 def _closed_interpolated(points: Array, along: Array) -> Spline:

@@ -44,8 +44,8 @@ curves drawn a little too far."""
 
 WEIGHTS: Final = {
     "any": 0.15,
-    "bent": 6.0,
-    "large": 1.0,
+    "bent": 4.8,
+    "large": 0.8,
     "thin": 0.5,
     "concave": 0.8,
     "off node": 1.0,

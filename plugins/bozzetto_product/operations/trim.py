@@ -48,6 +48,16 @@ TAIL: Final = 0.5
 ASKED: Final = 3.0
 """Largest gap, in gaps that are closed, that is proposed."""
 
+FARTHEST: Final = 3.0
+"""Farthest that closing gaps may move a curve anywhere, in gaps that are closed. Curves that end on
+one another, and cross besides, would draw each other away without an end."""
+
+AS_FAR: Final = 0.9
+"""Share of the farthest move from which on a curve is held to be moved as far."""
+
+LOOKS: Final = 33
+"""Places of a curve at which it is looked how far it moved."""
+
 
 @dataclass(frozen=True)
 class Proposal:
@@ -130,14 +140,26 @@ def trim(
 
 
 def ends_joined(
-    state: ProductState, width: float, only: Collection[str] | None = None
+    state: ProductState,
+    width: float,
+    only: Collection[str] | None = None,
+    placed: Collection[str] = (),
 ) -> tuple[ProductState, tuple[str, ...]]:
-    """Return the network with free ends joined, and the ids of the joints; see `trim`."""
+    """Return the network with free ends joined, and the ids of the joints.
+
+    Parameters
+    ----------
+    state, width, only
+        See `trim`; the gap is `width`, mm.
+    placed : collection of str
+        Ids of joints that are where they are meant: free ends are joined to them, but they are not
+        joined to the inside of a curve.
+    """
     ends = network_ends(state, width)
     made: list[tuple[Joint, Array | None]] = []
     old = {joint.id: joint for joint in state.joints}
     for cluster in clusters_of(ends, state.symmetry):
-        made.extend(_joints_of(cluster, ends, state, old))
+        made.extend(_joints_of(cluster, ends, state, old, placed))
     made = _laid_together(_without_overlaps(made, state), state, width)
     if only is not None:
         made = [one for one in made if any(meet.curve in only for meet in one[0].meetings)]
@@ -145,19 +167,47 @@ def ends_joined(
         return state, ()
     fresh = iter(unused_joint_ids(state.joints, len(made)))
     named = [(joint if joint.id else replace(joint, id=next(fresh)), at) for joint, at in made]
-    changed = {joint.id: joint for joint, _ in named}
     known = {(joint.id, meet) for joint in state.joints for meet in joint.meetings}
-    flat = [
-        meet
-        for joint, _ in named
-        for meet in joint.meetings
-        if joint.in_plane and (joint.id, meet) not in known
-    ]
-    joints = [changed.pop(joint.id, joint) for joint in state.joints]
-    whole = replace(state, joints=(*joints, *changed.values()))
-    pins = {joint.id: place for joint, place in named if place is not None}
-    joined = settled_state(whole, {}, pins)
-    return smooth_over_plane(joined, flat), tuple(joint.id for joint, _ in named)
+    while named:
+        changed = {joint.id: joint for joint, _ in named}
+        flat = [
+            meet
+            for joint in changed.values()
+            for meet in joint.meetings
+            if joint.in_plane and (joint.id, meet) not in known
+        ]
+        joints = [changed.pop(joint.id, joint) for joint in state.joints]
+        whole = replace(state, joints=(*joints, *changed.values()))
+        pins = {joint.id: place for joint, place in named if place is not None}
+        joined = settled_state(whole, {}, pins)
+        drawn = _drawn_away(state, joined, [joint for joint, _ in named], FARTHEST * width)
+        if not drawn:
+            return smooth_over_plane(joined, flat), tuple(joint.id for joint, _ in named)
+        named = [one for one in named if one[0].id not in drawn]
+    return state, ()
+
+
+def _drawn_away(
+    before: ProductState, after: ProductState, fresh: Sequence[Joint], reach: float
+) -> set[str]:
+    """Return the ids of joints that are new and draw curves farther away than they may.
+
+    Those of the curves that move farthest; all, where these are only carried along.
+    """
+    old, new = splines_of(before), splines_of(after)
+    ways = {
+        name: float(np.linalg.norm(new[name].sampled(LOOKS) - own.sampled(LOOKS), axis=1).max())
+        for name, own in old.items()
+        if new[name] is not own
+    }
+    for far in (AS_FAR * max(ways.values(), default=0.0), reach):
+        if max(ways.values(), default=0.0) <= reach:
+            return set()
+        moved = {name for name, way in ways.items() if way >= far}
+        drawn = {one.id for one in fresh if any(meet.curve in moved for meet in one.meetings)}
+        if drawn:
+            return drawn
+    return {one.id for one in fresh}
 
 
 def crossings_joined(
@@ -179,10 +229,17 @@ def crossings_joined(
     found = [one for one in crossings_of(state, width, only) if not passing(one)]
     if not found:
         return state, ()
-    names = tuple(unused_joint_ids(state.joints, len(found)))
+    names = unused_joint_ids(state.joints, len(found))
     fresh = [Joint(name, one.meetings) for name, one in zip(names, found, strict=True)]
     pins = {name: one.place for name, one in zip(names, found, strict=True)}
-    return settled_state(replace(state, joints=(*state.joints, *fresh)), {}, pins), names
+    while fresh:
+        crossed = settled_state(replace(state, joints=(*state.joints, *fresh)), {}, pins)
+        drawn = _drawn_away(state, crossed, fresh, FARTHEST * width)
+        if not drawn:
+            return crossed, tuple(joint.id for joint in fresh)
+        fresh = [joint for joint in fresh if joint.id not in drawn]
+        pins = {joint.id: pins[joint.id] for joint in fresh}
+    return state, ()
 
 
 def accept(state: ProductState, proposal: Proposal) -> ProductState:
@@ -266,7 +323,11 @@ def _is_symmetric(state: ProductState) -> bool:
 
 
 def _joints_of(
-    cluster: Cluster, ends: Sequence[End], state: ProductState, old: dict[str, Joint]
+    cluster: Cluster,
+    ends: Sequence[End],
+    state: ProductState,
+    old: dict[str, Joint],
+    placed: Collection[str],
 ) -> list[tuple[Joint, Array | None]]:
     """Return the joints that a cluster makes, and where they are; None where a curve tells."""
     known = next((ends[k].joint for k, _ in cluster.members if ends[k].joint), "")
@@ -279,7 +340,9 @@ def _joints_of(
         busy |= {meet.curve for meet in joint.meetings}
     for number, _ in free:
         busy |= _beside_tail(state, ends[number])
-    carried = joint is not None and any(not is_end(splines_of(state), m) for m in joint.meetings)
+    carried = known in placed or (
+        joint is not None and any(not is_end(splines_of(state), m) for m in joint.meetings)
+    )
     carrier = None if carried else nearest_inside(state, target, width, busy, cluster.flat)
     at_plane = cluster.flat and any(ends[number].image for number, _ in free)
     if carrier is None and not at_plane and len(cluster.members) < 2:

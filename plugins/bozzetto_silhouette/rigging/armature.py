@@ -22,6 +22,9 @@ from bozzetto_silhouette.solids.placements import placement_of
 NEAR = 0.1
 """Parts touch when their balls are nearer than this share of the smaller ball's radius."""
 
+HELD = 2
+"""Parts that touch one that goes straight through, so that it has a joint: it holds them."""
+
 
 @dataclass(frozen=True, eq=False)
 class Limbs:
@@ -86,7 +89,7 @@ class Armature:
     limbs : tuple of Limbs
         In the order of their joints.
     rigid : frozenset of str
-        Ids of parts that add to the shape and have no joints.
+        Ids of parts that add to the shape and do not bend: they go straight through.
     """
 
     rig: Rig
@@ -121,6 +124,29 @@ class _Piece:
         """Radius of its thickest ball, mm."""
         return float(self.radii.max())
 
+    @property
+    def is_rigid(self) -> bool:
+        """Whether it goes straight through, and does not bend."""
+        return self.part.surface == "straight"
+
+    def reaches(self, ways: Array) -> Array:
+        """Return how far it reaches from the nodes of its skeleton, mm.
+
+        There are balls around them, made thinner or thicker by the part's inflation.
+
+        Parameters
+        ----------
+        ways : (n, m, 3) float array
+            Unit directions from each of the n nodes, in the model's frame.
+
+        Returns
+        -------
+        (n, m) float array
+        """
+        up = ways @ self.placement.directions(np.eye(3)[2:])[0]
+        stretch = np.sqrt(1.0 - up**2 + (up / self.part.inflation) ** 2)
+        return np.asarray(self.skeleton.nodes[:, 2:] * self.placement.scale / stretch)
+
 
 @remembered(limit=64, key=lambda state: state.nodes)
 def armature_of(state: SilhouetteState) -> Armature | None:
@@ -128,7 +154,8 @@ def armature_of(state: SilhouetteState) -> Armature | None:
 
     The largest piece has its root at its thickest joint. Every other one is attached to the
     largest of those it touches: its joint nearest to one of that piece becomes its root, where it
-    leaves that piece if it begins inside. What touches nothing has a root of its own.
+    leaves that piece if it begins inside. What touches nothing has a root of its own. What goes
+    straight through has a joint only where it holds others together, as a seat holds legs.
 
     Parameters
     ----------
@@ -144,33 +171,17 @@ def armature_of(state: SilhouetteState) -> Armature | None:
     waiting = [
         _Piece(part, placement_of(state, part), joints, skeleton)
         for part in adding
-        if part.surface != "straight"
         for skeleton, pieces in (_drawn_joints(part),)
         for joints in pieces
     ]
     waiting.sort(key=lambda piece: -piece.size)  # stable: equals stay in the order of the tree
-    hung: list[tuple[_Piece, Limbs]] = []
-    touched: dict[_Piece, tuple[_Piece, Limbs]] = {}
-    parents: list[int] = []
-    while waiting:
-        piece = next((piece for piece in waiting if piece in touched), waiting[0])
-        waiting.remove(piece)
-        away = np.linalg.norm(piece.places - piece.places.mean(axis=0), axis=1)
-        root, parent = most_central(piece.radii, away), -1
-        if piece in touched:
-            holder, onto = touched[piece]
-            piece, roots = _leaving(piece, holder)
-            gaps = np.linalg.norm(piece.places[roots, None] - onto.places, axis=2)
-            reach = piece.radii[roots, None] + onto.radii
-            root, there = divmod(int((gaps / reach).argmin()), len(onto.nodes))
-            root, parent = int(roots[root]), onto.first + there
-        limbs = _rooted(piece, root, len(parents))
-        hung.append((piece, limbs))
-        parents += [parent, *(limbs.first + limbs.parents[1:]).tolist()]
-        for other in waiting:
-            larger = other not in touched or touched[other][0].size < piece.size
-            if larger and _touch(other, piece):
-                touched[other] = (piece, limbs)
+    hung, parents, beside = _hung(waiting)
+    while ends := [
+        piece for piece, around in zip(waiting, beside, strict=True)
+        if piece.is_rigid and around < HELD
+    ]:  # fmt: skip
+        waiting = [piece for piece in waiting if piece not in ends]
+        hung, parents, beside = _hung(waiting)
     if not hung:
         return None
     all_limbs = tuple(limbs for _, limbs in hung)
@@ -187,16 +198,72 @@ def armature_of(state: SilhouetteState) -> Armature | None:
     return Armature(rig, np.concatenate([limbs.radii for limbs in all_limbs]), all_limbs, rigid)
 
 
+def _hung(pieces: list[_Piece]) -> tuple[list[tuple[_Piece, Limbs]], list[int], list[int]]:
+    """Hang pieces on each other, the largest first.
+
+    Parameters
+    ----------
+    pieces : list of _Piece
+        By size, falling.
+
+    Returns
+    -------
+    list of (_Piece, Limbs)
+        Without what lies inside the piece that they hang on, in the order of their joints.
+    list of int
+        The parent of each joint of all; -1 for roots.
+    list of int
+        How many pieces each of those given hangs on, or holds.
+    """
+    waiting = list(pieces)
+    hung: list[tuple[_Piece, Limbs]] = []
+    touched: dict[_Piece, tuple[_Piece, _Piece, Limbs]] = {}
+    parents: list[int] = []
+    while waiting:
+        whole = next((piece for piece in waiting if piece in touched), waiting[0])
+        waiting.remove(whole)
+        piece = whole
+        away = np.linalg.norm(piece.places - piece.places.mean(axis=0), axis=1)
+        root, parent = most_central(piece.radii, away), -1
+        if whole in touched:
+            _, holder, onto = touched[whole]
+            piece, roots = _leaving(piece, holder)
+            gaps = np.linalg.norm(piece.places[roots, None] - onto.places, axis=2)
+            reach = piece.radii[roots, None] + onto.radii
+            root, there = divmod(int((gaps / reach).argmin()), len(onto.nodes))
+            root, parent = int(roots[root]), onto.first + there
+        limbs = _rooted(piece, root, len(parents))
+        hung.append((piece, limbs))
+        parents += [parent, *(limbs.first + limbs.parents[1:]).tolist()]
+        for other in waiting:
+            larger = other not in touched or touched[other][1].size < piece.size
+            if larger and _touch(other, piece):
+                touched[other] = (whole, piece, limbs)
+    holders = [touched[piece][0] for piece in pieces if piece in touched]
+    return hung, parents, [(piece in touched) + holders.count(piece) for piece in pieces]
+
+
 # Whatever else of a part changes, at every move of a slider.
 @remembered(limit=256, key=lambda part: (outline_of(part), part.skeleton))
 def _drawn_joints(part: Part) -> tuple[Skeleton, list[Joints]]:
-    """Return the skeleton of a part's solid and its joints, in the object frame."""
+    """Return the skeleton of a part's solid and its joints, in the object frame.
+
+    What goes straight through has one joint, in its middle, for each of its pieces.
+    """
     frame = frame_of(outline_of(part), part.skeleton)
     skeleton = frame.skeleton
     if frame.mirrored is not None:
         skeleton = mirrored_skeleton(skeleton, frame.mirrored)
     skeleton = skeleton.transformed(frame.scale, frame.origin)
-    return skeleton, joints_of(skeleton)
+    pieces = joints_of(skeleton)
+    return skeleton, list(map(_in_the_middle, pieces)) if part.surface == "straight" else pieces
+
+
+def _in_the_middle(joints: Joints) -> Joints:
+    """Return the thickest joint of a piece alone."""
+    away = np.linalg.norm(joints.nodes[:, :2] - joints.nodes[:, :2].mean(axis=0), axis=1)
+    node = most_central(joints.nodes[:, 2], away)
+    return Joints(joints.nodes[[node]], np.zeros((0, 2), np.intp), np.zeros(0), ())
 
 
 def _adding(state: SilhouetteState, within: str = "") -> Iterator[Part]:
@@ -267,11 +334,11 @@ def _touch(one: _Piece, other: _Piece) -> bool:
         return False
     here, there = one.skeleton.nodes, other.skeleton.nodes
     radii, others = here[:, 2] * one.placement.scale, there[:, 2] * other.placement.scale
-    gaps = np.linalg.norm(
-        _lifted(one.placement, here)[:, None] - _lifted(other.placement, there), axis=2
-    )
-    reach = radii[:, None] + others + NEAR * np.minimum(radii[:, None], others)
-    return bool((gaps <= reach).any())
+    ways = _lifted(other.placement, there) - _lifted(one.placement, here)[:, None]
+    gaps = np.linalg.norm(ways, axis=2)
+    ways /= np.maximum(gaps, 1e-300)[:, :, None]
+    reach = one.reaches(ways) + other.reaches(ways.swapaxes(0, 1)).T
+    return bool((gaps <= reach + NEAR * np.minimum(radii[:, None], others)).any())
 
 
 def _rooted(piece: _Piece, root: int, first: int) -> Limbs:

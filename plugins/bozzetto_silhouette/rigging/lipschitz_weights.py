@@ -16,9 +16,11 @@ some vertices; then the largest Lipschitz function below that is taken, in turn,
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Rig
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.rigging.skin_graph import SkinGraph, beyond
@@ -64,10 +66,16 @@ def lipschitz_weights(
     Returns
     -------
     (v, n) float array
-        Sum 1. Where several roots have a share in one piece of skin, the first ones of them may
-        still be steep.
+        Sum 1.
     """
     slopes = [skin.steepest(place, (1.0 - SLACK) * stretch) for place in rig.joints]
+    holders = _first_roots(skin, rig, shares)
+    for root, first in enumerate(holders.tolist()):
+        if first != root:  # what the first one moves is all that the others do not
+            together = int(np.count_nonzero(holders == first)) - 1
+            slopes[root] = np.minimum(slopes[root], slopes[first] / together)
+    held = (rig.parents < 0) & (holders != np.arange(len(holders)))
+    rig = replace(rig, parents=np.where(held, holders, rig.parents).astype(np.int32))
     moved = beyond(rig, shares)
     for joint, row in enumerate(moved):
         above = -_lowered(skin, -row, slopes[joint])
@@ -90,6 +98,29 @@ def lipschitz_weights(
         if not len(changed):
             break
     return found
+
+
+def _first_roots(skin: SkinGraph, rig: Rig, shares: Array) -> Index:
+    """Return for each joint (n,) the first of the roots with shares in the same skin; else itself.
+
+    Two roots are in the same skin also if a third one is with either.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    roots = np.flatnonzero(rig.parents < 0)
+    firsts = np.arange(len(rig.parents))
+    if len(roots) < 2:
+        return firsts
+    count = len(shares)
+    vertex, which = np.nonzero(beyond(rig, shares)[roots].T)
+    a = np.concatenate([skin.a, vertex])
+    b = np.concatenate([skin.b, count + which])
+    size = count + len(roots)
+    _, skins = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(size, size)))
+    _, first, same = np.unique(skins[count:], return_index=True, return_inverse=True)
+    firsts[roots] = roots[first[same.ravel()]]
+    return firsts
 
 
 def _lowered(skin: SkinGraph, values: Array, slopes: Array) -> Array:

@@ -37,8 +37,8 @@ FLATTEST, SHARPEST = 0.05, 20.0
 LEAST = 1e-9
 """Say of a place's own cluster: no place is left with none."""
 
-SAME = 1e-3
-"""Shares that differ by less do not stretch an edge."""
+SLIGHT = 1e-3
+"""An edge that gets longer by a smaller share of its length is not stretched."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,9 +194,14 @@ class SkinGraph:
             a, b = ends.reshape(2, -1)
             shares, middles, lengths = shares[rows], middles[edges], lengths[edges]
         worst, away = np.zeros(len(a)), np.zeros(len(a))
+        if not len(a):
+            return worst, away
+        low, high = middles.min(axis=0), middles.max(axis=0)
+        least = 0.5 * SLIGHT / np.sin(0.5 * TURN) * lengths
         for moved, place in zip(beyond(rig, shares), rig.joints, strict=True):
             change = np.abs(moved[a] - moved[b])
-            some = np.flatnonzero(change > SAME)
+            farthest = np.linalg.norm(np.maximum(np.abs(place - low), np.abs(place - high)))
+            some = np.flatnonzero(change * farthest > least)
             far = np.linalg.norm(middles[some] - place, axis=1)
             stretch = 2.0 * np.sin(0.5 * TURN) * change[some] * far / lengths[some]
             more = stretch > worst[some]

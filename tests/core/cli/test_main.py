@@ -468,6 +468,6 @@ def test_a_turntable_is_a_gif_or_a_row_of_pictures(bozzetto, square, tmp_path):
     assert sorted(path.name for path in tmp_path.glob("row*")) == [
         f"row-{number}.png" for number in (1, 2, 3)
     ]
-    refused = bozzetto(*words, "turn.mp4")
+    refused = bozzetto(*words, "turn.avi")
     assert refused.returncode != 0
     assert ".gif" in refused.stderr

@@ -274,7 +274,116 @@ def test_assemblies_in_assemblies_stand_where_they_belong_in_any_unit(tmp_path, 
         seen = sorted(tuple(np.round(part.mesh.bounds, 3).ravel().tolist()) for part in found)
         np.testing.assert_allclose(seen, sorted(tuple(np.ravel(box)) for box in wanted), atol=2e-3)
         assert {part.color for part in found} == {(255 if name == "Pin" else 0, 0, 255)}
-        assert {part.path for part in found} == {("Frame", "Bracket")}
+        count = len(found) // 2
+        paths = [("Frame", "Bracket")] * count + [("Frame", "Bracket 2")] * count
+        assert sorted(part.path for part in found) == paths
+
+
+def occurrences(path):
+    """Two of a subassembly with names; a box that is mirrored, and one that is twice as large."""
+    from OCP.STEPCAFControl import STEPCAFControl_Writer
+    from OCP.TCollection import TCollection_ExtendedString as Text
+    from OCP.TDataStd import TDataStd_Name
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    make, _, _, gp = kit()
+    document = TDocStd_Document(Text("x"))
+    tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+
+    def place(x, change=None):
+        move = gp.gp_Trsf()
+        move.SetTranslation(gp.gp_Vec(x, 0.0, 0.0))
+        return TopLoc_Location(move if change is None else move * change)
+
+    mirror, larger = gp.gp_Trsf(), gp.gp_Trsf()
+    mirror.SetMirror(gp.gp_Ax2(gp.gp_Pnt(0, 0, 0), gp.gp_Dir(1, 0, 0)))
+    larger.SetScale(gp.gp_Pnt(0, 0, 0), 2.0)
+    box = tool.AddShape(make.BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape(), False)
+    pin = tool.AddShape(make.BRepPrimAPI_MakeBox(1.0, 1.0, 9.0).Shape(), False)
+    inner, whole = tool.NewShape(), tool.NewShape()
+    named = [(box, "Box"), (pin, "Pin"), (inner, "Inner"), (whole, "Whole")]
+    named.append((tool.AddComponent(inner, box, place(0.0)), "first"))
+    named.append((tool.AddComponent(inner, pin, place(5.0)), "NAUO7"))
+    named.append((tool.AddComponent(inner, box, place(10.0)), "the same"))
+    named.append((tool.AddComponent(inner, pin, place(15.0)), "the same"))
+    tool.AddComponent(whole, inner, place(0.0))
+    tool.AddComponent(whole, inner, place(100.0))
+    named.append((tool.AddComponent(whole, box, place(-10.0, mirror)), "flipped"))
+    named.append((tool.AddComponent(whole, box, place(-30.0, larger)), "large"))
+    for label, name in named:
+        TDataStd_Name.Set_s(label, Text(name))
+    tool.UpdateAssemblies()
+    writer = STEPCAFControl_Writer()
+    writer.Transfer(document)
+    writer.Write(str(path))
+    return path
+
+
+def test_parts_are_called_as_where_they_are_used_and_mirrored_ones_look_outwards(tmp_path):
+    found = read_mesh_file(occurrences(tmp_path / "a.step")).shapes
+    assert not found.surfaces
+    rows = {
+        (part.path, part.name, round(float(part.mesh.bounds[0][0]), 3)): enclosed_volume(part.mesh)
+        for part in found.solids
+    }
+    wanted = {(("Whole",), "flipped", -11.0): 6.0, (("Whole",), "large", -30.0): 48.0}
+    for path, x in ((("Whole", "Inner"), 0.0), (("Whole", "Inner 2"), 100.0)):
+        wanted |= {(path, "first", x): 6.0, (path, "Pin", x + 5.0): 9.0}
+        wanted |= {(path, "Box", x + 10.0): 6.0, (path, "Pin", x + 15.0): 9.0}
+    assert rows == pytest.approx(wanted)
+
+
+def iges(entities):
+    """Text of a file: of each entity the type, parameters, number of its matrix, and status."""
+    directory, parameters = [], []
+    for number, (kind, values, matrix, status) in enumerate(entities):
+        place, body = 2 * number + 1, f"{kind},{values};"
+        rows = [body[k : k + 64] for k in range(0, len(body), 64)]
+        change = 2 * matrix + 1 if matrix is not None else 0
+        fields = (kind, len(parameters) + 1, 0, 0, 0, 0, change, 0)
+        directory.append("".join(f"{one:8d}" for one in fields) + status)
+        directory.append(f"{kind:8d}{0:8d}{0:8d}{len(rows):8d}{0:8d}{'':24}{0:8d}")
+        parameters += [(row, place) for row in rows]
+    head = (
+        "1H,,1H;,1Ha,1Ha,1Ha,1Ha,32,38,6,308,15,1Ha,1.,2,2HMM,1,0.01,15H20260101.000000,1E-06,"
+        "1000.,1Ha,1Ha,11,0,15H20260101.000000;"
+    )
+    rows = [head[k : k + 72] for k in range(0, len(head), 72)]
+    lines = [f"{'a':72}S{1:7d}", *(f"{row:72}G{k:7d}" for k, row in enumerate(rows, 1))]
+    lines += [f"{row:72}D{k:7d}" for k, row in enumerate(directory, 1)]
+    lines += [f"{row:64}{at:8d}P{k:7d}" for k, (row, at) in enumerate(parameters, 1)]
+    counts = f"S{1:7d}G{len(rows):7d}D{len(directory):7d}P{len(parameters):7d}"
+    return "\n".join([*lines, f"{counts:72}T{1:7d}", ""])
+
+
+def test_iges_subfigures_stand_where_they_are_used(tmp_path):
+    """Subfigures in subfigures (308, 408), scaled, and changed by a matrix (124)."""
+    square = "1,1,1,1,0,0,1,0,0,0.,0.,1.,1.,0.,0.,1.,1.,1.,1.,1.,1.,"
+    square += "0.,0.,0.,4.,0.,0.,0.,2.,0.,4.,2.,0.,0.,1.,0.,1."
+    used, inner, shown = "00010000", "00000201", "00000000"
+    rows = [
+        (128, square, None, used),
+        (308, "0,5HWheel,1,1", None, inner),
+        (408, "3,100.,0.,0.,1.", None, used),
+        (408, "3,0.,100.,5.,3.", None, used),
+        (308, "1,4HAxle,2,5,7", None, inner),
+        (408, "9,0.,0.,500.,1.", None, shown),
+        (124, "0.,-1.,0.,10.,1.,0.,0.,20.,0.,0.,1.,30.", None, "00000100"),
+        (408, "3,0.,0.,0.,1.", 6, shown),
+        (128, square, 6, shown),
+    ]
+    (tmp_path / "a.igs").write_text(iges(rows))
+    found = read_mesh_file(tmp_path / "a.igs").shapes.surfaces
+    boxes = sorted(np.round(part.mesh.bounds, 6).ravel().tolist() for part in found)
+    turned_box = [8.0, 20.0, 30.0, 10.0, 24.0, 30.0]
+    assert boxes == pytest.approx(np.array([
+        [0.0, 100.0, 505.0, 12.0, 106.0, 505.0], turned_box, turned_box,
+        [100.0, 0.0, 500.0, 104.0, 2.0, 500.0],
+    ]))  # fmt: skip
+    assert sorted(part.path for part in found) == [(), (), ("Axle",), ("Axle",)]
+    assert "Wheel" in {part.name for part in found}
 
 
 def test_loose_curves_are_told(tmp_path):
@@ -297,10 +406,12 @@ def test_what_the_library_calls_a_shape_is_no_name(tmp_path, entry):
     """A product of a body and curves beside it, as older programs write them."""
     text = nested(tmp_path / "a.step", "MM").read_text()
     (tmp_path / "b.step").write_text(text.replace("'Pin'", f"'{entry}'"))
-    named = [part.name for part in read_mesh_file(tmp_path / "a.step", trusted=True).shapes.solids]
-    found = [part.name for part in read_mesh_file(tmp_path / "b.step", trusted=True).shapes.solids]
-    assert "Pin" in named
-    assert found == ["Bracket" if name == "Pin" else name for name in named]
+    named = read_mesh_file(tmp_path / "a.step", trusted=True).shapes.solids
+    found = read_mesh_file(tmp_path / "b.step", trusted=True).shapes.solids
+    assert "Pin" in {part.name for part in named}
+    assert [part.name for part in found] == [
+        part.path[-1] if part.name == "Pin" else part.name for part in named
+    ]
 
 
 def test_parts_that_lie_in_other_files_are_named(tmp_path):

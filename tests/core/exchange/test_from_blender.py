@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from bozzetto.exchange.export import export
 from bozzetto.exchange.import_file import read_mesh_file
+from bozzetto.geometry.shapes import FaceGroup
 from tests.blender import asked
 from tests.core.exchange.test_mesh_formats import volume
+from tests.core.exchange.test_usd import everything
 
 pytestmark = pytest.mark.interop
 
@@ -242,3 +247,70 @@ def test_a_rich_scene_comes_whole(tmp_path, ending):
     np.testing.assert_allclose(across, [0.375, 0.5], atol=1e-5)  # of its first places twice that
     for word in ("texture coordinates", "noted of a part"):
         assert any(word in line for line in found.left_out), word
+
+
+CHANGED = """
+from mathutils import Quaternion
+source, folder = sys.argv[1:3]
+bpy.ops.import_scene.gltf(filepath=source)
+bpy.data.objects.remove(bpy.data.objects["Icosphere"])  # what the importer shows bones by
+rig = next(o for o in bpy.data.objects if o.type == "ARMATURE")
+rig.animation_data_clear()
+bone = rig.pose.bones[1]
+bone.rotation_mode = "QUATERNION"
+bone.rotation_quaternion = Quaternion((1.0, 0.0, 0.0), 0.5)
+bone.bone.name = "Bend"
+worm = next(o for o in bpy.data.objects if o.type == "MESH" and o.find_armature())
+worm.name = "Snake 2"
+color = worm.data.materials[0].node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+color.default_value = (0.8, 0.1, 0.05, 1.0)
+worm.data.materials[0].name = "Scales"
+bpy.context.view_layer.update()
+graph = bpy.context.evaluated_depsgraph_get()
+answer = {}
+for one in bpy.data.objects:
+    if one.type == "MESH":
+        places = [one.matrix_world @ v.co for v in one.evaluated_get(graph).to_mesh().vertices]
+        answer[one.name] = [
+            [1000 * kind(p[k] for p in places) for k in range(3)] for kind in (min, max)
+        ]
+path = os.path.join(folder, "a")
+bpy.ops.export_scene.gltf(filepath=path + ".glb", export_rest_position_armature=False)
+for ending in ("usda", "usdc", "usdz"):
+    bpy.ops.wm.usd_export(filepath=f"{path}.{ending}")
+bpy.ops.wm.obj_export(filepath=path + ".obj")
+"""
+
+
+def test_what_is_ours_comes_back_from_blender_as_it_was_changed_there(tmp_path):
+    """A posed, renamed and repainted figure among other parts, in five formats."""
+    export(everything(), tmp_path / "ours.glb")
+    boxes = asked(CHANGED, tmp_path / "ours.glb", tmp_path)
+    before = {part.name: part for part in everything().meshes()}
+    (worm,) = (part for part in before.values() if part.skin is not None)
+    names = {"Bend" if k == 1 else name for k, name in enumerate(worm.skin.rig.names)}
+    for ending in ("glb", "usda", "usdc", "usdz", "obj"):
+        found = read_mesh_file(tmp_path / f"a.{ending}")
+        guess = found.guess and replace(found.guess, up="y", unit="m")  # as Blender writes them
+        shapes = replace(found, guess=guess).upright
+        parts = {part.name.replace("_", " "): part for part in shapes.meshes()}
+        assert parts.keys() == boxes.keys(), ending
+        for name, box in boxes.items():
+            np.testing.assert_allclose(parts[name].mesh.bounds, box, atol=2e-3, err_msg=ending)
+        snake = parts["Snake 2"]
+        (group,) = snake.groups or (FaceGroup("Scales", 0, snake.color),)
+        assert group.name == "Scales"
+        assert (group.color or snake.color) == (231, 89, 63), ending
+        assert (snake.skin is None) == (ending == "obj")
+        if snake.skin is not None:
+            assert {name.replace("_", " ") for name in snake.skin.rig.names} == names
+            assert snake.skin.rig.is_posed
+        for name, part in parts.items():
+            if ending == "obj" or name not in before:
+                continue
+            assert (part.texture is None) == (before[name].texture is None), (ending, name)
+            painted = part.mesh.colors is None
+            assert painted == (before[name].mesh.colors is None), (ending, name)
+            assert len(part.groups) == len(before[name].groups) or len(part.groups) <= 1
+            if ending == "glb":
+                assert part.path == before[name].path

@@ -22,6 +22,8 @@ from tests.plugins.polyhedron.objects import (
 
 BLOCK = box((3.0, 2.6, 1.6))
 
+PLATE = box((3.0, 2.6, 0.7))
+
 
 def looped(kind: str) -> Polyhedron:
     size = (1.3, 1.0)
@@ -32,14 +34,18 @@ def looped(kind: str) -> Polyhedron:
         "two holes": BLOCK
         - box((0.7, 1.2, 3.0), (0.4, 0.5, -1.0))
         - box((0.8, 0.9, 3.0), (1.7, 1.2, -1.0)),
+        "spool": PLATE + box((1.7, 1.3, 1.5), (0.6, 0.7, 0.7)) + PLATE.translate((0.0, 0.0, 2.2)),
     }
-    found = polyhedron_of(solids[kind], kind)
+    found = polyhedron_of(solids[kind], kind, 0.04)
     assert found is not None
     return found
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.005])
-@pytest.mark.parametrize("kind", ["hole", "pocket", "boss", "two holes"])
+@pytest.mark.parametrize(
+    "kind",
+    ["hole", "pocket", "boss", "two holes", "spool"],
+)
 def test_light_lines_tell_what_a_loop_is(kind: str, noise: float) -> None:
     shown = view(looped(kind), 4)
     assert shown is not None

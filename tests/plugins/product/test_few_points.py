@@ -47,6 +47,25 @@ def test_closed_ones(count):
     assert chords < length_of(spline) < 1.08 * chords
 
 
+@pytest.mark.parametrize("seed", range(9400, 9412))
+def test_rings_of_points_far_and_near(seed):
+    """With knots at equal steps one grew to 10⁵ times its length, and others had hooks."""
+    random = np.random.default_rng(seed)
+    steps = random.exponential(size=random.integers(24, 90)) ** 2
+    angles = 2.0 * np.pi * np.cumsum(steps) / steps.sum()
+    waves = random.normal(size=(2, 3, 3)) / (1.0, 2.0, 4.0)
+
+    def places(at):
+        turns = np.outer(at, (1, 2, 3))
+        return 100.0 * (np.cos(turns) @ waves[0].T + np.sin(turns) @ waves[1].T)
+
+    ring = places(angles)
+    spline = closed_spline_through(ring, 0.02, 0.002)
+    fine = places(np.linspace(0.0, 2.0 * np.pi, 2000))
+    assert length_of(spline) < 1.1 * norms(np.diff(fine, axis=0)).sum()
+    assert spline.least_distances(ring).max() < 0.021
+
+
 @pytest.mark.slow
 def test_the_mouse_read_from_points_has_all_its_surfaces():
     state = product_of_network(facts(points_of(DRAWN["mouse"]())))

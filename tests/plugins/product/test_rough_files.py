@@ -278,3 +278,47 @@ def test_a_flat_grid_has_no_outline_with_a_choice_and_a_bow_tie_none():
     net = net_of_state(product_of_network(facts(crossing)))
     for loop in plane_outlines(SampledNet.of(net)):
         assert len(loop) < 6
+
+
+def line(start, end):
+    return np.outer(1.0 - SHARE, start) + np.outer(SHARE, end)
+
+
+def strays(curves):
+    """How far points of a file are from their curves, most of all, as share of the diagonal."""
+    state = product_of_network(facts(curves))
+    splines = {curve.name: curve.spline for curve in state.of_kind(Curve)}
+    size = np.linalg.norm(np.ptp(np.vstack(list(curves.values())), axis=0))
+    return max(splines[name].least_distances(row).max() for name, row in curves.items()) / size
+
+
+@pytest.mark.parametrize("reach", [3.5, 5.0, 6.0])
+@pytest.mark.parametrize("swap", [False, True])
+def test_curves_that_end_on_one_another_are_not_drawn_away(reach, swap):
+    """Each carried the end of the other, and went away with it: 13 % of the diagonal."""
+    left, right = np.array((-reach, 0.0, 0.0)), np.array((reach, 0.0, 0.0))
+    curves = {
+        "a": line(left, (200.0, 80.0, 0.0)),
+        "b": line(right, (-200.0, 80.0, 0.0)),
+        "c": line(left, (-60.0, -180.0, 130.0)),
+        "d": line(right, (60.0, -180.0, 130.0)),
+        "e": line((200.0, 80.0, 0.0), (60.0, -180.0, 130.0)),
+        "f": line((-200.0, 80.0, 0.0), (-60.0, -180.0, 130.0)),
+    }
+    if swap:
+        curves = dict(reversed(curves.items()))
+    assert strays(curves) < 0.06
+
+
+@pytest.mark.parametrize("width", [8.0, 14.0, 18.0])
+def test_a_narrow_neck_stays_as_wide_as_it_is(width):
+    """Its rails were joined to the line in its middle, and the neck was gone."""
+    curves = {"middle": line((-500.0, 0.0, 0.0), (500.0, 0.0, 0.0))}
+    for side, y in (("l", width), ("r", -width)):
+        for number, x in enumerate((-500.0, -250.0, 0.0, 250.0)):
+            curves[f"{side}{number}"] = line((x, y, 0.0), (x + 250.0, y, 0.0))
+    for number, x in enumerate((-500.0, 500.0)):
+        curves[f"rung{number}"] = line((x, -width, 0.0), (x, width, 0.0))
+    assert strays(curves) < 1e-3
+    state = product_of_network(facts(curves))
+    assert len(find_loops(net_of_state(state)).loops) == 2

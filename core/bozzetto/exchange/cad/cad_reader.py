@@ -1,8 +1,9 @@
 """STEP and IGES, read: bodies as triangles near their exact surfaces, with names and colours.
 
 Read with Open CASCADE, the extra ``bozzetto[cad]`` (`cadquery-ocp-novtk`). Assemblies are taken
-apart into their bodies, each called like the product that it is of. The edges of faces are cut
-alike on both sides, so that closed bodies stay closed.
+apart into their bodies, each called like the occurrence that it is of, or like the product where
+occurrences have no names of their own. The edges of faces are cut alike on both sides, so that
+closed bodies stay closed.
 """
 
 from __future__ import annotations
@@ -10,8 +11,10 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -43,6 +46,9 @@ OTHER_FILE: Final = re.compile(
 
 UNNAMED: Final = re.compile(r"COMPOUND|COMPSOLID|SOLID|SHELL|FACE|WIRE|EDGE|=>\[[\d:]*\]")
 """What the library calls shapes that the file does not name, such as several of one product."""
+
+AUTOMATIC: Final = re.compile(r"(?:NAUO)?\d*", re.IGNORECASE)
+"""What programs call an occurrence of a product if nobody gave it a name."""
 
 NAMED: Final = 4
 """Files that a sentence names."""
@@ -193,34 +199,79 @@ class _Kernel:
         """
         self._main = document.Main()
         tool = self.XCAFDoc.XCAFDoc_DocumentTool.ShapeTool_s(self._main)
-        roots = self._labels()
-        tool.GetFreeShapes(roots)
+        roots = self._filled(tool.GetFreeShapes)
         nowhere = self.TopLoc.TopLoc_Location()
         waiting: list[tuple[Any, Any, str, _Look | None, _Look | None, tuple[str, ...], int]]
         waiting = [(one, nowhere, "", None, None, (), 0) for one in roots]
+        shared = self._shared_names(tool)
         seen = 0
         while waiting:
             label, place, name, around, used, path, depth = waiting.pop(0)
             seen += 1
             at_most(seen, 4 * MAX_BODIES, "products")
             at_most(depth, MAX_DEPTH, "levels of assemblies")
-            own = self._name(label) or name
             look = used or self._look_of(label)
             if tool.IsReference_s(label):
                 place = place.Multiplied(tool.GetLocation_s(label))
-                referred = self.TDF.TDF_Label()
-                tool.GetReferredShape_s(label, referred)
-                waiting.append((referred, place, own, around, look, path, depth + 1))
-            elif tool.IsAssembly_s(label):
-                parts = self._labels()
-                tool.GetComponents_s(label, parts)
+                waiting.append((self._product(label), place, name, around, look, path, depth + 1))
+                continue
+            own = name or self._name(label)
+            if tool.IsAssembly_s(label):
                 inside = (*path, own) if own else path
+                names = self._names_in(tool, label, shared)
                 waiting += [
-                    (one, place, own, look or around, None, inside, depth + 1) for one in parts
+                    (one, place, called or own, look or around, None, inside, depth + 1)
+                    for one, called in names
                 ]
             else:
                 look = look or around or _Look(None)
                 yield _Body(tool.GetShape_s(label), place, own, look, path)
+
+    def _shared_names(self, tool: Any) -> set[str]:
+        """Return the names that occurrences of several products have: they mean nothing."""
+        products: dict[str, str] = {}
+        shared = set()
+        for whole in self._filled(tool.GetShapes):
+            for one in self._filled(partial(tool.GetComponents_s, whole)):
+                name, product = self._name(one), self._entry(self._product(one))
+                if products.setdefault(name, product) != product:
+                    shared.add(name)
+        return shared
+
+    def _names_in(self, tool: Any, whole: Any, shared: set[str]) -> Iterator[tuple[Any, str]]:
+        """Yield the parts of an assembly with their names; no two assemblies in it have the same.
+
+        An occurrence has its own name, or that of its product where it has none, or one that says
+        nothing.
+        """
+        seen: Counter[str] = Counter()
+        for one in self._filled(partial(tool.GetComponents_s, whole)):
+            name, product = self._name(one), self._product(one)
+            if name in shared or AUTOMATIC.fullmatch(name):
+                name = self._name(product) or name
+            if tool.IsAssembly_s(product):
+                seen[name] += 1
+                if seen[name] > 1:
+                    name = f"{name} {seen[name]}"
+            yield one, name
+
+    def _product(self, occurrence: Any) -> Any:
+        """Return the label of the product that is used somewhere."""
+        referred = self.TDF.TDF_Label()
+        self.XCAFDoc.XCAFDoc_ShapeTool.GetReferredShape_s(occurrence, referred)
+        return referred
+
+    def _entry(self, label: Any) -> str:
+        """Return what tells a label from all others."""
+        text = self.TCollection.TCollection_AsciiString()
+        self.TDF.TDF_Tool.Entry_s(label, text)
+        return str(text.ToCString())
+
+    def _filled(self, fill: Callable[[Any], object]) -> Any:
+        """Return the labels that a function puts into an empty row of them."""
+        labels = self._labels()
+        fill(labels)
+        return labels
 
     def _labels(self) -> Any:
         """Return an empty row of labels, which is called otherwise since Open CASCADE 8."""
@@ -305,6 +356,8 @@ class _Kernel:
         ]
         if not sum(map(len, rows)):
             return None
+        if body.place.Transformation().IsNegative():  # mirrored
+            rows = [row[:, ::-1] for row in rows]
         mesh = checked_mesh(_moved(whole[first], body.place), np.concatenate(rows))
         groups = tuple(
             FaceGroup(body.name, len(row), *look)

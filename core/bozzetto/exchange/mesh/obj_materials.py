@@ -7,7 +7,10 @@ import posixpath
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
+import numpy as np
+
 from bozzetto.errors import UserError
+from bozzetto.exchange.color import linear_to_srgb
 from bozzetto.exchange.limits import at_most
 from bozzetto.exchange.mesh.gltf_scene import LOOKS
 from bozzetto.exchange.reading import Reading
@@ -22,6 +25,9 @@ ROUGHEST: Final = 1.0
 """Of a material that does not say how rough it is."""
 
 OPAQUE: Final = 1.0
+
+LINEAR: Final = b"# Blender"
+"""Begins libraries whose colours are linear; in all others they are as on the screen."""
 
 OPTIONS: Final = {"-o": 3, "-s": 3, "-t": 3, "-mm": 2, "-bm": 1, "-texres": 1, "-clamp": 1}
 """Options before the name of a picture, and how many values they have at most."""
@@ -62,6 +68,7 @@ def materials_of(libraries: Sequence[str], reading: Reading) -> dict[str, Look]:
 
 def _looks(data: bytes, folder: str, reading: Reading) -> dict[str, Look]:
     """Return the looks that one library holds; what cannot be understood is passed over."""
+    linear = data.startswith(LINEAR)
     said: dict[str, dict[str, list[float]]] = {}
     own: dict[str, list[float]] = {}
     pictures: dict[str, str] = {}
@@ -81,7 +88,7 @@ def _looks(data: bytes, folder: str, reading: Reading) -> dict[str, Look]:
             if numbers:
                 own[word] = numbers
     return {
-        name: _look(values)._replace(picture=pictures.get(name, ""))
+        name: _look(values, linear=linear)._replace(picture=pictures.get(name, ""))
         for name, values in said.items()
     }
 
@@ -113,11 +120,13 @@ def _numbers(text: str) -> list[float]:
     return values if all(map(math.isfinite, values)) else []
 
 
-def _look(said: dict[str, list[float]]) -> Look:
+def _look(said: dict[str, list[float]], *, linear: bool) -> Look:
     shade = said.get("Kd", [])
     color: Color | None = None
     if len(shade) == 3:
-        red, green, blue = (round(255 * min(max(value, 0.0), 1.0)) for value in shade)
+        bounded = np.clip(shade, 0.0, 1.0)
+        values = linear_to_srgb(bounded) if linear else np.rint(255.0 * bounded)
+        red, green, blue = (int(value) for value in values)
         color = None if (red, green, blue) == (255, 255, 255) else (red, green, blue)
     if "Pr" not in said and "Pm" not in said and "d" not in said and "Tr" not in said:
         return Look(color)

@@ -62,7 +62,8 @@ def _step(prim: ReadPrim, name: str) -> Array:
     if kind == "orient":
         rows = prim.numbers(name, 4)
         if rows is not None and len(rows) == 1:
-            length = float(np.linalg.norm(rows[0]))
+            with np.errstate(all="ignore"):
+                length = float(np.linalg.norm(rows[0]))
             if not 0.0 < length < np.inf:
                 raise FormatError("A transform turns by nothing.")
             matrix[:3, :3] = Rotation.from_quat(rows[0][[1, 2, 3, 0]]).as_matrix()

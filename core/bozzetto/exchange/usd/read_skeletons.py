@@ -25,8 +25,8 @@ MAX_KEYS: Final = 2_000_000
 RIGID: Final = 1e-4
 """How far the axes of a joint may be off a rotation: what was rounded is one all the same."""
 
-STILL: Final = 1e-9
-"""Difference from no turn, and share of a size, that comes from rounding."""
+STILL: Final = 1e-7
+"""Difference from no turn, and share of a size, that comes from rounding to seven digits."""
 
 RATE: Final = 24.0
 """Frames in a second, where a file does not say it."""

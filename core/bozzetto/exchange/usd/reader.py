@@ -1,16 +1,14 @@
 """USD, read: the meshes of a scene with their names, materials, pictures and bones.
 
-From text (``.usda``) and from packages with such text (``.usdz``). The binary form, "crate", has
-no specification but the code of OpenUSD: who has such a file is told how to get text of it.
+From text (``.usda``), from the binary form (``.usdc``), and from packages with either (``.usdz``).
+What a scene takes from other files comes from the same folder, or from the same package.
 """
 
 from __future__ import annotations
 
 import io
-import posixpath
 import zipfile
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Final
@@ -25,20 +23,15 @@ from bozzetto.exchange.limits import MAX_FACES, MAX_MESH_BYTES, MAX_PARTS, MAX_V
 from bozzetto.exchange.mesh.polygons import check_places, checked_mesh, is_degenerate, triangulate
 from bozzetto.exchange.mesh.stacked_pictures import Pictures
 from bozzetto.exchange.reading import Reading
+from bozzetto.exchange.usd.analytic_bodies import ANALYTIC, OFF, put_mesh
+from bozzetto.exchange.usd.composition import Composition
 from bozzetto.exchange.usd.read_looks import ReadLook, ReadLooks
 from bozzetto.exchange.usd.read_places import local_matrix, moves
 from bozzetto.exchange.usd.read_skeletons import RATE, ReadSkeletons
-from bozzetto.exchange.usd.usda_text import ReadPrim, parsed
+from bozzetto.exchange.usd.usda_text import ReadPrim
 from bozzetto.exchange.zip_entries import unpacked, unpacking
 from bozzetto.geometry.rig import Skin
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Surface
-
-CRATE: Final = b"PXR-USDC"
-
-BINARY: Final = (
-    "Its scene is in USD’s binary form, which is not read here. Save it as .usda: in Blender and "
-    "Maya choose that ending, or run “usdcat in.usdc -o out.usda”."
-)
 
 SCENES: Final = (".usda", ".usdc", ".usd")
 
@@ -50,10 +43,6 @@ UNIT: Final = 0.01
 Y_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rows: our x, y and z (up) from x, y (up) and z of the file."""
 
-ARCS: Final = ("references", "payload", "inherits", "specializes", "subLayers")
-"""Metadata by which a scene takes something from elsewhere."""
-
-BODIES: Final = frozenset(("Cube", "Sphere", "Cylinder", "Cone", "Capsule", "Plane", "TetMesh"))
 CURVED: Final = frozenset(("BasisCurves", "NurbsCurves", "NurbsPatch", "HermiteCurves", "Points"))
 HIDDEN: Final = frozenset(("proxy", "guide"))
 """Purposes of what is there for the work only."""
@@ -89,10 +78,9 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         Where pictures lie beside it, and what is told.
     """
     reading = reading or Reading()
-    if data.startswith(CRATE):
-        raise FormatError(BINARY)
     if not data.startswith(b"PK"):
-        return _Scene(parsed(data), reading, partial(_beside, reading)).shapes()
+        scene = Composition(reading.beside)
+        return _Scene(scene.composed(data), reading, scene).shapes()
     with as_format_errors(), unpacking():
         zipped = zipfile.ZipFile(io.BytesIO(data))
     with as_format_errors(), zipped:
@@ -101,22 +89,15 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         first = next((name for name in names if name.lower().endswith(SCENES)), None)
         if first is None:
             raise FormatError("There is no scene in this package. Export it again.")
-        text = unpacked(zipped, first, MAX_MESH_BYTES, "a scene")
-        if text.startswith(CRATE):
-            raise FormatError(BINARY)
-        load = partial(_entry, zipped, frozenset(names), posixpath.dirname(first))
-        return _Scene(parsed(text), reading, load).shapes()
+        scene = Composition(partial(_entry, zipped, frozenset(names)))
+        root = scene.composed(unpacked(zipped, first, MAX_MESH_BYTES, "a scene"), first)
+        return _Scene(root, reading, scene).shapes()
 
 
-def _beside(reading: Reading, name: str) -> bytes:
-    return reading.beside(posixpath.normpath(name), "picture")
-
-
-def _entry(zipped: zipfile.ZipFile, names: frozenset[str], folder: str, name: str) -> bytes:
-    path = posixpath.normpath(posixpath.join(folder, name))
-    if path not in names:
+def _entry(zipped: zipfile.ZipFile, names: frozenset[str], name: str, kind: str) -> bytes:
+    if name not in names:
         raise FormatError("It is not in the package.")
-    return unpacked(zipped, path, MAX_MESH_BYTES, "a picture")
+    return unpacked(zipped, name, MAX_MESH_BYTES, f"a {kind}")
 
 
 class _Scene:
@@ -128,12 +109,12 @@ class _Scene:
         What stands at its top.
     reading : Reading
         What is told.
-    load : callable
-        Gives the bytes of a picture by its name.
+    composition : Composition
+        That put it together.
     """
 
-    def __init__(self, root: ReadPrim, reading: Reading, load: Callable[[str], bytes]) -> None:
-        self._root, self._reading, self._load = root, reading, load
+    def __init__(self, root: ReadPrim, reading: Reading, composition: Composition) -> None:
+        self._root, self._reading, self._load = root, reading, composition.picture
         self._prims = {one.path: one for one in root.walk()}
         self._worlds: dict[str, Array] = {}
         self._pictures = Pictures("USD", reading)
@@ -141,7 +122,7 @@ class _Scene:
         rate = root.said.get("timeCodesPerSecond", root.said.get("framesPerSecond"))
         rate = rate if isinstance(rate, float) and 0.0 < rate < 1e6 else RATE
         self._skeletons = ReadSkeletons(self._prims, self._worlds, rate, reading)
-        self._left: Counter[str] = Counter()
+        self._left: Counter[str] = Counter(arcs=composition.missing)
         tops = [one.name for one in root.children if one.kind == "def"]
         self._top = tops[0] if len(tops) == 1 else root.said.get("defaultPrim")
         self._size = [0, 0]
@@ -176,12 +157,10 @@ class _Scene:
         waiting: list[tuple[ReadPrim, Array, list[ReadPrim]]] = [
             (one, frame, []) for one in reversed(self._root.children)
         ]
-        self._left["arcs"] += sum(name in self._root.said for name in ARCS)
         while waiting:
             prim, above, holders = waiting.pop()
             if prim.kind != "def" or prim.said.get("active") == 0.0:
                 continue
-            self._left["arcs"] += sum(name in prim.said for name in ARCS)
             self._left["variants"] += prim.has_variants
             if prim.word("visibility") == "invisible" or prim.word("purpose") in HIDDEN:
                 self._left["hidden"] += 1
@@ -194,10 +173,12 @@ class _Scene:
             self._worlds[prim.path] = world
             inner = [prim, *holders]
             self._left["motions"] += moves(prim)
+            if prim.type in ANALYTIC:
+                self._left["round"] += put_mesh(prim)
             if prim.type == "Mesh":
                 found.append(inner)
-            for kind, types in (("bodies", BODIES), ("curves", CURVED)):
-                self._left[kind] += prim.type in types
+            self._left["bodies"] += prim.type == "TetMesh"
+            self._left["curves"] += prim.type in CURVED
             self._left["copies"] += prim.type == "PointInstancer"
             self._left["cameras"] += prim.type == "Camera"
             self._left["lights"] += prim.type.endswith("Light")
@@ -211,12 +192,15 @@ class _Scene:
     def _tell(self) -> None:
         for key, what, many, why in (
             ("arcs", "what it takes from elsewhere", "what it takes from {} other places",
-             "save it flattened: “usdcat --flatten in.usda -o out.usda”"),
+             "it is not in this folder or not a scene, or depends on itself; save it flattened: "
+             "“usdcat --flatten in.usda -o out.usda”"),
             ("variants", "what depends on a choice", "what depends on {} choices",
              "save it flattened with the one that you want"),
             ("hidden", "a hidden part", "{} hidden parts", "show them and save it again"),
             ("bodies", "a body that is no mesh", "{} bodies that are no meshes",
              "turn them into meshes first"),
+            ("round", "the exact form of a round body", "the exact form of {} round bodies",
+             f"their triangles are at most {100.0 * OFF:.2g} % of their size off"),
             ("curves", "a set of curves, patches or points",
              "{} sets of curves, patches or points", "they have no faces"),
             ("copies", "what is scattered as copies", "what is scattered as copies {} times",
@@ -530,8 +514,11 @@ def _whole_color(prim: ReadPrim) -> tuple[int, int, int] | None:
 def _normals(prim: ReadPrim, count: int, turn: Array) -> Array | None:
     """Return the unit normals of vertices in our axes; None where the file has none of these."""
     name = "primvars:normals" if "primvars:normals" in prim.values else "normals"
-    rows = prim.numbers(name, 3)
     said = prim.remarks.get(name, {}).get("interpolation", "vertex")
+    try:
+        rows = prim.numbers(name, 3)
+    except FormatError:  # of another type: they change nothing of the shape
+        return None
     if rows is None or len(rows) != count or said not in ("vertex", "varying"):
         return None
     with np.errstate(all="ignore"):

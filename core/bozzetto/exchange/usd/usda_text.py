@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import numpy as np
 
@@ -58,9 +58,22 @@ class Target(str):
 
 
 class Asset(str):
-    """The name of another file."""
+    """The name of another file.
 
-    __slots__ = ()
+    Attributes
+    ----------
+    prim : str
+        Path of a prim in it; empty where none is named.
+    """
+
+    __slots__ = ("prim",)
+    prim: str
+
+    def __new__(cls, name: str, prim: str = "") -> Self:
+        """Return the name of a file, with the path of a prim in it."""
+        made = super().__new__(cls, name)
+        made.prim = prim
+        return made
 
 
 @dataclass(eq=False)
@@ -347,10 +360,9 @@ class _Parser:
             return Target(token[1:-1])
         if kind == "asset":
             self._next()
-            if self._kind == "path":  # of the prim in the other file
-                self._next()
+            prim = self._take("path")[1:-1] if self._kind == "path" else ""
             self._skip_remark()
-            return Asset(token.strip("@"))
+            return Asset(token.strip("@"), prim)
         if kind == "word":
             self._next()
             return {"None": None, "true": 1.0, "false": 0.0}.get(token, token)

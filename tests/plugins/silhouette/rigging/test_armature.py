@@ -27,6 +27,7 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.rigging.armature import armature_of
 from bozzetto_silhouette.rigging.posing import joints_layer, posed, posed_scene, rig_of
 from tests.plugins.silhouette.outlines import COMMITTED, circle, svg_rings
+from tests.plugins.silhouette.rigging.characters import stretches
 
 SAMPLES = Path(bozzetto_silhouette.__file__).parent / "samples"
 FRONT = Camera("orthographic", eye=(0, -500, 0), height=300.0, viewport=(900, 900))
@@ -285,6 +286,42 @@ def test_a_straight_part_follows_as_a_whole():
     assert tip.sum() > 3
     assert (table[tip].max(axis=1) > 1 - 1e-6).all()
     assert len(set(table[tip].argmax(axis=1))) == 1
+
+
+def plate_on_legs():
+    """A plate that goes straight through, on three legs that touch nothing else."""
+    legs = [
+        part(capsule(x, -20, 50, 4, 90), number=k, name=f"Leg {k}")
+        for k, x in enumerate((-30, 0, 30), 2)
+    ]
+    plate = part(
+        capsule(-40, 10, 80, 12), number=1, name="Plate", surface="straight", inflation=0.4
+    )
+    return state_of(plate, *legs, resolution=64)
+
+
+def test_a_plate_that_holds_legs_has_a_joint_and_they_hang_on_it():
+    state = plate_on_legs()
+    rig = rig_of(state)
+    (plate,) = np.flatnonzero(rig.parents < 0)
+    assert rig.names[plate] == "Plate"
+    assert (rig.parents == plate).sum() == 3
+    result = solved(state)
+    assert stretches(result.mesh, result.skin).max() <= 1.8
+    whole = solved(turned(state, plate, (0, 1, 0), 40)).mesh.vertices
+    back = Rotation.from_rotvec([0.0, -np.radians(40.0), 0.0]).apply(whole - rig.joints[plate])
+    np.testing.assert_allclose(back + rig.joints[plate], result.mesh.vertices, atol=1e-3)
+    one = state_of(*state.nodes[:2])  # a single leg needs nothing to hold it
+    assert all(name.startswith("Leg") for name in rig_of(one).names)
+
+
+def test_parts_touch_where_one_is_thicker_than_round():
+    body = part(circle(0, 0, 30), number=1, name="Body", inflation=1.5)
+    nose = replace(
+        part(circle(0, 0, 3), number=2, name="Nose"), pose=Placement(offset=(0.0, -45.0, 0.0))
+    )
+    assert (rig_of(state_of(body, nose)).parents < 0).sum() == 1
+    assert (rig_of(state_of(replace(body, inflation=1.0), nose)).parents < 0).sum() == 2
 
 
 MIRROR = Placement((-1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0), 1.0, (7.0, 0.0, 3.0))

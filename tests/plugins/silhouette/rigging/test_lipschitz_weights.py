@@ -22,12 +22,14 @@ def rig_of(places, parents):
     return Rig(np.asarray(places, float), np.asarray(parents, np.int32), names)
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_whatever_shares_come_in_gentle_ones_come_out(seed):
+@pytest.mark.parametrize(
+    ("seed", "roots"), [*((seed, 1) for seed in range(6)), (6, 2), (7, 3), (8, 6)]
+)
+def test_whatever_shares_come_in_gentle_ones_come_out(seed, roots):
     random = np.random.default_rng(seed)
     vertices, faces = tube(around=int(random.integers(6, 30)), along=int(random.integers(10, 60)))
-    count = int(random.integers(2, 12))
-    parents = [-1, *(int(random.integers(0, k)) for k in range(1, count))]
+    count = roots + int(random.integers(1, 11))
+    parents = [*roots * [-1], *(int(random.integers(0, k)) for k in range(roots, count))]
     rig = rig_of(random.uniform(-60, 60, (count, 3)), parents)
     sharp = random.uniform(size=(len(vertices), count)) ** 8
     shares = sharp / sharp.sum(axis=1, keepdims=True)
