@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -11,16 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
-from bozzetto.errors import UserError
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.plugin import Context, remembered
 from bozzetto.view import Camera, triple
-from bozzetto_symmetry.export import shapes_of
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
-from bozzetto_symmetry.solve.curve_solver import trace_of
+from bozzetto_symmetry.solve.picking import solved_curves
 
 Kind = Literal["end", "crossing", "corner", "curve", "line", "edge"]
 """The end of a curve or line, where a curve crosses the centre plane, a corner of the box or of
@@ -169,20 +166,17 @@ def without_own(context: Context, state: SymmetryState) -> Context:
     state : SymmetryState
         As it was solved last.
     """
-    traces = {}
-    for node in state.shown_curves:
-        with suppress(UserError):
-            traces[node.id] = trace_of(node, state)
-    own: dict[str, list[Array]] = {}
-    for curve in shapes_of(state, traces).curves:
-        own.setdefault(curve.name, []).append(curve.control_points)
+    own: dict[int, list[Array]] = {}
+    for _, solved in solved_curves(state):
+        for made in solved.to_curves():
+            controls = state.plane.placement.points(made.control_points)
+            own.setdefault(len(controls), []).append(controls)
 
     def is_own(curve: ShapeCurve) -> bool:
         controls = np.asarray(curve.control_points)
         return any(
-            each.shape == controls.shape
-            and float(np.abs(each - controls).max()) < SAME_CURVE * state.diagonal
-            for each in own.get(curve.name, ())
+            float(np.abs(each - controls).max()) < SAME_CURVE * state.diagonal
+            for each in own.get(len(controls), ())
         )
 
     return replace(context, curves=tuple(c for c in context.curves if not is_own(c)))
