@@ -30,6 +30,7 @@ from bozzetto_symmetry.export import shapes_of
 from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view
+from bozzetto_symmetry.operations.settling import with_settled
 from bozzetto_symmetry.report import FIGURES, cautions_of, report_of
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 from bozzetto_symmetry.tools import all_tools
@@ -97,7 +98,7 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
         """Return the curves of a drawing.
 
         Strokes of one name are one curve; others go where they belong. Where the file gives no box,
-        it is one with room for all the ink.
+        it is one with room for all the ink, and no end settles on it.
 
         Raises
         ------
@@ -107,9 +108,11 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
         if not len(drawing.strokes):
             raise UserError("The drawing has no strokes. Draw a curve first.")
         strokes, state = tuple(drawing.strokes), self.create(context)
-        if context.facts.get("box") is None:
+        given = context.facts.get("box") is not None
+        if not given:
             state = replace(state, **box_around(strokes, state.plane))
-        return add_drawing(state, strokes, readings_of(context.facts), job.checkpoint)
+        drawn = add_drawing(state, strokes, readings_of(context.facts), job.checkpoint)
+        return with_settled(drawn, context, box=given)
 
     @override
     def solve(self, state: SymmetryState, job: Job) -> SymmetryResult:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from bozzetto.plugin import Caution, Figure, Job
+from bozzetto_symmetry.editing.end_snaps import settled_ends
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import MOST_MARGIN, Trace
 
@@ -43,6 +44,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
         "px",
         digits=2,
     ),
+    "settled": Figure("Ends settled", "How many ends went to what they nearly meet"),
     "degree": Figure(""),
     "size": Figure("Size", "Length, width and height", "mm", digits=1),
     "center": Figure("Centre", "Middle of the box", "mm", digits=1),
@@ -64,7 +66,8 @@ def report_of(
         ``"closed"``, ``"knots"``, ``"control_points"``, ``"points"`` and ``"sigma"``
         (together along the side that was drawn; sigma is the standard deviation across the
         curve of a hand that errs by 1 px, mm), ``"rms"`` (ink from the curve's image,
-        px) and ``"warnings"``; of a pair the mirror image's ``"mirrored_control_points"``.
+        px), ``"settled"`` (how many ends went to what they nearly meet) and ``"warnings"``; of a
+        pair the mirror image's ``"mirrored_control_points"``.
     """
     plane = state.plane
     entries = []
@@ -99,7 +102,7 @@ def _nothing(curve: Curve) -> dict[str, Any]:
     return {
         "id": curve.id, "name": curve.name, "reading": "none", "margin": 0.0, "degree": 3,
         "closed": False, "knots": [], "control_points": [], "points": [], "sigma": [],
-        "rms": 0.0, "warnings": [],
+        "rms": 0.0, "settled": 0, "warnings": [],
     }  # fmt: skip
 
 
@@ -117,6 +120,7 @@ def _entry(curve: Curve, trace: Trace, state: SymmetryState) -> dict[str, Any]:
     entry |= {
         "degree": handed[0].degree,
         "closed": trace.curve.closed,
+        "settled": settled_ends(trace.curve, curve, state),
         "knots": handed[0].knots.tolist(),
         "control_points": place.points(handed[0].control_points).tolist(),
         "points": place.points(trace.points).tolist(),

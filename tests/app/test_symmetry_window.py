@@ -323,3 +323,34 @@ def test_a_turning_view_is_advised_at_most_ten_times_a_second(pair, settle, qtbo
         qtbot.wait(5)
     settle(pair.session)
     assert 2 <= len(asked) <= (asked[-1] - begun) / 0.1 + 1.5
+
+
+def test_ends_that_nearly_meet_do_and_it_is_told_undone_and_suspended(window, draw, settle):
+    post = np.column_stack((-40.0 + 70.0 * ALONG, 40.0 - 10.0 * ALONG, 20.0 + 70.0 * ALONG))
+    rail = np.column_stack((30.0 + 55.0 * ALONG, 30.0 + 0.0 * ALONG, 90.0 - 60.0 * ALONG**2))
+    rail += np.array((0.0, 0.9, 0.4))  # its end is drawn 3 px beside
+
+    def ends():
+        entries = window.session.solver.report["curves"]
+        return [np.asarray(entry["points"])[[0, -1]] for entry in entries]
+
+    for curve in (post, rail):
+        draw(window, curve)
+        draw(window, curve * MIRROR)
+    one, other = ends()
+    both = [np.linalg.norm(a - b * side) for a in one for b in other for side in (MIRROR, 1.0)]
+    assert min(both) < 1e-6
+    assert report(window)["settled"] == 1
+    assert report(window, 0)["settled"] == 1, "the first one comes to meet it"
+    assert "One end settled" in window.session.hints.step.sentence
+    press(window, Qt.Key.Key_Z, settle, CTRL)
+    press(window, Qt.Key.Key_Z, settle, CTRL)
+    assert len(window.session.solver.report["curves"]) == 1
+    assert report(window)["settled"] == 0, "it is where it was drawn"
+    press(window, Qt.Key.Key_M, settle)
+    draw(window, rail)
+    draw(window, rail * MIRROR)
+    one, other = ends()
+    both = [np.linalg.norm(a - b * side) for a in one for b in other for side in (MIRROR, 1.0)]
+    assert min(both) > 0.1
+    assert report(window)["settled"] == report(window, 0)["settled"] == 0

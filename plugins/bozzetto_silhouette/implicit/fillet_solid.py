@@ -138,27 +138,61 @@ class FilletSolid(Batched):
         return _sampled(self.solid, self.step, self.cell, points)
 
 
+class Shaped(NamedTuple):
+    """What bounds a fillet, at n points: it is where all three values are above 0.
+
+    Attributes
+    ----------
+    top, floor, flank : (n,) float array
+        Values of its outer side, of its inner side, and of the ends, where the blend ends.
+    slope : (n, 3) float array
+        Gradient of the outer side: that of the blended surface, and steeper where it goes under.
+    inner : (n, 3) float array
+        Gradient of the inner side.
+    apart : (n, 3) float array
+        Gradient of the ends.
+    """
+
+    top: Array
+    floor: Array
+    flank: Array
+    slope: Array
+    inner: Array
+    apart: Array
+
+    @classmethod
+    def of(
+        cls, solid: Composite | Row, step: Array | float, cell: Array | float, points: Array
+    ) -> tuple[Shaped, Sample]:
+        """Sample a fillet at points (n, 3); return also the blended surface there."""
+        first, second, blended, reach = layers(solid, points)
+        leads = first.value >= second.value
+        sharp = np.where(leads, first.value, second.value)
+        slope = np.where(leads[:, None], first.gradient, second.gradient)
+        added = blended.value - sharp
+        sunk = np.clip(SUNK_LEAST * step, SUNK * reach, SUNK_MOST * reach)
+        under = 2.0 - added / np.maximum(sunk, 1e-300)
+        top = blended.value - sunk * np.clip(under, 0.0, 1.0)
+        floor = np.maximum(DEPTH * reach, 2.0 * cell) - sharp
+        apart = np.where(leads[:, None], second.gradient - first.gradient,
+                         first.gradient - second.gradient)  # fmt: skip
+        steep = STEEP / np.maximum(np.sqrt(dot(apart, apart)), 1.0)
+        flank = steep * _flank(solid.operation, first, second, reach, sunk)
+        goes = ((under > 0.0) & (under < 1.0))[:, None]
+        steeper = blended.gradient + np.where(goes, blended.gradient - slope, 0.0)
+        return cls(top, floor, flank, steeper, -slope, steep[:, None] * apart), blended
+
+
 def _sampled(
     solid: Composite | Row, step: Array | float, cell: Array | float, points: Array
 ) -> Sample:
     """Sample the fillets of one composite, or of a row of them."""
-    first, second, blended, reach = layers(solid, points)
-    leads = first.value >= second.value
-    sharp = np.where(leads, first.value, second.value)
-    slope = np.where(leads[:, None], first.gradient, second.gradient)
-    added = blended.value - sharp
-    sunk = np.clip(SUNK_LEAST * step, SUNK * reach, SUNK_MOST * reach)
-    top = blended.value - sunk * np.clip(2.0 - added / np.maximum(sunk, 1e-300), 0.0, 1.0)
-    floor = np.maximum(DEPTH * reach, 2.0 * cell) - sharp
-    apart = np.where(leads[:, None], second.gradient - first.gradient,
-                     first.gradient - second.gradient)  # fmt: skip
-    steep = STEEP / np.maximum(np.sqrt(dot(apart, apart)), 1.0)
-    flank = steep * _flank(solid.operation, first, second, reach, sunk)
+    shaped, blended = Shaped.of(solid, step, cell, points)
+    top, floor, flank, _, inner, apart = shaped
     value = np.minimum(np.minimum(top, floor), flank)
-    gradient = np.where((value == top)[:, None], blended.gradient, -slope)
+    gradient = np.where((value == top)[:, None], blended.gradient, inner)
     ends = (value == flank) & (flank < top)
-    gradient = np.where(ends[:, None], steep[:, None] * apart, gradient)
-    return Sample(value, gradient)
+    return Sample(value, np.where(ends[:, None], apart, gradient))
 
 
 def _flank(operation: Operation, first: Sample, second: Sample, reach: Array, sunk: Array) -> Array:

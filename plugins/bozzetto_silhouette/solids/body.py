@@ -12,7 +12,7 @@ from bozzetto.arrays import Array, Faces, Index
 from bozzetto.geometry import Placement
 from bozzetto.plugin import cached_property, override
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
-from bozzetto_silhouette.inflation.manifold_check import as_manifold
+from bozzetto_silhouette.inflation.manifold_check import as_manifold, volume_of
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
 
 if TYPE_CHECKING:
@@ -85,6 +85,11 @@ class Body:
     def manifold(self) -> Manifold:
         """The mesh as manifold3d sees it."""
         return as_manifold(self.vertices, self.faces) if self.known is None else self.known
+
+    @cached_property
+    def volume(self) -> float:
+        """What the mesh encloses, mm³."""
+        return volume_of(self.vertices, self.faces)
 
     @cached_property
     def bounds(self) -> Array:

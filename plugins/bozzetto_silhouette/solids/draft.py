@@ -18,16 +18,15 @@ from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Placement
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite
-from bozzetto_silhouette.implicit.fillet_solid import layers
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
 from bozzetto_silhouette.inflation.manifold_check import original_numbers
 from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore
 from bozzetto_silhouette.model.state import Group, Operation, Part, SilhouetteState
-from bozzetto_silhouette.numerics.isotropic_remeshing import unit
 from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.extrude import acts_on, straight_body
 from bozzetto_silhouette.solids.fillet import Blend, Fillet, common_box, fillets_of
+from bozzetto_silhouette.solids.fillet_rim import with_even_rim
 from bozzetto_silhouette.solids.lump import Held, Lump, Remainder
 from bozzetto_silhouette.solids.part_cells import FEWEST_IN_DRAFTS, cells_of
 from bozzetto_silhouette.solids.part_solid import body_of
@@ -260,7 +259,7 @@ class _Making:
         (fillets,) = fillets_of([Blend(solid, box, bodies, step)], self.checkpoint)
         owner = second.shells[0].owner
         return tuple(
-            Shell(Lump(f, f.box, _as_blended(f, solid)), owner, fills=True) for f in fillets
+            Shell(Lump(f, f.box, with_even_rim(f, solid, step)), owner, fills=True) for f in fillets
         )
 
     @cached_property
@@ -280,19 +279,6 @@ class _Making:
             if part.id == selected
             or any(group.id == selected for group in groups_around(self.state, part))
         )
-
-
-@remembered(limit=512, key=lambda fillet, solid: fillet)
-def _as_blended(fillet: Fillet, solid: Composite) -> Surface:
-    """Return the surface of a fillet with the normals of the blend, down to a cell below it.
-
-    Its ends go under the parts, and are no better hidden than meshes lie on their functions. What
-    is seen of them is shaded like the parts around, and not as the flanks that they are.
-    """
-    surface = fillet.surface
-    blended = layers(solid, surface.vertices).blended
-    near = (blended.value < fillet.cell)[:, None]
-    return surface._replace(normals=np.where(near, -unit(blended.gradient), surface.normals))
 
 
 def _acted_on(

@@ -1,22 +1,23 @@
 """Strips: rows of points from the borders of two meshes to where both bodies count alike.
 
-Every row is a level of the blend on the blended surface. Rows of any number of points are joined by
-triangles in the order in which the points come along them, so that what is laid is closed.
+Every row is a level of the blend on the blended surface.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Index
 from bozzetto_silhouette.numerics.isotropic_remeshing import dot, unit
 from bozzetto_silhouette.solids.contacts import Apart, Pair, Told
 from bozzetto_silhouette.solids.fillet import FINENESS, FINEST
-from bozzetto_silhouette.solids.strip_borders import FINE_CUT, Border
+from bozzetto_silhouette.solids.strip_borders import Border
+from bozzetto_silhouette.solids.strip_closing import LastRow, closed
+from bozzetto_silhouette.solids.strip_nets import FINE_CUT
+from bozzetto_silhouette.solids.strip_rings import Ring, zipped
 
 GROWTH = 0.5
 """How fast the distance of rows grows from a fine border on, per distance."""
@@ -43,141 +44,6 @@ FLATTEST = 0.05
 """Where the directions of the surface and of the level are nearly one no step is longer than by
 this share of their product."""
 
-AGREED = 0.95
-"""Share of the points of a row that must lie beside the same row of the other side."""
-
-
-class Ring(NamedTuple):
-    """Closed rows of points, those of each border in turn.
-
-    Attributes
-    ----------
-    points : (n, 3) float array
-    along : (n,) float array
-        Where along its row each point counts, from 0 to 1; the first of each row is at 0.
-    row : (n,) int array
-        The number of the row.
-    ends : (r + 1,) int array
-        Row k are the points from ``ends[k]`` up to ``ends[k + 1]``; it may have none.
-    """
-
-    points: Array
-    along: Array
-    row: Index
-    ends: Index
-
-    @classmethod
-    def of(cls, rows: Sequence[Array]) -> Ring:
-        """Put rows of points (n, 3) together."""
-        counts = [len(row) for row in rows]
-        points = np.concatenate(rows)
-        number = np.repeat(np.arange(len(rows)), counts)
-        return cls(points, np.zeros(len(points)), number, np.cumsum([0, *counts]))
-
-    @property
-    def after(self) -> Index:
-        """The point (n,) that follows each."""
-        following = np.arange(1, len(self.points) + 1)
-        full = np.diff(self.ends) > 0
-        following[self.ends[1:][full] - 1] = self.ends[:-1][full]
-        return following
-
-    @property
-    def before(self) -> Index:
-        """The point (n,) that each follows."""
-        after = self.after
-        result = np.empty_like(after)
-        result[after] = np.arange(len(after))
-        return result
-
-    def lengths(self) -> tuple[Array, Array]:
-        """Return the lengths of the edges (n,) from each point, and of the rows (r,)."""
-        way = self.points[self.after] - self.points
-        edges = np.sqrt(dot(way, way))
-        total = np.bincount(self.row, edges, len(self.ends) - 1)
-        return np.asarray(edges), total.astype(np.float64)
-
-    def smoothed(self, rounds: int) -> Ring:
-        """Return the rows with points moved towards their neighbours."""
-        before, after, points = self.before, self.after, self.points
-        for _ in range(rounds):
-            points = 0.25 * points[before] + 0.5 * points + 0.25 * points[after]
-        return self._replace(points=points)
-
-    def measured(self) -> Ring:
-        """Return the rows with `along` as their points are now."""
-        edges, _ = self.lengths()
-        along = np.zeros(len(edges))
-        # Row by row, here and below: what is remembered of one must not depend on others.
-        for low, high in pairwise(self.ends.tolist()):
-            if low < high:
-                way = np.cumsum(edges[low:high])
-                along[low + 1 : high] = way[:-1] / way[-1]
-        return self._replace(along=along)
-
-    def resampled(self, counts: Index) -> Ring:
-        """Return rows of so many points (r,) each, at even distances."""
-        edges, _ = self.lengths()
-        points, along = [np.zeros((0, 3))], [np.zeros(0)]
-        for k in np.flatnonzero(counts).tolist():
-            own = slice(self.ends[k], self.ends[k + 1])
-            way = np.concatenate([[0.0], np.cumsum(edges[own])])
-            place = np.arange(counts[k]) * (way[-1] / counts[k])
-            closed = np.concatenate([self.points[own], self.points[own][:1]])
-            points.append(np.stack([np.interp(place, way, column) for column in closed.T], axis=1))
-            along.append(np.interp(place, way, np.append(self.along[own], 1.0)))
-        return Ring(
-            np.concatenate(points), np.concatenate(along),
-            np.repeat(np.arange(len(counts)), counts), np.cumsum([0, *counts]),
-        )  # fmt: skip
-
-    def chosen(self, rows: Flags) -> Ring:
-        """Return some of the rows (r,); the others have no points."""
-        mine = rows[self.row]
-        counts = np.where(rows, np.diff(self.ends), 0)
-        return Ring(self.points[mine], self.along[mine], self.row[mine], np.cumsum([0, *counts]))
-
-    def of_points(self, values: Array, other: Ring) -> Array:
-        """Interpolate values (n,) at the points of other rows with the same numbers."""
-        found = np.empty(len(other.points))
-        for k, (low, high) in enumerate(pairwise(other.ends.tolist())):
-            if low < high:
-                own = slice(self.ends[k], self.ends[k + 1])
-                found[low:high] = np.interp(
-                    other.along[low:high],
-                    np.append(self.along[own], 1.0), np.append(values[own], values[own][0]),
-                )  # fmt: skip
-        return found
-
-
-def zipped(one: Ring, first: Index, other: Ring, second: Index) -> Index:
-    """Return triangles (t, 3) between rows with the same numbers.
-
-    Parameters
-    ----------
-    one, other : Ring
-        The row, and the one that follows it to the left.
-    first, second : (n,), (m,) int array
-        The numbers of their points in the mesh.
-    """
-    a, b = _keys(one), _keys(other)
-    at_b = np.searchsorted(b, a, side="left") - other.ends[one.row]
-    at_a = np.searchsorted(a, b, side="right") - one.ends[other.row]
-    count_a, count_b = np.diff(one.ends)[other.row], np.diff(other.ends)[one.row]
-    across_b = second[other.ends[one.row] + at_b % count_b]
-    across_a = first[one.ends[other.row] + at_a % count_a]
-    return np.concatenate([
-        np.stack([first[one.after], first, across_b], axis=1),
-        np.stack([across_a, second, second[other.after]], axis=1),
-    ])  # fmt: skip
-
-
-def _keys(ring: Ring) -> Array:
-    """Return numbers (n,) by which the middles of edges are in order; of a row less than 2."""
-    following = ring.along[ring.after].copy()
-    following[ring.ends[1:][np.diff(ring.ends) > 0] - 1] += 1.0
-    return 4.0 * ring.row + 0.5 * (ring.along + following)
-
 
 class _Plan(NamedTuple):
     """The rows from a border: their places from 0 at the first to the width, and sizes there."""
@@ -195,14 +61,6 @@ class _Plan(NamedTuple):
         count = max(1, int(np.rint(total[-1])))
         places = np.interp(np.linspace(0.0, total[-1], count + 1), total, x)
         return cls(places, np.minimum(low + GROWTH * places, most))
-
-
-class _Last(NamedTuple):
-    """The last row from a border: where its points come to lie, and which they are."""
-
-    points: Array
-    along: Array
-    names: Index
 
 
 class Strips:
@@ -248,7 +106,7 @@ class Strips:
         self._laid: list[Ring] = []
         self._sizes = [np.zeros(0)]
         self._faces = [np.zeros((0, 3), np.intp)]
-        self._last: dict[int, _Last] = {}
+        self._last: dict[int, LastRow] = {}
         if self._borders:
             self._lay()
             self._close()
@@ -278,7 +136,7 @@ class Strips:
             for j in np.flatnonzero(final & ~is_first).tolist():  # it ends on the other side's
                 own = slice(ring.ends[j], ring.ends[j + 1])
                 points = moved.points[moved.ends[j] : moved.ends[j + 1]]
-                self._last[j] = _Last(points, ring.along[own], names[own])
+                self._last[j] = LastRow(points, ring.along[own], names[own])
             live &= is_first | ~final
             if not live.any():
                 break
@@ -296,7 +154,7 @@ class Strips:
             self._faces.append(zipped(ring.chosen(live), names[live[ring.row]], row, new))
             for j in np.flatnonzero(live & final).tolist():
                 own = slice(row.ends[j], row.ends[j + 1])
-                self._last[j] = _Last(row.points[own], row.along[own], new[own])
+                self._last[j] = LastRow(row.points[own], row.along[own], new[own])
             ring = current = row
             names = new
 
@@ -373,68 +231,7 @@ class Strips:
             mine = [j for j, border in enumerate(self._borders) if border.pair == number]
             firsts = [self._last[j] for j in mine if self._sign[j] > 0.0]
             seconds = [self._last[j] for j in mine if self._sign[j] < 0.0]
-            partners = _partners(firsts, seconds)
-            if partners is None:
+            faces = closed(firsts, seconds)
+            if faces is None:
                 raise Apart(self._pairs[number].ends)
-            for row, end in zip(partners, seconds, strict=True):
-                order, along = _matched(end.points[::-1], row.points, row.along)
-                if along is None:
-                    raise Apart(self._pairs[number].ends)
-                one, other = (
-                    Ring.of([some.points])._replace(along=where)
-                    for some, where in ((row, row.along), (end, along))
-                )
-                self._faces.append(zipped(one, row.names, other, end.names[::-1][order]))
-
-
-def _partners(firsts: list[_Last], seconds: list[_Last]) -> list[_Last] | None:
-    """Return for each row of one side the row of the other that it runs along, if that is clear."""
-    from scipy.spatial import cKDTree
-
-    if len(firsts) != len(seconds):
-        return None
-    tree = cKDTree(np.concatenate([row.points for row in firsts]))
-    which = np.repeat(np.arange(len(firsts)), [len(row.points) for row in firsts])
-    found = []
-    for row in seconds:
-        votes = np.bincount(which[tree.query(row.points)[1]], minlength=len(firsts))
-        if votes.max() < AGREED * votes.sum():
-            return None
-        found.append(int(votes.argmax()))
-    return [firsts[k] for k in found] if len(set(found)) == len(found) else None
-
-
-def _matched(points: Array, row: Array, along: Array) -> tuple[Index, Array | None]:
-    """Find where points (m, 3) in a closed row lie on another one, of points (n, 3).
-
-    Returns
-    -------
-    order : (m,) int array
-        In which they are to be taken, so that the first is nearest to the other's first.
-    along : (m,) float array or None
-        Where on the other row each is then; it never falls. None where they do not run along it
-        just once.
-    """
-    from scipy.spatial import cKDTree
-
-    count = len(row)
-    _, near = cKDTree(row).query(points)
-    following = np.append(along[1:], 1.0)
-    least, where = np.full(len(points), np.inf), np.zeros(len(points))
-    for begin in ((near - 1) % count, near):
-        way = row[(begin + 1) % count] - row[begin]
-        beyond = points - row[begin]
-        t = np.clip(dot(beyond, way) / np.maximum(dot(way, way), 1e-300), 0.0, 1.0)
-        gap = beyond - t[:, None] * way
-        square = dot(gap, gap)
-        place = along[begin] + t * (following[begin] - along[begin])
-        where = np.where(square < least, place, where)
-        least = np.minimum(square, least)
-    steps = (np.append(where[1:], where[0]) - where + 0.5) % 1.0 - 0.5
-    if round(float(steps.sum())) != 1:
-        return np.arange(len(points)), None
-    walked = where[0] + np.concatenate([[0.0], np.cumsum(steps[:-1])])
-    later = np.minimum.accumulate(walked[::-1])[::-1]
-    walked = np.minimum(0.5 * (np.maximum.accumulate(walked) + later), walked[0] + 1.0)
-    order = np.roll(np.arange(len(points)), -int(np.argmin(walked % 1.0)))
-    return order, np.maximum.accumulate(walked[order] % 1.0)
+            self._faces += faces

@@ -18,7 +18,8 @@ from bozzetto_silhouette.numerics.isotropic_remeshing import cross, dot
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.contacts import Apart, Contact, Pair
 from bozzetto_silhouette.solids.seams import OFF, RINGS, SPREAD, Sewn, settled, with_even
-from bozzetto_silhouette.solids.strip_borders import Net, cut_meshes, mean_edges
+from bozzetto_silhouette.solids.strip_borders import cut_meshes
+from bozzetto_silhouette.solids.strip_nets import Net, mean_edges
 from bozzetto_silhouette.solids.strip_rows import Strips
 from bozzetto_silhouette.solids.volume_check import RESAMPLED
 
@@ -30,6 +31,10 @@ THIRD = 0.25
 
 TURNED = 2e-4
 """Share of the triangles that may face inwards: of slivers that are not seen."""
+
+SHIFTS = np.uint64(30), np.uint64(27)
+FACTORS = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+"""Of the finalizer of SplitMix64 (Steele, Lea and Flood 2014)."""
 
 LOST = 0.02
 """Share of the volume of the largest body that the result may lack."""
@@ -110,7 +115,9 @@ def _even(net: Net, kept: Index, strips: Strips, solid: Implicit) -> Stitched:
     on_border = strips.faces[strips.faces < len(felt)]
     felt[on_border] = net.pair[on_border]
     number = np.concatenate([felt, strips.pair])[used]
-    spacing = mean_edges(vertices, faces)
+    around = np.zeros(len(number), bool)
+    around[faces[(number >= 0)[faces].any(axis=1)]] = True
+    spacing = mean_edges(vertices, faces[around[faces].any(axis=1)])
     added = np.concatenate([0.25 * (1.0 + net.level) ** 2 * net.reach, np.zeros(new)])[used]
     off = added > OFF * spacing
     spacing[is_new] = strips.sizes
@@ -140,18 +147,42 @@ def _even(net: Net, kept: Index, strips: Strips, solid: Implicit) -> Stitched:
 
 
 def _is_sound(mesh: Stitched, bodies: Sequence[Body]) -> bool:
-    """Whether a mesh is closed, faces outwards, and has a volume that the bodies can have."""
-    vertices, faces, normals, _ = mesh
+    """Whether a mesh is closed, faces outwards, and has a volume that the bodies can have.
+
+    What was kept of the bodies was sound before: only around what is new every edge is looked at.
+    """
+    vertices, faces, normals, parents = mesh
     if not len(faces) or not np.isfinite(vertices).all():
         return False
-    a, b = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    if _edge_sum(faces) != _edge_sum(faces[:, ::-1]):
+        return False
+    new = faces[(parents < 0)[faces].any(axis=1)]
+    around = np.zeros(len(vertices), bool)
+    around[new] = True
+    beside = faces[around[faces].sum(axis=1) >= 2]
+    a, b = beside.ravel(), beside[:, [1, 2, 0]].ravel()
+    both = around[a] & around[b]
+    a, b = a[both], b[both]
     along, against = np.sort(a * len(vertices) + b), np.sort(b * len(vertices) + a)
     if not np.array_equal(along, against) or (np.diff(along) == 0).any():
         return False
-    one, two, three = (vertices[corner] for corner in faces.T)
-    facing = dot(cross(two - one, three - one), normals[faces].sum(axis=1))
+    one, two, three = (vertices[corner] for corner in new.T)
+    facing = dot(cross(two - one, three - one), normals[new].sum(axis=1))
     if (facing < 0.0).sum() > TURNED * len(faces):
         return False
-    parts = [volume_of(body.vertices, body.faces) for body in bodies]
+    parts = [body.volume for body in bodies]
     volume = volume_of(vertices, faces.astype(np.int32))
     return (1.0 - LOST) * max(parts) < volume < (1.0 + RESAMPLED) * sum(parts)
+
+
+def _edge_sum(faces: Index) -> int:
+    """Return a sum over the edges of faces as they run, which is the same for the same edges.
+
+    Each counts by a number that its ends are mixed to; of a closed mesh the sum is that of its
+    edges run backwards, and of no other but by a chance of 2⁻⁶⁴.
+    """
+    ends = faces.astype(np.uint64)
+    mixed = (ends << np.uint64(32)) | ends[:, [1, 2, 0]]
+    for shift, factor in zip(SHIFTS, FACTORS, strict=True):
+        mixed = (mixed ^ (mixed >> shift)) * factor
+    return int((mixed ^ (mixed >> SHIFTS[0])).sum(dtype=np.uint64))

@@ -34,6 +34,9 @@ ASKEW: Final = float(np.sin(np.radians(10.0)))
 as something else."""
 
 
+SAME_PLACE: Final = 1e-6
+"""Distance, in diagonals of the box, between an end and the place that it settled on."""
+
 LOOKS: Final = 65
 """Places of a line of which the middle is taken."""
 
@@ -117,6 +120,28 @@ def with_end_snaps(
     for snap in taken.values():
         curve = snapped(curve, snap, state)
     return curve
+
+
+def settled_ends(curve: SpaceCurve, node: Curve, state: SymmetryState) -> int:
+    """Return how many ends of a solved curve are where they settled.
+
+    Parameters
+    ----------
+    curve : SpaceCurve
+        In the frame of the plane.
+    node : Curve
+        Its recipe.
+    state : SymmetryState
+        For its plane.
+    """
+    if not node.settles or curve.closed or not node.end_snaps:
+        return 0
+    numbers = (1,) if curve.reading == "self" else (0, 1)
+    meant = state.plane.inverse.points([snap.point for snap in node.end_snaps])
+    both = np.vstack((meant, meant * MIRROR))
+    ends = curve.spline.value([curve.spline.range[number] for number in numbers])
+    away = np.linalg.norm(ends[:, None] - both, axis=2).min(axis=1)
+    return int((away <= SAME_PLACE * state.diagonal).sum())
 
 
 def _meant(

@@ -167,6 +167,13 @@ class Curve(Part):
             help="Match the two sides in the second-best way.",
         ),
     ] = False
+    settles: Annotated[
+        bool,
+        Parameter(
+            "Settle ends",
+            help="Let its ends go to what they nearly meet, or leave them where they were drawn.",
+        ),
+    ] = True
     detail: Annotated[
         Literal["adaptive", "seven"],
         Parameter(

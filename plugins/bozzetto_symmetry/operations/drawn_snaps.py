@@ -8,21 +8,17 @@ from typing import Final, Literal
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import Context
-from bozzetto.view import triple
-from bozzetto_symmetry.editing.end_snaps import drawn_end
-from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.axes import AXES
-from bozzetto_symmetry.model.state import Curve, EndSnap, Snap, SymmetryState
+from bozzetto_symmetry.model.state import EndSnap, SymmetryState
 from bozzetto_symmetry.operations.construction_lines import axis_of
+from bozzetto_symmetry.operations.settling import end_snap_of, with_settled
 from bozzetto_symmetry.operations.snap_candidates import snaps_of
 from bozzetto_symmetry.operations.snap_targets import Targets, targets
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.solve.picking import solved_curves
-from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
 STRAIGHT: Final = (1.5, 0.01)
 """How far (rms) a stroke may leave its chord that runs along an axis: px, or a share of the chord;
@@ -79,15 +75,19 @@ def with_drawn_snaps(state: SymmetryState, context: Context) -> SymmetryState:
     except UserError:
         return state
     axis = -1 if node.canvas is not None else axis_drawn(tuple(node.strokes), state)
+    if node.canvas is None:
+        if axis != node.axis:
+            state = state.with_node(replace(node, axis=axis))
+        return with_settled(state, context, chosen=True)
     caught: tuple[EndSnap, ...] = ()
     if trace.curve is not None:
         known, camera = known_places(state, context, node.id), node.strokes[-1].camera
         snaps = snaps_of(trace.curve, trace.sigma, camera, known, state)
-        found = [_end_snap_of(snap, trace.curve, node, state) for snap in snaps]
+        found = [end_snap_of(snap, trace.curve, node, state) for snap in snaps]
         caught = tuple(snap for snap in found if snap is not None)
-    if (caught, axis) == (node.end_snaps, node.axis):
+    if caught == node.end_snaps:
         return state
-    return state.with_node(replace(node, end_snaps=caught, axis=axis))
+    return state.with_node(replace(node, end_snaps=caught))
 
 
 def axis_drawn(strokes: Sequence[Stroke], state: SymmetryState) -> Axis:
@@ -110,29 +110,3 @@ def _axis_of(stroke: Stroke) -> Axis:
         return -1
     axis = axis_of(begin, end, stroke.camera, TOWARDS)
     return (0, 1, 2)[axis] if axis is not None else -1
-
-
-def _end_snap_of(
-    snap: Snap, curve: SpaceCurve, node: Curve, state: SymmetryState
-) -> EndSnap | None:
-    """Return a snap of the curve as one of the stroke that ends there; the last such stroke."""
-    for number in range(len(node.strokes) - 1, -1, -1):
-        stroke = node.strokes[number]
-        for end in (0, 1):
-            shown = drawn_end(curve, stroke, end, state)
-            if shown is None or shown.end != snap.end:
-                continue
-            point, tangent = np.asarray(snap.point), snap.tangent
-            if not shown.mirrored:
-                return EndSnap(number, end, snap.point, tangent)
-            way = None if tangent is None else triple(_reflected(tangent, state, turns=True))
-            return EndSnap(number, end, triple(_reflected(point, state)), way)
-    return None
-
-
-def _reflected(values: Sequence[float] | Array, state: SymmetryState, turns: bool = False) -> Array:
-    """Return a place, or a direction, on the other side of the centre plane."""
-    to, back = state.plane.inverse, state.plane.placement
-    if turns:
-        return np.asarray(back.directions(to.directions(values) * MIRROR)[0])
-    return np.asarray(back.points(to.points(values) * MIRROR)[0])

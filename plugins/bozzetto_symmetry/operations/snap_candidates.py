@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -17,7 +17,7 @@ from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.perspective import pixel_size
 from bozzetto_symmetry.model.state import Snap, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
-from bozzetto_symmetry.operations.snap_targets import Targets, targets
+from bozzetto_symmetry.operations.snap_targets import Targets, targets, without_own
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.solve.picking import solved_curves
 
@@ -29,6 +29,53 @@ SMOOTH: Final = float(np.cos(np.radians(12.0)))
 
 DEPTH_SIGMAS: Final = 2.0
 """How much farther along the line of sight it may be: standard deviations of the end."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """How far an end may be from where it is meant to be.
+
+    Attributes
+    ----------
+    across : float
+        8 px on the sheet, mm.
+    way : (3,) float
+        Unit direction of the line of sight, along which it may be two standard deviations farther.
+    """
+
+    across: float
+    way: Array
+
+    @classmethod
+    def of(cls, place: Array, camera: Camera) -> Reach | None:
+        """Return the reach at a place (3,) mm; None where that is not seen."""
+        pixels, _ = camera.project(place)
+        if not np.isfinite(pixels).all():
+            return None
+        size = float(pixel_size(camera, place)[0])
+        return cls(TOLERANCE * size, camera.rays(pixels).directions[0])
+
+    def reflected(self, side: Array) -> Reach:
+        """Return the reach of the mirror image, for factors (3,) of the coordinates."""
+        return Reach(self.across, self.way * side)
+
+    def stretched(self, sigma: float) -> tuple[Array, Array]:
+        """Return the axes (3, 3) in which all within reach is in the unit ball, and their inverse.
+
+        Parameters
+        ----------
+        sigma : float
+            Standard deviation along the line of sight, mm.
+        """
+        along, both = self.across + DEPTH_SIGMAS * sigma, np.outer(self.way, self.way)
+        return (
+            np.eye(3) / self.across + (1.0 / along - 1.0 / self.across) * both,
+            np.eye(3) * self.across + (along - self.across) * both,
+        )
+
+    def ratios(self, ways: Array, sigma: float) -> Array:
+        """Return how far ways (n, 3) mm lead, in reaches, (n,)."""
+        return np.asarray(np.linalg.norm(ways @ self.stretched(sigma)[0], axis=1))
 
 
 def snap_of(
@@ -75,15 +122,36 @@ def snap_of(
     Snap or None
     """
     place = np.asarray(point, float)
-    pixels, _ = camera.project(place)
-    if not np.isfinite(pixels).all():
+    reach = Reach.of(place, camera)
+    if reach is None:
         return None
-    way = camera.rays(pixels).directions[0]
-    across = TOLERANCE * float(pixel_size(camera, place)[0])
-    along = across + DEPTH_SIGMAS * sigma
-    # In these axes everything within reach is in the unit ball about the end.
-    shrink = np.eye(3) / across + (1.0 / along - 1.0 / across) * np.outer(way, way)
-    grow = np.eye(3) * across + (along - across) * np.outer(way, way)
+    axes = reach.stretched(sigma)
+    return snap_within(end, place, axes, known, state, leaving, within_plane=within_plane)
+
+
+def snap_within(
+    end: int,
+    place: Array,
+    axes: tuple[Array, Array],
+    known: Targets,
+    state: SymmetryState,
+    leaving: ArrayLike | None = None,
+    *,
+    within_plane: bool = False,
+    faces: bool = True,
+) -> Snap | None:
+    """Return the place that an end is meant to be at, of those within its reach.
+
+    Parameters
+    ----------
+    end, place, known, state, leaving, within_plane
+        As `snap_of` takes them.
+    faces : bool
+        Whether it may snap to a face of the box.
+    axes : pair of (3, 3) float arrays
+        Those in which all within reach is in the unit ball about the end, and their inverse.
+    """
+    shrink, grow = axes
     number = _among_points(place, shrink, known)
     if number is not None:
         return Snap(end, triple(known.points[number]), _continued(leaving, known.tangents[number]))
@@ -93,7 +161,7 @@ def snap_of(
     found = None if within_plane else _among_planes(place, grow, _centre_plane(state))
     if found is not None:
         return Snap(end, triple(found), _continued(leaving, np.asarray(state.plane.normal)))
-    found = _among_planes(place, grow, _faces(state))
+    found = _among_planes(place, grow, _faces(state)) if faces else None
     return None if found is None else Snap(end, triple(found))
 
 
@@ -104,7 +172,11 @@ def _continued(leaving: ArrayLike | None, known: Array) -> Point | None:
 
 
 def snaps_of(
-    curve: SpaceCurve, sigma: ArrayLike, camera: Camera, known: Targets, state: SymmetryState
+    curve: SpaceCurve,
+    sigma: ArrayLike,
+    camera: Camera,
+    known: Targets,
+    state: SymmetryState,
 ) -> tuple[Snap, ...]:
     """Return the snaps of the free ends of a curve.
 
@@ -157,7 +229,7 @@ def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
         raise UserError("Choose a curve with free ends. They snap to what is near them.")
     others = [curve for other, curve in solved_curves(state) if other.id != node.id]
     camera = node.strokes[-1].camera
-    known = targets(state, others, context)
+    known = targets(state, others, without_own(context, state))
     snaps = snaps_of(trace.curve, trace.sigma, camera, known, state)
     if not snaps:
         raise UserError("There is nothing near the ends of this curve. Draw them closer.")

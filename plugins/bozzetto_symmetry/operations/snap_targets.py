@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Curve as ShapeCurve
-from bozzetto.plugin import Context
+from bozzetto.plugin import Context, remembered
 from bozzetto.view import Camera, triple
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
 from bozzetto_symmetry.model.state import SymmetryState
-from bozzetto_symmetry.model.symmetry_plane import Point
+from bozzetto_symmetry.model.symmetry_plane import CentrePlane, Point
+from bozzetto_symmetry.solve.picking import solved_curves
 
 Kind = Literal["end", "crossing", "corner", "curve", "line", "edge"]
 """The end of a curve or line, where a curve crosses the centre plane, a corner of the box or of
@@ -28,6 +29,9 @@ by a thousandth of its length."""
 
 NEAREST_DEPTH: Final = 1e-6
 """Share of the camera's distance in front of the eye at which segments are cut off."""
+
+SAME_CURVE: Final = 1e-6
+"""Distance of control points, in diagonals of the box, that a change of frame rounds by."""
 
 SAME_PIXEL: Final = 0.5
 """Difference of distances, px, below which the place nearer to the eye is meant."""
@@ -56,6 +60,42 @@ class Targets:
     ends: Array
     segment_kinds: tuple[Kind, ...]
 
+    @classmethod
+    def of(
+        cls, points: Sequence[tuple[Array, Kind, Array]], paths: Sequence[tuple[Array, Kind]]
+    ) -> Targets:
+        """Return points (n, 3) with their kind and directions, and the segments of paths (m, 3)."""
+        none = np.zeros((0, 3))
+        return cls(
+            np.concatenate([none, *(places for places, _, _ in points)]),
+            tuple(kind for places, kind, _ in points for _ in places),
+            np.concatenate([none, *(ways for _, _, ways in points)]),
+            np.concatenate([none, *(path[:-1] for path, _ in paths)]),
+            np.concatenate([none, *(path[1:] for path, _ in paths)]),
+            tuple(kind for path, kind in paths for _ in path[1:]),
+        )
+
+    def without_points(self, *kinds: Kind) -> Targets:
+        """Return all but the points of some kinds."""
+        kept = [k for k, kind in enumerate(self.point_kinds) if kind not in kinds]
+        return replace(
+            self, points=self.points[kept], tangents=self.tangents[kept],
+            point_kinds=tuple(self.point_kinds[k] for k in kept),
+        )  # fmt: skip
+
+    @classmethod
+    def joined(cls, some: Iterable[Targets]) -> Targets:
+        """Return the targets of several together."""
+        every = [cls.of((), ()), *some]
+        return cls(
+            np.concatenate([each.points for each in every]),
+            tuple(kind for each in every for kind in each.point_kinds),
+            np.concatenate([each.tangents for each in every]),
+            np.concatenate([each.begins for each in every]),
+            np.concatenate([each.ends for each in every]),
+            tuple(kind for each in every for kind in each.segment_kinds),
+        )
+
 
 @dataclass(frozen=True)
 class Place:
@@ -75,7 +115,9 @@ class Place:
     pixels: float
 
 
-def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context) -> Targets:
+def targets(
+    state: SymmetryState, curves: Iterable[SpaceCurve], context: Context, *, box: bool = True
+) -> Targets:
     """Return everything that a stroke can start from or end on.
 
     Parameters
@@ -86,49 +128,76 @@ def targets(state: SymmetryState, curves: Iterable[SpaceCurve], context: Context
         In the centre plane's frame; both of a pair count.
     context : Context
         The curves of other models.
+    box : bool
+        Whether the box counts.
     """
-    section = plane_section(state)
-    points: list[Array] = [box_corners(state), section]
-    kinds: list[Kind] = ["corner"] * (8 + len(section))
-    ways: list[Array] = [np.zeros((8 + len(section), 3))]
-    paths: list[tuple[Array, Kind]] = [(edge, "edge") for edge in box_edges(state)]
-    if len(section):
-        paths.append((np.vstack((section, section[:1])), "edge"))
+    points: list[tuple[Array, Kind, Array]] = []
+    paths: list[tuple[Array, Kind]] = []
+    if box:
+        section = plane_section(state)
+        corners = np.concatenate((box_corners(state), section))
+        points.append((corners, "corner", np.zeros_like(corners)))
+        paths += [(edge, "edge") for edge in box_edges(state)]
+        if len(section):
+            paths.append((np.vstack((section, section[:1])), "edge"))
+    lines: list[tuple[Array, Array, Kind]] = []
     for line in state.shown_lines:
-        paths.append((np.array([line.begin, line.end], float), "line"))
-    to_model = state.plane.placement
-    for solved in curves:
-        for spline in solved.curves():
-            spans = len(np.unique(spline.knots))
-            path = to_model.points(spline.sampled(spans * PIECES_PER_SPAN + 1))
-            paths.append((path, "curve"))
-            if not solved.closed:
-                points.append(path[[0, -1]])
-                kinds += ["end", "end"]
-                ways.append(_end_ways(to_model.points(spline.control_points)))
-        if solved.reading == "self" and not solved.closed:
-            begin, end = solved.spline.range
-            points.append(to_model.points(solved.spline.value([0.5 * (begin + end)])))
-            kinds.append("crossing")
-            ways.append(np.array([state.plane.normal]))
-    lines = [(path, path) for path, kind in paths if kind == "line"]
+        path = np.array([line.begin, line.end], float)
+        lines.append((path, path, "line"))
     for curve in context.curves:
-        path = polyline(curve)
-        paths.append((path, "curve"))
-        lines.append((path, np.asarray(curve.control_points, float)))
-    for path, controls in lines:
+        lines.append((polyline(curve), np.asarray(curve.control_points, float), "curve"))
+    for path, controls, kind in lines:
+        paths.append((path, kind))
         if (path[0] != path[-1]).any():
-            points.append(path[[0, -1]])
-            kinds += ["end", "end"]
-            ways.append(_end_ways(controls))
-    return Targets(
-        np.concatenate(points),
-        tuple(kinds),
-        np.concatenate(ways),
-        np.concatenate([path[:-1] for path, _ in paths]),
-        np.concatenate([path[1:] for path, _ in paths]),
-        tuple(kind for path, kind in paths for _ in path[1:]),
-    )
+            points.append((path[[0, -1]], "end", _end_ways(controls)))
+    solved = [curve_targets(curve, state.plane) for curve in curves]
+    return Targets.joined((*solved, Targets.of(points, paths)))
+
+
+def without_own(context: Context, state: SymmetryState) -> Context:
+    """Return a context that knows the curves of other models only.
+
+    In the window it has those of all, and ends would be held by what they were before.
+
+    Parameters
+    ----------
+    context : Context
+        In the frame of the model.
+    state : SymmetryState
+        As it was solved last.
+    """
+    own: dict[int, list[Array]] = {}
+    for _, solved in solved_curves(state):
+        for made in solved.to_curves():
+            controls = state.plane.placement.points(made.control_points)
+            own.setdefault(len(controls), []).append(controls)
+
+    def is_own(curve: ShapeCurve) -> bool:
+        controls = np.asarray(curve.control_points)
+        return any(
+            float(np.abs(each - controls).max()) < SAME_CURVE * state.diagonal
+            for each in own.get(len(controls), ())
+        )
+
+    return replace(context, curves=tuple(c for c in context.curves if not is_own(c)))
+
+
+@remembered(limit=512)
+def curve_targets(curve: SpaceCurve, plane: CentrePlane) -> Targets:
+    """Return the ends of a curve, where it crosses the centre plane, and both of its sides."""
+    points: list[tuple[Array, Kind, Array]] = []
+    paths: list[tuple[Array, Kind]] = []
+    to_model = plane.placement
+    for spline in curve.curves():
+        spans = len(np.unique(spline.knots))
+        path = to_model.points(spline.sampled(spans * PIECES_PER_SPAN + 1))
+        paths.append((path, "curve"))
+        if not curve.closed:
+            points.append((path[[0, -1]], "end", _end_ways(to_model.points(spline.control_points))))
+    if curve.reading == "self" and not curve.closed:
+        middle = to_model.points(curve.spline.value([0.5 * sum(curve.spline.range)]))
+        points.append((middle, "crossing", np.array([plane.normal])))
+    return Targets.of(points, paths)
 
 
 def _end_ways(controls: Array) -> Array:

@@ -195,13 +195,14 @@ def _as_drawn(curve: Curve, state: SymmetryState) -> Trace:
     """Return a curve without its edits, its ends at the places that they were drawn to."""
     if curve.canvas is not None:
         base = _on_canvas(curve, curve.canvas, state)
-    elif curve.end_snaps or curve.axis >= 0:
-        base = trace_of(replace(curve, end_snaps=(), axis=-1), state)
+    elif (curve.end_snaps and curve.settles) or curve.axis >= 0:
+        base = trace_of(replace(curve, end_snaps=(), axis=-1, settles=True), state)
     else:
         return _read(curve, state)
     if base.curve is None:
         return base
-    caught = with_end_snaps(base.curve, curve, base.sigma, state)
+    drawn_to = curve if curve.settles else replace(curve, end_snaps=())
+    caught = with_end_snaps(base.curve, drawn_to, base.sigma, state)
     if caught is base.curve:
         return base
     points, sigma = _carried(base, caught)

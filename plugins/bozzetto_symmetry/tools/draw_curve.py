@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -18,7 +19,7 @@ from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_strokes, waits
 from bozzetto_symmetry.operations.canvas_ink import add_in_plane, add_on_surface
 from bozzetto_symmetry.operations.drawn_snaps import known_places, with_drawn_snaps
-from bozzetto_symmetry.operations.snap_targets import Targets
+from bozzetto_symmetry.operations.snap_targets import Targets, without_own
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from bozzetto_symmetry.tools.erase import ErasingTool
@@ -91,7 +92,9 @@ class DrawCurve(ErasingTool):
         else:
             drawn = add_strokes(state, ink.strokes)
         if state.snapping:
-            drawn = with_drawn_snaps(drawn, context)
+            drawn = with_drawn_snaps(drawn, without_own(context, state))
+        elif drawn.chosen is not None:
+            drawn = drawn.with_node(replace(drawn.chosen, settles=False))
         # Solved here, the curve is remembered when several ask for it at once.
         if drawn.chosen is not None:
             with suppress(UserError):

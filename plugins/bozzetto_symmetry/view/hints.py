@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from bozzetto.errors import UserError
+from bozzetto_symmetry.editing.end_snaps import settled_ends
 from bozzetto_symmetry.model.canvas import LaidInk
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import waits
@@ -44,6 +45,13 @@ UNDECIDED: Final = (
 """In the view of the ink, the ghost lies under the curve itself."""
 
 
+SETTLED: Final = {
+    1: "One end settled on what it nearly meets; press M to draw freely.",
+    2: "Both ends settled on what they nearly meet; press M to draw freely.",
+}
+"""What is said of ends that are not quite where they were drawn, by how many there are."""
+
+
 def next_step(state: SymmetryState) -> str:
     """Return one line about the chosen curve: warnings first, then what is expected.
 
@@ -59,7 +67,9 @@ def next_step(state: SymmetryState) -> str:
         trace = trace_of(chosen, state)
     except UserError as problem:
         return problem.message
-    return " ".join((*trace.warnings, *_expected(chosen, trace)))
+    ends = 0 if trace.curve is None else settled_ends(trace.curve, chosen, state)
+    told = () if ends == 0 else (SETTLED[ends],)
+    return " ".join((*trace.warnings, *told, *_expected(chosen, trace)))
 
 
 def _expected(curve: Curve, trace: Trace) -> Iterator[str]:

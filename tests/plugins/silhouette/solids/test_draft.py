@@ -13,11 +13,14 @@ from bozzetto.plugin.cache import forget_all
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Rays
 from bozzetto_silhouette.appearance.surface_look import painted, sketched
-from bozzetto_silhouette.model.state import Group, Part, SilhouetteState
+from bozzetto_silhouette.implicit.composite import Composite
+from bozzetto_silhouette.implicit.fillet_solid import Shaped
+from bozzetto_silhouette.model.state import Group, Operation, Part, SilhouetteState
 from bozzetto_silhouette.solids import draft as drafts
 from bozzetto_silhouette.solids import evaluate as tree
 from bozzetto_silhouette.solids import fillet, lump
 from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.solids.fillet_rim import END, OUTER, with_even_rim
 from bozzetto_silhouette.solids.traversal import without_blends
 from tests.plugins.silhouette import bodies as b
 
@@ -246,3 +249,37 @@ def test_a_mistake_names_its_part_and_nobody_waits_for_what_is_not_wanted() -> N
 
     with pytest.raises(Cancelled):
         drafts.draft_of(SilhouetteState((part("a"), part("b", 60.0, blend=0.5))), 32, cancelled)
+
+
+@pytest.mark.parametrize("operation", ["add", "merge", "carve"])
+@pytest.mark.parametrize(("blend", "away"), [(0.5, 60.0), (1.0, 75.0), (0.4, 50.0)])
+def test_the_rim_of_a_fillet_has_no_teeth(operation: Operation, blend: float, away: float) -> None:
+    """It lies where the blended side meets the ends, and what is seen is the blended surface."""
+    one, other = b.ball(resolution=32), b.ball(away, 30.0, 32, "b")
+    solid = Composite(one.implicit, other.implicit, operation, blend, 30.0 * blend)
+    box = fillet.common_box(one.bounds, other.bounds, 2.0 * solid.reach)
+    step = min(one.step, other.step)
+    made = fillet.fillets_of([fillet.Blend(solid, box, (one, other), step)])[0]
+    assert made
+    for some in made:
+        even = with_even_rim(some, solid, step)
+        assert np.array_equal(even.faces, some.surface.faces)
+        assert np.isfinite(even.vertices).all()
+        assert np.allclose(np.linalg.norm(even.normals, axis=1), 1.0, atol=1e-6)
+        off = []
+        for surface in (some.surface, even):
+            shaped, _ = Shaped.of(solid, step, some.cell, some.surface.vertices)
+            side = np.stack([shaped.top, shaped.floor, shaped.flank]).argmin(axis=0)
+            a, c = surface.faces.ravel(), np.roll(surface.faces, -1, axis=1).ravel()
+            rim = np.unique(a[(side[a] == OUTER) & (side[c] == END)])
+            assert len(rim) > 20
+            now, _ = Shaped.of(solid, step, some.cell, surface.vertices)
+            away_from = np.maximum(np.abs(now.top), np.abs(now.flank))[rim] / some.cell
+            others = np.concatenate([rim, c[(side[c] == OUTER) & (side[a] == END)]])
+            outer = np.setdiff1d(np.flatnonzero(side == OUTER), others)
+            beside = np.quantile(np.abs(now.top[outer]), 0.99) / some.cell
+            off.append((np.quantile(away_from, 0.9), beside))
+        (teeth, _), (smooth, beside) = off
+        assert smooth < 0.15
+        assert smooth < 0.25 * teeth
+        assert beside < 0.1

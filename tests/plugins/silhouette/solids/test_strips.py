@@ -12,12 +12,12 @@ from bozzetto.geometry import Placement
 from bozzetto.plugin.cache import forget_all
 from bozzetto_silhouette.inflation.manifold_check import topology_of
 from bozzetto_silhouette.model.state import Operation, SilhouetteState
-from bozzetto_silhouette.solids import boolean, fillet, lump, strip_rows
+from bozzetto_silhouette.solids import boolean, fillet, lump, strip_closing
 from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import combined, meshed
 from bozzetto_silhouette.solids.evaluate import assembly_of, tree_body
-from bozzetto_silhouette.solids.strip_rows import Ring, zipped
+from bozzetto_silhouette.solids.strip_rings import Ring, zipped
 from tests.plugins.silhouette import bodies as b
 from tests.plugins.silhouette.solids.figures_creases import sharp_edges
 from tests.plugins.silhouette.solids.random_trees import random_tree
@@ -173,14 +173,14 @@ def test_points_that_turn_back_do_not_run_along_a_row() -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
     row = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
     along = angle / (2.0 * np.pi)
-    order, where = strip_rows._matched(1.1 * np.roll(row, 7, axis=0), row, along)
+    order, where = strip_closing._matched(1.1 * np.roll(row, 7, axis=0), row, along)
     assert where is not None
     assert np.all(np.diff(where) >= 0.0)
     assert where[0] == pytest.approx(0.0, abs=1e-9)
     assert len(set(order.tolist())) == len(row)
-    assert strip_rows._matched(row[::-1], row, along)[1] is None
+    assert strip_closing._matched(row[::-1], row, along)[1] is None
     half = np.concatenate([row[:12], row[10:0:-1]])
-    assert strip_rows._matched(half, row, along)[1] is None
+    assert strip_closing._matched(half, row, along)[1] is None
 
 
 def test_a_gap_is_bridged_where_parts_merge_and_not_where_they_are_added() -> None:
