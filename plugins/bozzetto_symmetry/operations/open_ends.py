@@ -10,6 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.plugin import remembered
 from bozzetto.view import Camera
 from bozzetto_symmetry.editing.end_snaps import drawn_end
 from bozzetto_symmetry.editing.snap import end_direction
@@ -130,8 +131,14 @@ def free_curves(state: SymmetryState, without: str) -> tuple[dict[str, Free], li
     return free, others
 
 
-def ends_of(each: Free, state: SymmetryState) -> Iterator[FreeEnd]:
-    """Yield the free ends of a curve."""
+# A trace says all that its ink does; those of other curves are the same from stroke to stroke.
+@remembered(limit=512, key=lambda each, state: (each.node.id, each.trace, state.plane))
+def ends_of(each: Free, state: SymmetryState) -> tuple[FreeEnd, ...]:
+    """Return the free ends of a curve."""
+    return tuple(_ends_of(each, state))
+
+
+def _ends_of(each: Free, state: SymmetryState) -> Iterator[FreeEnd]:
     curve, camera = each.curve, Stereo.of(each.camera, state.plane).camera
     for number in each.ends:
         place = curve.spline.value(curve.spline.range[number : number + 1])[0]

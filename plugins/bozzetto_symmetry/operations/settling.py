@@ -62,21 +62,30 @@ def settled(
     taken = _met(ends, fixed, free, state)
     settling: dict[str, tuple[Snap, ...]] = {name: tuple(met) for name, met in taken.items()}
     lines = fixed.without_points("end", "corner")
+    known: dict[str, Targets] = {}
+    before: dict[str, tuple[Snap, ...]] = {}
+    found: dict[FreeEnd, tuple[list[Targets], Snap | None]] = {}
+
+    def on_body(end: FreeEnd) -> Snap | None:
+        """Return where a single end settles; the same where what is near it has not moved."""
+        near = list(_others(end, known, state))
+        if end not in found or found[end][0] != near:
+            found[end] = near, _on_body(end, free[end.owner], (lines, *near), state, box)
+        return found[end][1]
+
     for _ in range(SWEEPS):
-        moved = {name: _moved(each, settling.get(name, ()), state) for name, each in free.items()}
-        known = {
-            name: curve_targets(curve, state.plane).without_points("end")
-            for name, curve in moved.items()
-        }
-        after = {}
         for name, each in free.items():
+            snaps = settling.get(name, ())
+            if before.get(name) != snaps:
+                moved = _moved(each, snaps, state)
+                known[name] = curve_targets(moved, state.plane).without_points("end")
+                before[name] = snaps
+        after = {}
+        for name in free:
             met = taken.get(name, [])
             held = {snap.end for snap in met}
             alone = [end for end in ends if end.owner == name and end.number not in held]
-            rest = [
-                _on_body(end, each, (lines, *_others(end, known, state)), state, box)
-                for end in alone
-            ]
+            rest = [on_body(end) for end in alone]
             both = (*met, *(snap for snap in rest if snap is not None))
             after[name] = tuple(sorted(both, key=lambda snap: snap.end))
         if after == settling:
@@ -185,8 +194,9 @@ def _others(end: FreeEnd, bodies: Mapping[str, Targets], state: SymmetryState) -
     """Yield what an end may be near of the curves that it is no end of."""
     place = state.plane.placement.points(end.place * end.side)[0]
     for name, body in bodies.items():
-        low, high = body.begins.min(axis=0) - end.room, body.begins.max(axis=0) + end.room
-        if name != end.owner and ((low <= place) & (place <= high)).all():
+        low, high = body.corners
+        is_near = (low - end.room <= place) & (place <= high + end.room)
+        if name != end.owner and is_near.all():
             yield body
 
 

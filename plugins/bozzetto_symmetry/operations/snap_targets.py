@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Final, Literal
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Curve as ShapeCurve
-from bozzetto.plugin import Context, remembered
+from bozzetto.plugin import Context, cached_property, remembered
 from bozzetto.view import Camera, triple
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.box_geometry import box_corners, box_edges, plane_section
@@ -75,6 +76,11 @@ class Targets:
             tuple(kind for path, kind in paths for _ in path[1:]),
         )
 
+    @cached_property
+    def corners(self) -> Array:
+        """Lowest and highest corner of the box around its segments, (2, 3)."""
+        return np.stack((self.begins.min(axis=0), self.begins.max(axis=0)))
+
     def without_points(self, *kinds: Kind) -> Targets:
         """Return all but the points of some kinds."""
         kept = [k for k, kind in enumerate(self.point_kinds) if kind not in kinds]
@@ -89,11 +95,11 @@ class Targets:
         every = [cls.of((), ()), *some]
         return cls(
             np.concatenate([each.points for each in every]),
-            tuple(kind for each in every for kind in each.point_kinds),
+            tuple(chain.from_iterable(each.point_kinds for each in every)),
             np.concatenate([each.tangents for each in every]),
             np.concatenate([each.begins for each in every]),
             np.concatenate([each.ends for each in every]),
-            tuple(kind for each in every for kind in each.segment_kinds),
+            tuple(chain.from_iterable(each.segment_kinds for each in every)),
         )
 
 
