@@ -13,7 +13,6 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.export import encode_shapes
 from bozzetto.geometry import Placement, Shapes, Solid
 from bozzetto.view import Camera
-from bozzetto_polyhedron.commands.bodies import foot_of, upright
 from bozzetto_polyhedron.drawing_on.circles import Circle, polygon_of
 from bozzetto_polyhedron.drawing_on.cylinders import brep_with_cylinders
 from bozzetto_polyhedron.drawing_on.push import pushed
@@ -25,6 +24,7 @@ from bozzetto_polyhedron.solid.triangulation import genus_of, triangles_of, volu
 from bozzetto_polyhedron.solid.unfolding import face_curves, laid_faces, net_curves, nets
 from bozzetto_polyhedron.solid.visibility import visible_pieces
 from bozzetto_polyhedron.solve.pipeline import placed_body
+from bozzetto_polyhedron.solve.standing import foot_of, upright
 from tests.core.exchange.test_curve_interop import ask
 from tests.plugins.polyhedron.true_bodies import all_bodies, drawn, face_areas, polygon_area
 

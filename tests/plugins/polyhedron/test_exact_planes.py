@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
-from bozzetto_polyhedron.commands.bodies import foot_of, upright
 from bozzetto_polyhedron.model.state import Dimension
 from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.solid.equal_lengths import equal_lengths
@@ -19,6 +18,7 @@ from bozzetto_polyhedron.solid.exact import EqualLengths, exact_body
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
 from bozzetto_polyhedron.solve.pipeline import placed_body
+from bozzetto_polyhedron.solve.standing import foot_of, upright
 from tests.plugins.polyhedron.true_bodies import (
     all_bodies,
     cuboid_with_loop,

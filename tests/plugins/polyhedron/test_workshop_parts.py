@@ -62,7 +62,7 @@ def test_the_order_in_which_parts_are_found_does_not_matter(name):
 
 @pytest.mark.slow
 def test_the_better_solid_decides_between_lines_that_could_meet_in_two_ways():
-    strokes, places, edges = untidy(workshop_part("obelisk", 5100), 5100)
+    strokes, places, edges = untidy(workshop_part("obelisk", 5133), 5133)
     live = searched(strokes)
     assert [each.what for each in live.graph.health] == ["second reading"]
     assert not is_right_graph(live.graph, places, edges)
