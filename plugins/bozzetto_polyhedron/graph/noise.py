@@ -11,6 +11,10 @@ from bozzetto_polyhedron.graph.likelihood import strain_of
 PRIOR: Final = 6.0
 """Degrees of freedom for which the assumed spread counts before anything is measured."""
 
+STEADY: Final = 0.004
+"""Least spread that is assumed of a hand, shares of the diagonal: lines may meet in one point and
+still run where they were not meant, so corners that fit well say little of a few lines."""
+
 LEAST: Final = 5e-4
 """Share of the diagonal below which no hand draws."""
 
@@ -28,7 +32,8 @@ def corner_noise(draft: Draft) -> float:
     """
     if not draft.sums:
         return LEAST
-    strain, freedom, variance = PRIOR, PRIOR, 0.0
+    assumed = max(1.0, STEADY / draft.fits.spread.across)
+    strain, freedom, variance = PRIOR * assumed**2, PRIOR, 0.0
     for corner, sums in draft.sums.items():
         strain += strain_of(sums)
         freedom += 2.0 * draft.degrees[corner] - 2.0

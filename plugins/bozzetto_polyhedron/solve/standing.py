@@ -39,12 +39,11 @@ def standing_of(body: Body, made: PlanarBody) -> Placement | None:
     number = foot_of(made)
     if number is None:
         return None
-    rotation = _upright(made, number, view_of(body).axes[2])
-    turned = made.vertices @ rotation.T
+    rotation = upright(made, number, view_of(body).axes[2])
+    turned = Placement(rotation).points(made.vertices)
     middle = 0.5 * (turned.min(axis=0) + turned.max(axis=0))
     x, y = np.asarray(body.strokes[0].camera.target)[:2] - middle[:2]
-    rows = tuple(float(value) for value in rotation.ravel())
-    return Placement(rows, 1.0, (float(x), float(y), -float(turned[:, 2].min())))
+    return Placement(rotation, 1.0, (float(x), float(y), -float(turned[:, 2].min())))
 
 
 def stood(before: PolyhedronState, after: PolyhedronState, body_id: str) -> PolyhedronState:
@@ -111,11 +110,20 @@ def _stands(state: PolyhedronState, body_id: str) -> bool:
     return isinstance(body, Body) and (body.choice is None) == body.placement.is_identity
 
 
-def _upright(body: PlanarBody, number: int, sight: Array) -> Array:
-    """Return the rotation that turns a face down, (3, 3).
+def upright(body: PlanarBody, number: int, sight: Array) -> tuple[float, ...]:
+    """Return the rotation, row by row, that turns a face down.
 
     The longest edge of the face comes along x or y, so that walls that are square to it become
     planes of the axes, and the eye comes to the front: to within 45° of −y, seen from above.
+
+    Parameters
+    ----------
+    body : PlanarBody
+        Where it lies now.
+    number : int
+        Of the face.
+    sight : (3,) array
+        The way in which it is looked at.
     """
     down = body.normals[number]
     ring = body.vertices[list(body.faces[number][0])]
@@ -128,4 +136,4 @@ def _upright(body: PlanarBody, number: int, sight: Array) -> Array:
     quarters = round(float(np.arctan2(eye[0], -eye[1])) / (0.5 * np.pi)) % 4
     for _ in range(quarters):  # exact: no sines of right angles
         rows = np.stack((rows[1], -rows[0], rows[2]))
-    return rows
+    return tuple(float(value) for value in rows.ravel())

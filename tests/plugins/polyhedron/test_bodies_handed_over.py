@@ -26,6 +26,7 @@ from bozzetto_polyhedron.solid.visibility import visible_pieces
 from bozzetto_polyhedron.solve.pipeline import placed_body
 from bozzetto_polyhedron.solve.standing import foot_of, upright
 from tests.core.exchange.test_curve_interop import ask
+from tests.plugins.polyhedron.drawn_bodies import VIEW
 from tests.plugins.polyhedron.true_bodies import all_bodies, drawn, face_areas, polygon_area
 
 BODIES = {body.name: body for body in all_bodies()}
@@ -133,7 +134,7 @@ def test_axis_planes_of_a_body_put_on_the_ground_are_written_as_zeros_and_ones(n
     body = made(name)
     number = foot_of(body)
     assert number is not None
-    standing = placed_body(body, Placement(upright(body, number)))
+    standing = placed_body(body, Placement(upright(body, number, VIEW.axes[2])))
     path = tmp_path / "body.step"
     text = encode_shapes(Shapes(breps=(brep_of(standing),)), path).decode()
     directions = re.findall(r"DIRECTION\('[^']*',\(([^)]*)\)\)", text)

@@ -19,6 +19,7 @@ from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
 from bozzetto_polyhedron.solve.pipeline import placed_body
 from bozzetto_polyhedron.solve.standing import foot_of, upright
+from tests.plugins.polyhedron.drawn_bodies import VIEW
 from tests.plugins.polyhedron.true_bodies import (
     all_bodies,
     cuboid_with_loop,
@@ -195,7 +196,7 @@ def test_bodies_that_are_turned_upright_keep_their_planes_and_come_back(name):
     body, _, _ = made(name, 2040)
     number = foot_of(body)
     assert number is not None
-    placement = Placement(upright(body, number))
+    placement = Placement(upright(body, number, VIEW.axes[2]))
     standing = placed_body(body, placement)
     assert np.abs(placement.points(body.vertices) - standing.vertices).max() < 1e-10
     assert np.ptp(standing.vertices[list(body.faces[number][0]), 2]) == 0.0
