@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto_symmetry.operations.open_ends import FreeEnd
 from bozzetto_symmetry.operations.snap_candidates import SMOOTH
 
@@ -29,9 +29,6 @@ class Meeting(NamedTuple):
 
 def meetings(ends: list[FreeEnd], points: Array) -> list[Meeting]:
     """Return which ends meet, each within reach of the common place or the fixed point."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     count = len(ends)
     if not count:
         return []
@@ -44,13 +41,23 @@ def meetings(ends: list[FreeEnd], points: Array) -> list[Meeting]:
         for i, j in zip(*np.nonzero(np.tril(near, -1)), strict=True)
         if ends[i].owner != ends[j].owner and _apart(ends[i], ends[j]) <= 1.0
     ]
-    rows = np.array(links, int).reshape(-1, 2)
-    graph = coo_array((np.ones(len(rows)), (rows[:, 0], rows[:, 1])), shape=(count, count))
-    _, group = connected_components(graph, directed=False)
+    group = _hanging_together(links, count)
     made: list[Meeting] = []
     for number in range(int(group.max()) + 1):
         made += _parted(np.flatnonzero(group == number).tolist(), ends, own, points)
     return made
+
+
+def _hanging_together(links: Sequence[tuple[int, int]], count: int) -> Index:
+    """Return to which group each of so many ends belongs, (count,), for links between two."""
+    if not links:  # the first curve waits for no import
+        return np.arange(count)
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    rows = np.array(links)
+    graph = coo_array((np.ones(len(rows)), (rows[:, 0], rows[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _nearest(end: FreeEnd, points: Array) -> int:
