@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QTabBar
 
 from bozzetto.plugin import NextStep
@@ -53,8 +54,14 @@ def check(window):
         assert canvas.light.said == advice.message
     tool = session.toolbox.tool
     for panel in window._plugin_panel.findChildren(QLabel, "next-step"):
-        # Beside the picture of a point stand the words of that point, whatever is in the hand.
-        assert panel.text().startswith("Touch: ") or panel.text() == step.sentence
+        # Beside the picture of a point stand the words of that point, whatever is in the hand; it
+        # is found in a thread, a moment later.
+        of_point = tool != "mark" and panel.text().startswith("Touch: ")
+        for _ in range(100):
+            if of_point or panel.text() == step.sentence:
+                break
+            QTest.qWait(20)
+        assert of_point or panel.text() == step.sentence
     front = [button for button in rail(window)._buttons if button.is_next]
     pointed = {step.tool for button in front if step.tool in button.behind}
     assert len(front) == len(pointed)
