@@ -21,7 +21,6 @@ from bozzetto_product.fill.mean_curvature import (
     normals_of,
     variation,
 )
-from bozzetto_product.fill.long_strips import is_strip, strip_places
 from bozzetto_product.fill.patch_space import (
     BENDING_RATE,
     PLATE,
@@ -32,6 +31,7 @@ from bozzetto_product.fill.patch_space import (
 from bozzetto_product.fill.quadric import Quadric, quadric_through
 from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein, refinement
 from bozzetto_product.fill.sweep import Sweep, sweep_of
+from bozzetto_product.fill.thin_strips import is_strip, strip_places
 
 TANGENCY: Final = 1e5
 """Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""

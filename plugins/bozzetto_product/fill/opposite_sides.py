@@ -17,7 +17,6 @@ from bozzetto.arrays import Array
 from bozzetto.plugin import cached_property
 from bozzetto_product.fill.domain import Domain, cross
 from bozzetto_product.fill.half_sides import HalfSide
-from bozzetto_product.fill.long_strips import left_in_middle
 from bozzetto_product.fill.quintic import (
     DEGREE,
     POINTS,
@@ -26,6 +25,7 @@ from bozzetto_product.fill.quintic import (
     spline_fit,
     spline_rows,
 )
+from bozzetto_product.fill.thin_strips import left_in_middle
 
 ALIKE: Final = 0.5
 """Likeness of two rests, 0 … 1, up to which nothing is carried: what two hands tremble differs. As

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry import Curve, Spline
-from bozzetto_product.fill.long_strips import left_in_middle
 from bozzetto_product.fill.network_fills import fill_net
 from bozzetto_product.fill.quintic import insertion
+from bozzetto_product.fill.thin_strips import left_in_middle
 from bozzetto_product.hand_over.point_fit import spline_through
 from tests.plugins.product.known_surfaces import net_of_splines
 
