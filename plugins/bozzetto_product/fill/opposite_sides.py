@@ -25,7 +25,7 @@ from bozzetto_product.fill.quintic import (
     spline_fit,
     spline_rows,
 )
-from bozzetto_product.fill.thin_strips import left_in_middle
+from bozzetto_product.fill.thin_strips import is_seen, left_in_middle
 
 ALIKE: Final = 0.5
 """Likeness of two rests, 0 … 1, up to which nothing is carried: what two hands tremble differs. As
@@ -125,7 +125,10 @@ def carried_rests(
     if whole == 0.0:
         return None
     alike = 2.0 * float((one * two).sum()) / whole
-    share = (max(alike, left_in_middle(halves, rests)) - ALIKE) / (1.0 - ALIKE)
+    height = float(np.sqrt(max((one**2).sum(axis=1).max(), (two**2).sum(axis=1).max())))
+    if is_seen(height, halves):
+        alike = max(alike, left_in_middle(halves, rests))
+    share = (alike - ALIKE) / (1.0 - ALIKE)
     if share <= 0.0:
         return None
     knots = _common_knots(halves[0].knots, halves[1].knots)

@@ -57,11 +57,17 @@ def _is_between(one: Side, other: Side) -> bool:
             for half, each in zip(halves, polynomials, strict=True)
         ]
         height = max(float(np.linalg.norm(rest, axis=1).max()) for rest in rests)
-        if height > DENT * width_between(halves):
+        if is_seen(height, halves):
             waves = True
             if left_in_middle(halves, (rests[0], rests[1])) < MIDDLE:
                 return False
     return waves
+
+
+def is_seen(height: float, halves: tuple[HalfSide, HalfSide]) -> bool:
+    """Whether waves of a height, mm, would be seen between two halves of opposite sides."""
+    ends = halves[0].points[[0, -1]] - halves[1].points[[0, -1]]
+    return height > DENT * float(np.linalg.norm(ends, axis=1).mean())
 
 
 def width_between(halves: tuple[HalfSide, HalfSide]) -> float:
