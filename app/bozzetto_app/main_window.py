@@ -153,6 +153,7 @@ class Window(QMainWindow):
         self.docks.reading_wanted.connect(self.dialogs.open_readings)
         self.canvas.viewports.first_painted.connect(self.docks.fill)
         session.hints.changed.connect(self._show_what_guides)
+        self.docks.plugin_panel.changed.connect(self._show_what_guides)
         self.canvas.hand.mode_changed.connect(self._show_what_guides)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
