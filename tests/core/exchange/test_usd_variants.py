@@ -92,8 +92,8 @@ def test_what_is_chosen_is_read_and_the_strongest_chooses(room):
 
 def test_what_is_not_chosen_is_told(tmp_path, room):
     assert any("not chosen of" in line for line in boxes(room)[1])
-    write(tmp_path / "one.usda", 'def Xform "top" (variants = { string a = "b" } variantSets = "a") '
-          '{ variantSet "a" = { "b" { def Cube "c" { double size = 1 } } } }')  # fmt: skip
+    write(tmp_path / "one.usda", 'def Xform "top" (variants = { string a = "b" } variantSets = "a")'
+          ' { variantSet "a" = { "b" { def Cube "c" { double size = 1 } } } }')  # fmt: skip
     assert boxes(tmp_path / "one.usda") == ([("c", 0, 1)], ())
 
 
