@@ -29,7 +29,7 @@ def draw_hidden_edges(state: PolyhedronState, context: Context) -> PolyhedronSta
     """
     body = chosen_body(state)
     drawn = without_guessed(body)
-    guesses = hidden_lines(graph_of_ink(drawn, never))
+    guesses = hidden_lines(graph_of_ink(drawn, never), drawn[0].camera) if drawn else ()
     if not guesses:
         raise UserError(
             "The hidden edges cannot be told from these lines. Draw one face of the solid whole, "

@@ -8,7 +8,8 @@ depths 1 / (1 + k Z) that are linear on the sheet. The places q (1 + k Z) are a 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.planar_embedding import (
+    Ring,
     components,
     embedded_faces,
     neighbors_of,
@@ -90,6 +92,10 @@ class ParallelView:
         By which places were straightened.
     certain : bool
         Whether the perspective tells near from far.
+    middle : (2,) float64
+        Of straightened places, which is the zero of those of `drawing`.
+    axes : (3, 3) float64, optional
+        Axes by which places were straightened, rows right, up and away from the eye.
     """
 
     drawing: Drawing
@@ -98,6 +104,21 @@ class ParallelView:
     perspective: float
     depths: Array
     certain: bool
+    middle: Array = field(default_factory=lambda: np.zeros(2))
+    axes: Array | None = None
+
+    def as_drawn(self, places: Array, depths: Array) -> Array:
+        """Return where straightened places are on the sheet as it was drawn, (n, 2), diagonals.
+
+        Parameters
+        ----------
+        places : (n, 2) array
+            In the units of `drawing`.
+        depths : (n,) array
+            Away from the eye, as those of this view.
+        """
+        away = np.maximum(1.0 + self.perspective * depths, NEAREST)
+        return np.asarray((places + self.middle) / away[:, None] + self.about)
 
     def shape(self, depths: Array) -> Array:
         """Return corners in space that are seen where they were drawn, (n, 3), diagonals.
@@ -135,7 +156,9 @@ class ParallelView:
         return not self.certain or float(off @ (self.depths - self.depths.mean())) >= 0.0
 
 
-def parallel_view(drawing: Drawing, camera: Camera) -> ParallelView:
+def parallel_view(
+    drawing: Drawing, camera: Camera, faces: Sequence[Ring] | None = None
+) -> ParallelView:
     """Return a drawing without its perspective: that of the camera, another one, or none.
 
     Parameters
@@ -144,6 +167,8 @@ def parallel_view(drawing: Drawing, camera: Camera) -> ParallelView:
         In units of its own size.
     camera : Camera
         Through which it was drawn; a person may draw otherwise than it sees.
+    faces : sequence of Ring, optional
+        Rings of corners that are planar; those that follow from the lines of a whole solid without.
     """
     zero = np.zeros(2)
     plain = ParallelView(drawing, drawing.points, zero, 0.0, np.zeros(len(drawing.points)), False)
@@ -176,16 +201,30 @@ def parallel_view(drawing: Drawing, camera: Camera) -> ParallelView:
         return plain
     _, eye, about, system = min(found, key=lambda each: each[0])
     flat = drawing.points - about
-    depths = _depths(drawing, flat, system, eye)
+    if faces is None:
+        planar = _planar_rows(drawing, flat)
+    else:
+        planar = face_rows(flat, range(len(flat)), [(ring,) for ring in faces])
+    depths = _depths(drawing, flat, system, eye, planar)
     straight = flat * (1.0 + eye * depths)[:, None]
     certain = parallel_cost - system.cost > CERTAIN
+    middle = straight.mean(0)
     return ParallelView(
-        replace(drawing, points=straight - straight.mean(0)), flat, about, eye, depths, certain
+        replace(drawing, points=straight - middle),
+        flat,
+        about,
+        eye,
+        depths,
+        certain,
+        middle,
+        system.axes,
     )
 
 
-def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float) -> Array:
-    """Return depths of mean 0 by lines along axes and by planar faces.
+def _depths(
+    drawing: Drawing, flat: Array, system: AxisSystem, eye: float, planar: Array
+) -> Array:
+    """Return depths of mean 0 by lines along axes and by rows of planar faces.
 
     Without the mean, all corners would fall together in the eye, where every equation holds.
     """
@@ -207,7 +246,6 @@ def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float) -> Ar
             values.append(-(flat[lines[:, 1]] - flat[lines[:, 0]]) @ normal[:2])
     matrix, right = np.vstack(rows), np.concatenate(values)
     depths = np.linalg.lstsq(matrix, right, rcond=None)[0]
-    planar = _planar_rows(drawing, flat)
     lowest = (NEAREST - 1.0) / max(eye, 1e-9)
     for _ in range(ROUNDS if len(planar) else 0):
         depths = np.clip(depths, lowest, 4.0)

@@ -59,24 +59,29 @@ def stretches(seen: np.ndarray) -> Iterator[tuple[int, int]]:
     yield from zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True)
 
 
-def drawing(seed: int, hand: Hand) -> tuple[View, tuple[Stroke, ...]] | None:
-    seen = view(made(seed, PRISMS), seed)
+def drawing(
+    seed: int, hand: Hand, distance: float | None = None
+) -> tuple[View, tuple[Stroke, ...]] | None:
+    """Draw the visible lines of a prism, seen in perspective from a distance in sizes."""
+    seen = view(made(seed, PRISMS), seed, distance)
     if seen is None:
         return None
     places, lines = visible_lines(seen)
     return seen, strokes_of(places, lines, hand, seed)
 
 
-def outcome(seed: int, hand: Hand) -> tuple[list[bool], bool] | None:
+def outcome(
+    seed: int, hand: Hand, distance: float | None = None
+) -> tuple[list[bool], bool] | None:
     """Whether each guess is right, and whether the first answer of the right one is the solid."""
-    drawn = drawing(seed, hand)
+    drawn = drawing(seed, hand, distance)
     if drawn is None:
         return None
     seen, strokes = drawn
     edges = [(int(a), int(b)) for a, b in seen.solid.edges]
     places = seen.plane * TO_CANVAS * SIZE + 200.0
     right, whole = [], False
-    for guess in hidden_lines(graph_of(strokes)):
+    for guess in hidden_lines(graph_of(strokes), CAMERA):
         graph = graph_of(completed(strokes, guess))
         right.append(is_right(graph, places, edges))
         if right[-1]:

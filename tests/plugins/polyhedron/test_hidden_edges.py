@@ -19,7 +19,7 @@ from bozzetto_polyhedron.solve.pipeline import solved
 from tests.plugins.polyhedron.figures_hidden_lines import drawing, outcome, visible_lines
 from tests.plugins.polyhedron.graph_truth import graph_of
 from tests.plugins.polyhedron.hand import SIZE, Hand
-from tests.plugins.polyhedron.objects import OBJECTS, Polyhedron, View, frustum, view
+from tests.plugins.polyhedron.objects import CAMERA, OBJECTS, Polyhedron, View, frustum, view
 
 STEADY = Hand(jitter=0.0, wobble=0.0, tremble=0.0)
 
@@ -41,7 +41,7 @@ def seen_graph(solid: Polyhedron, seed: int) -> tuple[View, LineGraph]:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_hidden_lines_of_a_prism_are_those_of_the_solid(name: str, seed: int) -> None:
     seen, graph = seen_graph(OBJECTS[name], seed)
-    guess = hidden_lines(graph)[0]
+    guess = hidden_lines(graph, CAMERA)[0]
     corners = seen.plane * (1.0, -1.0) * SIZE
     away = np.linalg.norm(guess.ends.reshape(-1, 1, 2) - corners, axis=2)
     assert away.min(1).max() < 0.02 * SIZE
@@ -70,7 +70,7 @@ def test_mirror_images_are_among_the_guesses(solid: Polyhedron, seed: int) -> No
     hidden = {tuple(sorted(p)) for p, s in zip(solid.edges.tolist(), seen.hidden, strict=True) if s}
     corners = seen.plane * (1.0, -1.0) * SIZE
     found = []
-    for guess in hidden_lines(graph):
+    for guess in hidden_lines(graph, CAMERA):
         away = np.linalg.norm(guess.ends.reshape(-1, 1, 2) - corners, axis=2)
         if away.min(1).max() < 0.02 * SIZE:
             found.append({tuple(sorted(p)) for p in away.argmin(1).reshape(-1, 2).tolist()})
@@ -84,7 +84,7 @@ def test_a_drawing_with_all_lines_has_none_to_guess() -> None:
     strokes = tuple((k,) for k in range(len(lines)))
     places = seen.plane * (1.0, -1.0) * SIZE
     graph = LineGraph(places, lines, np.zeros(len(lines)), strokes, (), 0.1, ())
-    assert hidden_lines(graph) == ()
+    assert hidden_lines(graph, CAMERA) == ()
 
 
 @pytest.mark.parametrize(
@@ -95,7 +95,7 @@ def test_little_ink_gives_no_guess(lines: list[tuple[int, int]]) -> None:
     pairs = np.array(lines, np.intp).reshape(-1, 2)
     strokes = tuple((k,) for k in range(len(pairs)))
     graph = LineGraph(places, pairs, np.zeros(len(pairs)), strokes, (), 1.0, ())
-    assert hidden_lines(graph) == ()
+    assert hidden_lines(graph, CAMERA) == ()
 
 
 def test_most_prisms_drawn_by_hand_are_guessed() -> None:
