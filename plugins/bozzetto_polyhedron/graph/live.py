@@ -20,7 +20,7 @@ from bozzetto_polyhedron.graph.build import (
 from bozzetto_polyhedron.graph.certainty import certainty_of, line_traits
 from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of
 from bozzetto_polyhedron.graph.health import told
-from bozzetto_polyhedron.graph.likelihood import Fits
+from bozzetto_polyhedron.graph.likelihood import FEW_LINES, FEW_VISIBLE, Fits
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.graph.repair import repair
 from bozzetto_polyhedron.graph.search import best_draft
@@ -28,7 +28,7 @@ from bozzetto_polyhedron.graph.second_reading import closest_other
 from bozzetto_polyhedron.graph.segments import Drawn, Pieces, Segments, pieces_of, samples_of
 
 
-LEAST_SURE: Final = 0.75
+LEAST_SURE: Final = 0.9
 """Certainty below which it is told where lines could meet in another way."""
 
 
@@ -58,7 +58,10 @@ class LiveGraph:
 
 
 def searched(
-    strokes: Sequence[Drawn], *, checkpoint: Callable[[float, str], None] = no_checkpoint
+    strokes: Sequence[Drawn],
+    *,
+    checkpoint: Callable[[float, str], None] = no_checkpoint,
+    only_visible: bool = False,
 ) -> LiveGraph:
     """Find the lines and corners that strokes draw.
 
@@ -68,6 +71,8 @@ def searched(
         In the order drawn.
     checkpoint : callable
         Called with the fraction done and the step's name; it may raise to end the work.
+    only_visible : bool
+        Whether hidden lines are left out, so that many corners have fewer than three.
     """
     size = size_of(strokes)
     if size == 0.0:
@@ -78,7 +83,10 @@ def searched(
         graph = graph_of_draft(None, pieces, segments, size, origin)
         return LiveGraph(graph, tuple(strokes), pieces)
     draft = best_draft(
-        segments, light_segments(segments), lambda: checkpoint(0.5, "Finding corners")
+        segments,
+        light_segments(segments),
+        lambda: checkpoint(0.5, "Finding corners"),
+        FEW_VISIBLE if only_visible else FEW_LINES,
     )
     graph = searched_graph(draft, pieces, segments, size, origin)
     return LiveGraph(graph, tuple(strokes), pieces, segments, draft)

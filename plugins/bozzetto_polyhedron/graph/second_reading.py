@@ -100,7 +100,7 @@ def other_drafts(draft: Draft, dearest: float, most: int) -> list[Draft]:
         other = draft.copied()
         other.apply(change)
         found.setdefault(joined_pairs(other), other)
-    every = [Fits(draft.fits.segments, spread) for spread in SPREADS]
+    every = [Fits(draft.fits.segments, spread, draft.fits.few) for spread in SPREADS]
     best = [with_best_spread(each, every) for each in found.values()]
     return sorted(best, key=lambda each: each.doubt)[:most]
 

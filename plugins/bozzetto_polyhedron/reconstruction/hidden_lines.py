@@ -18,11 +18,18 @@ import numpy as np
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
 from bozzetto_polyhedron.reconstruction.mirror_images import mirror_images
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
-from bozzetto_polyhedron.reconstruction.visible_regions import Junctions, junctions_of, regions_of
+from bozzetto_polyhedron.reconstruction.visible_regions import (
+    Junctions,
+    holes_in,
+    junctions_of,
+    regions_of,
+    with_passing_lines,
+)
 
 NEAR: Final = 0.03
 """Distance within which a guessed corner is one that was drawn, beyond thrice the noise."""
@@ -101,9 +108,10 @@ def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[Hidde
     degrees = np.bincount(drawing.lines.ravel(), minlength=len(drawing.points))
     if len(drawing.lines) < FEWEST or (degrees >= 3).all():
         return ()
+    drawing = with_passing_lines(drawing)
     junctions = junctions_of(drawing, (NEAR + 3.0 * drawing.noise) / 2.0)
     faces = [
-        ring
+        (ring, *holes_in(drawing, junctions, ring))
         for ring in regions_of(drawing, junctions)
         if len(ring) > FEWEST and not junctions.is_stem[list(ring)].any()
     ]
@@ -225,7 +233,22 @@ def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Who
             _, steps = _steps(drawing, junctions, ring, np.flatnonzero(labels == name))
             for step in _distinct(steps, reach):
                 found.append(_prism(drawing, ring, drawing.points[list(ring)] + step, reach))
+                holes = holes_in(drawing, junctions, ring)
+                if holes:
+                    found.append(_with_holes(drawing, found[-1], holes, step, reach))
     return found
+
+
+def _with_holes(
+    drawing: Drawing, whole: _Whole, holes: Sequence[Ring], step: Array, reach: float
+) -> _Whole:
+    """Return a prism with holes that go through it as far as its sides."""
+    points, lines = [whole.points], [whole.lines]
+    for ring in holes:
+        hole = _prism(drawing, ring, drawing.points[list(ring)] + step, reach)
+        lines.append(hole.lines + sum(len(each) for each in points))
+        points.append(hole.points)
+    return _Whole(np.concatenate(points), np.concatenate(lines))
 
 
 def _steps(

@@ -17,13 +17,13 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.planar_embedding import (
-    Ring,
     components,
     embedded_faces,
     neighbors_of,
     shared_pairs,
 )
 from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.axis_systems import AxisSystem, axis_system
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 
@@ -157,7 +157,7 @@ class ParallelView:
 
 
 def parallel_view(
-    drawing: Drawing, camera: Camera, faces: Sequence[Ring] | None = None
+    drawing: Drawing, camera: Camera, faces: Sequence[Rings] | None = None
 ) -> ParallelView:
     """Return a drawing without its perspective: that of the camera, another one, or none.
 
@@ -167,8 +167,8 @@ def parallel_view(
         In units of its own size.
     camera : Camera
         Through which it was drawn; a person may draw otherwise than it sees.
-    faces : sequence of Ring, optional
-        Rings of corners that are planar; those that follow from the lines of a whole solid without.
+    faces : sequence of Rings, optional
+        Rings of corners that lie in one plane each; those that follow from the lines of a whole solid without.
     """
     zero = np.zeros(2)
     plain = ParallelView(drawing, drawing.points, zero, 0.0, np.zeros(len(drawing.points)), False)
@@ -204,7 +204,7 @@ def parallel_view(
     if faces is None:
         planar = _planar_rows(drawing, flat)
     else:
-        planar = face_rows(flat, range(len(flat)), [(ring,) for ring in faces])
+        planar = face_rows(flat, range(len(flat)), faces)
     depths = _depths(drawing, flat, system, eye, planar)
     straight = flat * (1.0 + eye * depths)[:, None]
     certain = parallel_cost - system.cost > CERTAIN

@@ -15,6 +15,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke
+from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
 from bozzetto_polyhedron.solve.completion import completed
@@ -81,7 +82,7 @@ def outcome(
     edges = [(int(a), int(b)) for a, b in seen.solid.edges]
     places = seen.plane * TO_CANVAS * SIZE + 200.0
     right, whole = [], False
-    for guess in hidden_lines(graph_of(strokes), CAMERA):
+    for guess in hidden_lines(searched(strokes, only_visible=True).graph, CAMERA):
         graph = graph_of(completed(strokes, guess))
         right.append(is_right(graph, places, edges))
         if right[-1]:
