@@ -281,9 +281,7 @@ def place_of(sums: End) -> tuple[float, float]:
     return (yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant
 
 
-def corner_cost(
-    sums: End, degree: int, fewer: tuple[float, float, float] = FEW_LINES
-) -> float:
+def corner_cost(sums: End, degree: int, fewer: tuple[float, float, float] = FEW_LINES) -> float:
     """Return the cost of a corner from the sums over its ends."""
     if degree <= 0:
         return 0.0

@@ -27,7 +27,6 @@ from bozzetto_polyhedron.graph.search import best_draft
 from bozzetto_polyhedron.graph.second_reading import closest_other
 from bozzetto_polyhedron.graph.segments import Drawn, Pieces, Segments, pieces_of, samples_of
 
-
 LEAST_SURE: Final = 0.9
 """Certainty below which it is told where lines could meet in another way."""
 

@@ -202,9 +202,7 @@ def _depths(view: ParallelView, whole: _Whole) -> Array:
     held[np.arange(len(drawn)), drawn] = HELD
     weak = SLACK * np.eye(count + names)
     matrix = np.vstack((rows, held, weak))
-    right = np.concatenate(
-        (values, HELD * view.depths[nearest[drawn]], np.zeros(count + names))
-    )
+    right = np.concatenate((values, HELD * view.depths[nearest[drawn]], np.zeros(count + names)))
     return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0][:count])
 
 

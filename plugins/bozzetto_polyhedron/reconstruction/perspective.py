@@ -168,7 +168,8 @@ def parallel_view(
     camera : Camera
         Through which it was drawn; a person may draw otherwise than it sees.
     faces : sequence of Rings, optional
-        Rings of corners that lie in one plane each; those that follow from the lines of a whole solid without.
+        Rings of corners that lie in one plane each; those that follow from the lines of a whole
+        solid without.
     """
     zero = np.zeros(2)
     plain = ParallelView(drawing, drawing.points, zero, 0.0, np.zeros(len(drawing.points)), False)
@@ -221,9 +222,7 @@ def parallel_view(
     )
 
 
-def _depths(
-    drawing: Drawing, flat: Array, system: AxisSystem, eye: float, planar: Array
-) -> Array:
+def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float, planar: Array) -> Array:
     """Return depths of mean 0 by lines along axes and by rows of planar faces.
 
     Without the mean, all corners would fall together in the eye, where every equation holds.

@@ -21,8 +21,9 @@ MIDDLE: Final = 0.04
 STRAIGHT: Final = np.radians(20.0)
 """Angle up to which two lines may go straight on through a corner."""
 
-BESIDE: Final = 0.012
-"""Distance of the corner from the line that they make, up to which they do, diagonals."""
+BESIDE: Final = (0.003, 2.0)
+"""Distance of the corner from the line that they make, up to which they do: diagonals, and more for
+each diagonal of noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +68,8 @@ def with_passing_lines(drawing: Drawing) -> Drawing:
         way = drawing.points[joined[1]] - drawing.points[joined[0]]
         off = drawing.points[corner] - drawing.points[joined[0]]
         away = abs(way[0] * off[1] - way[1] * off[0]) / max(1e-9, float(np.hypot(*way)))
-        if cosines[one, other] > -np.cos(STRAIGHT) or away > BESIDE or joined in lines:
+        bent = cosines[one, other] > -np.cos(STRAIGHT)
+        if bent or away > BESIDE[0] + BESIDE[1] * drawing.noise or joined in lines:
             continue
         first, second = sorted((here[one], here[other]))
         lines[first] = joined
@@ -116,7 +118,9 @@ def regions_of(drawing: Drawing, junctions: Junctions) -> list[tuple[int, ...]]:
     junctions : Junctions
         Those ends.
     """
-    return [ring for ring in _boundaries(drawing, junctions) if _area(drawing.points[list(ring)]) > 0]
+    return [
+        ring for ring in _boundaries(drawing, junctions) if _area(drawing.points[list(ring)]) > 0
+    ]
 
 
 def holes_in(drawing: Drawing, junctions: Junctions, ring: Sequence[int]) -> list[Ring]:

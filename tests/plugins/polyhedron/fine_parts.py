@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
 from manifold3d import Manifold
 
 from tests.plugins.polyhedron.cad_parts import Random, extruded, upright
@@ -137,8 +136,8 @@ def stairs_with_low_steps(rng: Random) -> Manifold:
 def tongue(rng: Random) -> Manifold:
     w, d, h = _block(rng)
     a, b = rng.uniform(0.12, 0.25, 2)
-    outline = np.array([(0, 0), (w, 0), (w, d), (0.6 * w, d), (0.6 * w, d + a), (0.6 * w - b, d + a),
-                        (0.6 * w - b, d), (0, d)])  # fmt: skip
+    x, y = 0.6 * w, d + a
+    outline = [(0, 0), (w, 0), (w, d), (x, d), (x, y), (x - b, y), (x - b, d), (0, d)]
     return extruded(outline, h)
 
 
