@@ -37,7 +37,7 @@ MOST: Final = 6
 
 GAP: Final = 0.7
 """Standard deviation of how far a ring that lies in a face is drawn from it, in units of the noise
-of a corner: 0.7 of 240 through-holes (`figures_thin_floors`)."""
+of a corner, in 120 drawings of holes."""
 
 APART: Final = 0.8
 """Gap, in units of the noise, from which on it is also asked whether a ring lies beside a face."""

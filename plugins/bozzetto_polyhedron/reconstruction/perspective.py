@@ -8,7 +8,7 @@ depths 1 / (1 + k Z) that are linear on the sheet. The places q (1 + k Z) are a 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -17,6 +17,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.planar_embedding import (
+    Ring,
     components,
     embedded_faces,
     neighbors_of,
@@ -26,6 +27,7 @@ from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.axis_systems import AxisSystem, axis_system
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.planar_faces import inside
 
 STARTS: Final = (0.15, 0.6)
 """Perspectives, 1/diagonal, from which the fit starts."""
@@ -66,6 +68,12 @@ the eye explains five or six lines of a tetrahedron by chance."""
 
 NEAREST: Final = 0.2
 """Least distance from the eye, in those of the sheet."""
+
+SEATED: Final = (0.02, 2.0)
+"""How far off a plane a ring may be to lie in it: diagonals, and more a diagonal of noise."""
+
+MOST_SEATS: Final = 12
+"""Faces and rings that are tried for each loose part, at most."""
 
 MEAN: Final = 1e3
 """Weight of the condition that the mean depth is 0."""
@@ -203,10 +211,17 @@ def parallel_view(
     _, eye, about, system = min(found, key=lambda each: each[0])
     flat = drawing.points - about
     if faces is None:
-        planar = _planar_rows(drawing, flat)
+        parts = _faces_of_parts(drawing)
+        known: list[Rings] = [(ring,) for rings in parts for ring in rings]
+
+        def solved(planar: Sequence[Rings]) -> Array:
+            return _depths(drawing, flat, system, eye, planar)
+
+        for seats in _seats_of_parts(drawing, parts):
+            known += _level_seats(replace(drawing, points=flat), eye, known, seats, solved)
+        depths = solved(known)
     else:
-        planar = face_rows(flat, range(len(flat)), faces)
-    depths = _depths(drawing, flat, system, eye, planar)
+        depths = _depths(drawing, flat, system, eye, faces)
     straight = flat * (1.0 + eye * depths)[:, None]
     certain = parallel_cost - system.cost > CERTAIN
     middle = straight.mean(0)
@@ -222,8 +237,10 @@ def parallel_view(
     )
 
 
-def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float, planar: Array) -> Array:
-    """Return depths of mean 0 by lines along axes and by rows of planar faces.
+def _depths(
+    drawing: Drawing, flat: Array, system: AxisSystem, eye: float, faces: Sequence[Rings]
+) -> Array:
+    """Return depths of mean 0 by lines along axes and by planar faces.
 
     Without the mean, all corners would fall together in the eye, where every equation holds.
     """
@@ -245,6 +262,7 @@ def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float, plana
             values.append(-(flat[lines[:, 1]] - flat[lines[:, 0]]) @ normal[:2])
     matrix, right = np.vstack(rows), np.concatenate(values)
     depths = np.linalg.lstsq(matrix, right, rcond=None)[0]
+    planar = face_rows(flat, range(len(flat)), faces)
     lowest = (NEAREST - 1.0) / max(eye, 1e-9)
     for _ in range(ROUNDS if len(planar) else 0):
         depths = np.clip(depths, lowest, 4.0)
@@ -258,14 +276,80 @@ def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float, plana
     return np.asarray(np.clip(np.nan_to_num(depths), lowest, 4.0))
 
 
-def _planar_rows(drawing: Drawing, flat: Array) -> Array:
-    """Return rows that vanish on reciprocal depths where faces known from the lines are planar."""
+def _faces_of_parts(drawing: Drawing) -> list[tuple[Ring, ...]]:
+    """Return the faces of each part that follow from its lines, the largest part first."""
     neighbors = neighbors_of(drawing.lines)
-    found = [np.zeros((0, len(flat)))]
+    found: list[tuple[float, tuple[Ring, ...]]] = []
     for part in components(neighbors):
         if len(part) < 4:
             continue
         rings = embedded_faces({corner: neighbors[corner] for corner in part})
         if rings is not None and not shared_pairs(rings):
-            found.append(face_rows(flat, range(len(flat)), [(ring,) for ring in rings]))
-    return np.vstack(found)
+            size = float(np.linalg.norm(np.ptp(drawing.points[list(part)], axis=0)))
+            found.append((size, rings))
+    return [rings for _, rings in sorted(found, key=lambda each: -each[0])]
+
+
+def _seats_of_parts(
+    drawing: Drawing, parts: Sequence[tuple[Ring, ...]]
+) -> Iterator[list[tuple[Ring, Ring]]]:
+    """Yield of each part but the first its rings that appear inside a face of a larger one."""
+    for number, part in enumerate(parts[1:], start=1):
+        faces = [face for other in parts[:number] for face in other]
+        seats = [
+            (face, ring)
+            for face in faces
+            for ring in part
+            if bool(inside(drawing.points[list(ring)], drawing.points[list(face)]).all())
+        ]
+        if seats:
+            yield sorted(seats, key=lambda seat: _lightness(drawing, (*seat[0], *seat[1])))
+
+
+def _lightness(drawing: Drawing, corners: Sequence[int]) -> float:
+    """Return how light the lines between some corners are."""
+    between = np.isin(drawing.lines, corners).all(1)
+    return float(drawing.light[between].mean()) if between.any() else 0.0
+
+
+def _level_seats(
+    drawing: Drawing,
+    eye: float,
+    known: Sequence[Rings],
+    seats: Sequence[tuple[Ring, Ring]],
+    solved: Callable[[Sequence[Rings]], Array],
+) -> list[Rings]:
+    """Return seats of a loose part that lie in one plane each.
+
+    Lines and faces leave open how deep such a part lies. It is put where most of its rings lie in
+    faces, both of a hole; of ways that are alike, where lines are drawn most firmly.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        As seen from the point before which the eye is.
+    eye : float
+        Perspective, 1/diagonal.
+    known : sequence of Rings
+        Faces that are planar.
+    seats : sequence of (Ring, Ring)
+        A face and a ring of the part inside it, the firmest first.
+    solved : callable
+        Depths, (n,), for which given faces are planar.
+    """
+    near = SEATED[0] + SEATED[1] * drawing.noise
+    corners = range(len(drawing.points))
+    best: list[Rings] = []
+    most = 0
+    for seat in seats[:MOST_SEATS]:
+        depths = solved([*known, seat])
+        bent = depths / (1.0 + eye * depths)
+        level: list[Rings] = [
+            each
+            for each in seats
+            if float(np.abs(face_rows(drawing.points, corners, [each]) @ bent).max()) < near
+        ]
+        rings = {each[1] for each in level}
+        if len(rings) > most:
+            best, most = level, len(rings)
+    return best
