@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto_polyhedron.graph.certainty_numbers import LOG_ODDS, TRAITS
 from bozzetto_polyhedron.graph.draft import CROWDED, Draft
 from bozzetto_polyhedron.graph.likelihood import strain_of
@@ -45,13 +45,13 @@ def line_traits(graph: LineGraph, draft: Draft, cost: float, size: float) -> Arr
     )
     return np.array(
         (
-            np.arcsinh(min(cost, 1e6) / COST),
-            sum(degree >= CROWDED for degree in draft.degrees.values()),
-            np.log(_closest(_of_corners(places)) / noise),
-            np.log(_closest(_of_lines(places, graph.lines)) / noise),
-            np.log(max(1, len(graph.lines))),
+            float(np.arcsinh(min(cost, 1e6) / COST)),
+            float(sum(degree >= CROWDED for degree in draft.degrees.values())),
+            float(np.log(_closest(_of_corners(places)) / noise)),
+            float(np.log(_closest(_of_lines(places, graph.lines)) / noise)),
+            float(np.log(max(1, len(graph.lines)))),
             noise,
-            np.log(max(float(strains.max()), 1e-3) / max(float(strains.mean()), 1e-3)),
+            float(np.log(max(float(strains.max()), 1e-3) / max(float(strains.mean()), 1e-3))),
             float(not draft.is_whole),
             float("second reading" in kinds),
             float(bool(kinds - {"second reading"})),
@@ -77,7 +77,7 @@ def _of_corners(places: Array) -> Array:
     return np.asarray(away)
 
 
-def _of_lines(places: Array, lines: Array) -> Array:
+def _of_lines(places: Array, lines: Index) -> Array:
     """Return the distances of corners from the lines that do not end there, (n, m)."""
     start, span = places[lines[:, 0]], places[lines[:, 1]] - places[lines[:, 0]]
     square = np.maximum((span**2).sum(1), 1e-12)

@@ -33,7 +33,7 @@ from tests.plugins.polyhedron.hand import Hand, strokes_of
 from tests.plugins.polyhedron.objects import CAMERA, OBJECTS, TO_CANVAS, view
 from tests.plugins.polyhedron.test_confidence import ERRORS, FEWEST, TOLERANCE
 
-DRAWINGS = range(310_000, 310_150)
+DRAWINGS = range(310_000, 310_080)
 
 
 def read(strokes: tuple[Stroke, ...]) -> LiveGraph:
