@@ -20,8 +20,9 @@ from bozzetto_polyhedron.reconstruction.hidden_lines import NEAR, hidden_lines
 from bozzetto_polyhedron.reconstruction.visible_regions import with_passing_lines
 from bozzetto_polyhedron.solve.pipeline import solved
 from tests.plugins.polyhedron.figures_hidden_lines import drawing, outcome, visible_lines
-from tests.plugins.polyhedron.graph_truth import graph_of
-from tests.plugins.polyhedron.hand import SIZE, Hand
+from tests.plugins.polyhedron.fine_parts import fine_part
+from tests.plugins.polyhedron.graph_truth import graph_of, is_right
+from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
 from tests.plugins.polyhedron.objects import (
     CAMERA,
     OBJECTS,
@@ -141,6 +142,30 @@ def test_a_line_that_ends_where_two_go_straight_on_goes_behind_them() -> None:
     assert sorted(map(tuple, made.lines.tolist())) == [(0, 1), (2, 3), (3, 4)]
     bent = replace(graph, places=places + np.array([(0, 0), (0, 90), (0, 0), (0, 0), (0, 0)]))
     assert len(with_passing_lines(drawing_of(bent)).lines) == 4
+
+
+def visible_is_right(seed: int, only_visible: bool) -> bool | None:
+    """Whether the visible lines of a thin angle are found as they were drawn."""
+    solid = fine_part("thin_angle", seed)
+    seen = None if solid is None else view(solid, seed)
+    if seen is None:
+        return None
+    places, lines = visible_lines(seen)
+    strokes = strokes_of(places, lines, Hand(jitter=0.004, wobble=0.002), seed)
+    used = np.unique(np.array(lines))
+    numbers = {int(corner): k for k, corner in enumerate(used)}
+    pairs = [(numbers[a], numbers[b]) for a, b in lines]
+    graph = searched(strokes, only_visible=only_visible).graph
+    return is_right(graph, places[used] * SIZE + 200.0, pairs)
+
+
+def test_thin_sides_stay_two_lines_where_hidden_ones_are_left_out() -> None:
+    found = [
+        (visible_is_right(seed, True), visible_is_right(seed, False)) for seed in range(30, 42)
+    ]
+    visible, whole = np.array([each for each in every if each[0] is not None]).T
+    assert visible.mean() >= 0.6
+    assert visible.sum() >= whole.sum()
 
 
 def test_a_drawing_with_all_lines_has_none_to_guess() -> None:
