@@ -160,9 +160,7 @@ def visible_is_right(seed: int, only_visible: bool) -> bool | None:
 
 
 def test_thin_sides_stay_two_lines_where_hidden_ones_are_left_out() -> None:
-    found = [
-        (visible_is_right(seed, True), visible_is_right(seed, False)) for seed in range(30, 42)
-    ]
+    every = [[visible_is_right(seed, each) for each in (True, False)] for seed in range(30, 42)]
     visible, whole = np.array([each for each in every if each[0] is not None]).T
     assert visible.mean() >= 0.6
     assert visible.sum() >= whole.sum()
