@@ -246,6 +246,12 @@ def graph_of_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
     return without_findings_at_flaps(in_order(_searched(strokes, checkpoint).graph))
 
 
+@remembered(limit=16, key=_without_checkpoint)
+def graph_of_visible_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
+    """Return the lines of a drawing in which hidden ones are left out."""
+    return in_order(searched(strokes, checkpoint=checkpoint, only_visible=True).graph)
+
+
 @remembered(limit=64, key=_without_checkpoint)
 def graph_while_drawn(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
     """Return the lines of a drawing soon after its last stroke.
