@@ -274,3 +274,34 @@ def test_a_touch_with_the_pen_says_what_is_missing_where_a_stroke_is_next(window
     stylus.lift((400.0, 300.0))
     assert "too short" in window.status._words.text()
     assert len(session.drawing.document) == 0
+
+
+@pytest.mark.parametrize(("modeler", "tool"), [("silhouette", "paint"), ("symmetry", "split")])
+def test_a_drawing_tool_that_takes_touches_gets_them(window, settle, modeler, tool):
+    """It is asked, and answers that there is nothing on an empty sheet."""
+    session = window.session
+    session.toolbox.take_modeler(f"bozzetto.{modeler}")
+    settle(session)
+    session.toolbox.take_tool(tool)
+    stylus = Stylus(window.canvas)
+    stylus.press((400.0, 300.0))
+    stylus.lift((400.0, 300.0))
+    settle(session)
+    said = window.status._words.text()
+    assert "too short" not in said
+    assert "There is no" in said
+
+
+def test_a_touch_with_paint_colours_the_part_under_it(window, settle):
+    session = window.session
+    settle(session)
+    around = np.linspace(0.0, 2.0 * np.pi, 60)
+    stylus = Stylus(window.canvas)
+    stylus.draw(np.c_[500.0 + 120.0 * np.cos(around), 350.0 + 90.0 * np.sin(around)])
+    settle(session)
+    session.toolbox.take_tool("paint")
+    stylus.press((500.0, 350.0))
+    stylus.lift((500.0, 350.0))
+    settle(session)
+    state = session.drawing.document.models[0].state
+    assert state.nodes[0].color == state.paint

@@ -398,10 +398,12 @@ class Canvas(QWidget):
         return True
 
     def _touch(self, tap: Tap, again: bool) -> None:
-        """Do what is next with a touch that a drawing tool has no use for, if a touch is next."""
+        """Give a touch to the drawing tool in the hand, or to the tool whose touch is next."""
         session = self._session
-        wanted = session.hints.step.tool
-        if any(tool.id == wanted and tool.gesture == "tap" for tool in session.toolbox.tools):
+        active, wanted = session.toolbox.active, session.hints.step.tool
+        if active is not None and active.touches:
+            session.gestures.tap(tap, again=again)
+        elif any(tool.id == wanted and tool.gesture == "tap" for tool in session.toolbox.tools):
             session.toolbox.take_tool(wanted)
             session.gestures.tap(tap, again=again)
         else:
