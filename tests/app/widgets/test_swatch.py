@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import QPoint, QRect, QSize
 
-from bozzetto_app.widgets.swatch import Swatch, place_beside
+from bozzetto_app.widgets.swatch import place_beside
 
 CHART = QSize(208, 80)
 
@@ -20,13 +20,3 @@ def test_the_chart_is_on_the_screen_and_beside_the_disc(screen, across, down):
     assert screen.contains(place)
     assert not place.intersects(disc)
     assert place.adjusted(-24, -1, 24, 1).intersects(disc)
-
-
-def test_the_chart_opens_under_its_disc_where_there_is_room(qtbot):
-    swatch = Swatch()
-    qtbot.addWidget(swatch)
-    swatch.move(100, 100)
-    swatch.show()
-    chart = swatch.open_chart()
-    assert chart.pos() == swatch.mapToGlobal(QPoint(0, swatch.height()))
-    chart.close()
