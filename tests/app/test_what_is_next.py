@@ -244,7 +244,9 @@ def test_the_place_is_marked_while_the_pen_is_up(window, settle):
     assert overlay.next_place == before
 
 
-def test_a_touch_with_the_pen_does_what_is_next_where_that_is_a_touch(window, settle):
+@pytest.mark.parametrize("hasty", [False, True])
+def test_a_touch_with_the_pen_does_what_is_next_where_that_is_a_touch(window, settle, hasty):
+    """Also right after the last line, when nobody knows yet that the lines close."""
     session = window.session
     session.toolbox.take_modeler("bozzetto.polyhedron")
     settle(session)
@@ -254,10 +256,11 @@ def test_a_touch_with_the_pen_does_what_is_next_where_that_is_a_touch(window, se
     for k in range(4):
         for begin, end in ((front[k], front[k - 1]), (front[k], back[k]), (back[k], back[k - 1])):
             stylus.draw(np.linspace(begin, end, 12))
-    settle(session)
-    assert session.hints.step.tool == "turn"
-    (model,) = session.drawing.document.models
-    assert model.state.nodes[0].choice is None
+    if not hasty:
+        settle(session)
+        assert session.hints.step.tool == "turn"
+        (model,) = session.drawing.document.models
+        assert model.state.nodes[0].choice is None
     stylus.press(front[1])
     stylus.lift(front[1])
     settle(session)

@@ -210,3 +210,11 @@ def test_what_stands_stays_on_the_ground_when_its_height_is_typed(shell, name, f
     made = _solved(typed.with_node(replace(length, length=factor * length.length))).body
     assert made.vertices[:, 2].min() == 0.0
     assert np.abs(made.vertices[:, :2] - found.body.vertices[:, :2]).max() < 1e-9
+
+
+def test_what_is_next_is_about_the_solid_where_no_part_of_it_is_chosen(shell):
+    """Where the object alone was chosen, a person was told to draw every edge of a solid."""
+    state = next_answer(_drawn(shell, "box", jitter=1.0, seed=13021), _alone(shell))
+    said = DrawLines().next_step(state)
+    assert "Turn the view" in said.sentence
+    assert DrawLines().next_step(replace(state, selected="")) == said
