@@ -88,7 +88,7 @@ class DrawLines(ErasingTool):
         found: Solved | None = None
         with suppress(UserError):
             found = solved(body, state)
-        return NextStep(sentence_of(found))
+        return NextStep(sentence_of(found, state))
 
 
 def _body_meant(state: PolyhedronState) -> Body | None:

@@ -13,6 +13,7 @@ from bozzetto.testing import Pen, Shell
 from bozzetto.view import Camera, turn
 from bozzetto.view.standard_views import standard_view
 from bozzetto_polyhedron.commands.answers import mirrored_answer, next_answer
+from bozzetto_polyhedron.commands.bodies import unfolded
 from bozzetto_polyhedron.model.same_view import view_of
 from bozzetto_polyhedron.model.state import Body, Measure, PolyhedronState
 from bozzetto_polyhedron.modeler import PolyhedronModeler
@@ -218,3 +219,12 @@ def test_what_is_next_is_about_the_solid_where_no_part_of_it_is_chosen(shell):
     said = DrawLines().next_step(state)
     assert "Turn the view" in said.sentence
     assert DrawLines().next_step(replace(state, selected="")) == said
+
+
+def test_what_is_next_tells_where_the_net_is(shell):
+    """It lies beside the solid, often out of sight."""
+    state = next_answer(_drawn(shell, "box", jitter=1.0, seed=13022), _alone(shell))
+    laid = unfolded(state, _alone(shell))
+    for tool in (DrawLines(), TurnSolid()):
+        assert "net lies beside it: Home" in tool.next_step(laid).sentence
+        assert "net" not in tool.next_step(unfolded(laid, _alone(shell))).sentence
