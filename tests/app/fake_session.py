@@ -276,6 +276,13 @@ class Pictures(Part):
     sketch_taker = ""
 
 
+class Work(Part):
+    """A channel in which nothing is under way."""
+
+    busy_changed = Signal(bool)
+    busy = False
+
+
 class Gestures(Part):
     recorded = (
         "stroke_moved stroke_lifted cancel commit clear drop_last explain tap tap_moved "
@@ -403,6 +410,7 @@ class EmptySession(QObject):
         self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
         self.files.exchange = Exchange(calls)
+        self.gestures.edits, self.hints.channel = Work(calls), Work(calls)
         self.gestures.motion = Motion(calls, is_playing=False, can_play=False, player="")
 
     def cancel_work(self) -> None:

@@ -128,6 +128,7 @@ class Toolbox(QObject):
                     tool.hovers,
                     tool.group,
                     overrides(tool, "step"),
+                    overrides(tool, "tap"),
                 )
                 for tool in bench.tools(modeler_id)
             )

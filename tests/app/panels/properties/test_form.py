@@ -339,6 +339,7 @@ def test_the_form_of_a_part_that_is_chosen_comes_into_sight(qtbot, with_parts, f
     def choose(part):
         fake_session.trees["m1"] = fake_session.trees["m1"].chosen(part)
         fake_session.selection.changed.emit()
+        form_of(with_parts)
         qtbot.wait(20)
 
     def seen_at():
