@@ -27,7 +27,7 @@ TOOLKIT = "bozzetto_app.toolkit"
 
 
 def watch_stray_exceptions(session: Session) -> Callable[[], None]:
-    """Tell the person of exceptions that nobody caught, each place once.
+    """Tell the person of exceptions that nobody caught, each place once, besides printing them.
 
     Those of a plugin are faults of it; a `UserError` is told as everywhere.
 
@@ -50,6 +50,8 @@ def watch_stray_exceptions(session: Session) -> Callable[[], None]:
         if isinstance(problem, Cancelled) or (place in told and not isinstance(problem, UserError)):
             return
         told.add(place)
+        if not isinstance(problem, UserError):
+            before(kind, problem, trace)
         notices, guard = session.notices, session.registry.guard
         modeler = owner_of(trace, session.registry)
         if isinstance(problem, UserError) or not modeler:

@@ -11,8 +11,10 @@ from PySide6.QtWidgets import QPushButton
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.panels import plugin_panel
 from bozzetto_app.panels.plugin_panel import PluginPanel
 from bozzetto_app.session.session import Session
+from bozzetto_app.session.stray_exceptions import watch_stray_exceptions
 
 MANIFEST = """
 id = "paneled.plugin"
@@ -209,3 +211,74 @@ def test_what_it_does_wrong_is_told_and_changes_nothing(session, panel, plugin):
         hosts[0].change(wrong, "Wrong")
         assert len(notices) > told
         assert session.selection.model.state is state
+
+
+def test_what_a_panel_gives_wrongly_is_its_own_fault(session, panel, plugin):
+    hosts, notices = [], []
+    session.notices.noticed.connect(notices.append)
+    plugin.made = lambda host: hosts.append(host) or QPushButton()
+    draw(session)
+    for method, wrong in (("complain", "text"), ("run", 5)):
+        getattr(hosts[0], method)(wrong)
+        assert notices[-1].plugin == "paneled.plugin"
+        assert f"gave {method} {type(wrong).__name__} where" in notices[-1].text
+
+
+@pytest.fixture
+def watched(session):
+    end = watch_stray_exceptions(session)
+    yield session
+    end()
+
+
+@pytest.mark.qt_no_exception_capture
+def test_what_a_slot_of_a_panel_raises_reaches_the_person_once(watched, panel, plugin, capsys):
+    notices = []
+    watched.notices.noticed.connect(notices.append)
+
+    exec(compile(FAILING_SLOT, plugin.__file__, "exec"), vars(plugin))
+    draw(watched)
+    for _ in range(5):
+        panel.findChild(QPushButton).click()
+    (notice,) = [each for each in notices if each.kind == "fault"]
+    assert notice.plugin == "paneled.plugin"
+    assert "its panel failed (KeyError: 'here')" in notice.text
+    assert "KeyError" in notice.details
+    assert "KeyError" in capsys.readouterr().err, "printed as before"
+
+
+FAILING_SLOT = """
+def made(host):
+    from PySide6.QtWidgets import QPushButton
+    button = QPushButton("Fail")
+    button.clicked.connect(lambda: {}["here"])
+    return button
+"""
+
+
+@pytest.mark.qt_no_exception_capture
+def test_what_the_program_raises_is_no_fault_of_a_plugin(watched, panel, plugin, monkeypatch):
+    notices = []
+    watched.notices.noticed.connect(notices.append)
+    monkeypatch.setattr(watched.registry.guard, "blame", lambda *_: pytest.fail("wrong blame"))
+
+    draw(watched)
+    monkeypatch.setattr(plugin_panel, "with_state", None)  # the shell's own code then fails
+    panel.findChild(QPushButton).click()
+    assert [each.plugin for each in notices if each.kind == "fault"] == [""]
+    assert "Bozzetto made a mistake" in notices[-1].text
+
+
+@pytest.mark.qt_no_exception_capture
+def test_a_refusal_in_a_slot_is_told_as_every_refusal(watched, panel, plugin):
+    notices = []
+    watched.notices.noticed.connect(notices.append)
+    code = FAILING_SLOT.replace('{}["here"]', "refuse()")
+    words = (
+        "def refuse():\n    from bozzetto.plugin import UserError\n    raise UserError('Later.')\n"
+    )
+    exec(compile(code + words, plugin.__file__, "exec"), vars(plugin))
+    draw(watched)
+    for _ in range(2):
+        panel.findChild(QPushButton).click()
+    assert [(each.kind, each.text) for each in notices[-2:]] == [("error", "Later.")] * 2
