@@ -27,9 +27,10 @@ TOOLKIT = "bozzetto_app.toolkit"
 
 
 def watch_stray_exceptions(session: Session) -> Callable[[], None]:
-    """Tell the person of exceptions that nobody caught, each place once, besides printing them.
+    """Tell the person of exceptions that nobody caught, besides printing them.
 
-    Those of a plugin are faults of it; a `UserError` is told as everywhere.
+    Those of a plugin are faults of it, until it is switched off for them; those of the program are
+    told once for each place. A `UserError` is told as everywhere.
 
     Returns
     -------
@@ -45,18 +46,23 @@ def watch_stray_exceptions(session: Session) -> Callable[[], None]:
         if not isinstance(problem, Exception) or threading.current_thread() is not main:
             before(kind, problem, trace)
             return
-        last = traceback.extract_tb(trace)[-1:]
-        place = (kind, last[0].filename if last else "", (last[0].lineno or 0) if last else 0)
-        if isinstance(problem, Cancelled) or (place in told and not isinstance(problem, UserError)):
+        if isinstance(problem, Cancelled):
             return
-        told.add(place)
-        if not isinstance(problem, UserError):
-            before(kind, problem, trace)
-        notices, guard = session.notices, session.registry.guard
-        modeler = owner_of(trace, session.registry)
-        if isinstance(problem, UserError) or not modeler:
+        notices, registry = session.notices, session.registry
+        if isinstance(problem, UserError):
             notices.complain(problem)
             return
+        before(kind, problem, trace)
+        modeler, guard = owner_of(trace, registry), registry.guard
+        if not modeler:
+            last = traceback.extract_tb(trace)[-1:]
+            place = (kind, last[0].filename if last else "", (last[0].lineno or 0) if last else 0)
+            if place not in told:
+                told.add(place)
+                notices.complain(problem)
+            return
+        if guard.is_off(registry.info(modeler).plugin):
+            return  # told so often that it is switched off
         said = message_of(problem)
         what = f"its panel failed ({kind.__name__}{': ' if said else ''}{said})"
         details = "".join(traceback.format_exception(problem))

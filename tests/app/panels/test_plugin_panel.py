@@ -10,6 +10,7 @@ import pytest
 from PySide6.QtWidgets import QPushButton
 
 from bozzetto.errors import UserError
+from bozzetto.plugin.guard.guard import MOST_FAULTS
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels import plugin_panel
 from bozzetto_app.panels.plugin_panel import PluginPanel
@@ -52,6 +53,16 @@ class Paneled(Modeler):
 @hookimpl
 def bozzetto_modelers():
     return [Paneled()]
+
+raised = [KeyError("here")]
+
+def failing(host):
+    from PySide6.QtWidgets import QPushButton
+    button = QPushButton("Fail")
+    def fail():
+        raise raised[0]
+    button.clicked.connect(fail)
+    return button
 
 @hookimpl
 def bozzetto_panel(modeler_id, parent, host):
@@ -232,28 +243,21 @@ def watched(session):
 
 
 @pytest.mark.qt_no_exception_capture
-def test_what_a_slot_of_a_panel_raises_reaches_the_person_once(watched, panel, plugin, capsys):
+def test_what_a_slot_of_a_panel_raises_reaches_the_person(watched, panel, plugin, capsys):
     notices = []
     watched.notices.noticed.connect(notices.append)
 
-    exec(compile(FAILING_SLOT, plugin.__file__, "exec"), vars(plugin))
+    plugin.made = plugin.failing
     draw(watched)
-    for _ in range(5):
+    for _ in range(9):
         panel.findChild(QPushButton).click()
-    (notice,) = [each for each in notices if each.kind == "fault"]
+    faults = [each for each in notices if each.kind == "fault"]
+    assert len(faults) == MOST_FAULTS, "then it is switched off"
+    notice = faults[0]
     assert notice.plugin == "paneled.plugin"
     assert "its panel failed (KeyError: 'here')" in notice.text
     assert "KeyError" in notice.details
     assert "KeyError" in capsys.readouterr().err, "printed as before"
-
-
-FAILING_SLOT = """
-def made(host):
-    from PySide6.QtWidgets import QPushButton
-    button = QPushButton("Fail")
-    button.clicked.connect(lambda: {}["here"])
-    return button
-"""
 
 
 @pytest.mark.qt_no_exception_capture
@@ -264,7 +268,8 @@ def test_what_the_program_raises_is_no_fault_of_a_plugin(watched, panel, plugin,
 
     draw(watched)
     monkeypatch.setattr(plugin_panel, "with_state", None)  # the shell's own code then fails
-    panel.findChild(QPushButton).click()
+    for _ in range(9):
+        panel.findChild(QPushButton).click()
     assert [each.plugin for each in notices if each.kind == "fault"] == [""]
     assert "Bozzetto made a mistake" in notices[-1].text
 
@@ -273,11 +278,7 @@ def test_what_the_program_raises_is_no_fault_of_a_plugin(watched, panel, plugin,
 def test_a_refusal_in_a_slot_is_told_as_every_refusal(watched, panel, plugin):
     notices = []
     watched.notices.noticed.connect(notices.append)
-    code = FAILING_SLOT.replace('{}["here"]', "refuse()")
-    words = (
-        "def refuse():\n    from bozzetto.plugin import UserError\n    raise UserError('Later.')\n"
-    )
-    exec(compile(code + words, plugin.__file__, "exec"), vars(plugin))
+    plugin.made, plugin.raised = plugin.failing, [UserError("Later.")]
     draw(watched)
     for _ in range(2):
         panel.findChild(QPushButton).click()

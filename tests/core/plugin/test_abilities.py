@@ -129,6 +129,21 @@ def test_an_ending_that_only_a_command_writes_names_the_command(
     assert target.read_text() == "marks: 1"
     assert main(["export", drawn, "-o", str(tmp_path / "marks.zzz")]) != 0
     assert "Use one of" in capsys.readouterr().err
+    assert main(["export", drawn, "-o", str(target), "--command", "lsit"]) != 0
+    assert "No object has a command 'lsit'; files are written by: list." in capsys.readouterr().err
+
+
+def test_build_names_the_command_that_writes_an_ending(shell, marks, monkeypatch, tmp_path, capsys):
+    from bozzetto.cli.main import main
+
+    monkeypatch.setattr(marks, "commands", listed(marks))
+    monkeypatch.setattr("bozzetto.cli.build.workbench", lambda: shell.workbench)
+    shell.draw(LINE)
+    build = ["build", MODELER, str(shell.save()), "-o"]
+    assert main([*build, str(tmp_path / "marks.txt")]) != 0
+    assert "“.txt” is written by a command: add --command list." in capsys.readouterr().err
+    assert main([*build, str(tmp_path / "marks.zzz")]) != 0
+    assert "Use one of" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("content", [None, "text", b"", adviser.MarksState()])

@@ -151,7 +151,8 @@ class ParametersPanel(PanelScroll):
         self.form.setEnabled(not locked)
         self._place_section.setVisible(model is not None)
         self.place.setEnabled(not locked)
-        self._empty.setText(self._why_empty(model))
+        if not own and not inner:
+            self._empty.setText(self._why_empty(model))
         self._empty.setVisible(not own and not inner)
         self.form.setVisible(bool(own or inner))
 

@@ -7,8 +7,9 @@ from dataclasses import replace
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QApplication, QLineEdit
+from PySide6.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit
 
+from bozzetto.document.model import Model, OpaqueState, new_id
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels.properties.form import ParametersPanel
@@ -401,3 +402,21 @@ def test_no_slider_of_a_bundled_modeler_jumps_by_more_than_what_is_usual(qtbot):
                     assert span / 200.0 <= 2.5 * usual, (info.id, owner.__name__, field.name)
                 step = number.step_at(float(field.default))
                 assert step <= 0.2 * usual or step == 1.0, (info.id, owner.__name__, field.name)
+
+
+def words(panel):
+    """All that is said in the panel now."""
+    return " ".join(each.text() for each in panel.findChildren(QLabel) if not each.isHidden())
+
+
+def test_an_object_whose_plugin_is_absent_says_so(qtbot, make_session):
+    session = make_session()
+    shown = ParametersPanel(session)
+    qtbot.addWidget(shown)
+    foreign = Model(new_id(), "Vase", "anna.lathe", OpaqueState(1, b"{}", (), ()))
+    session.drawing.commit("Open", session.drawing.document.with_model(foreign))
+    assert "Draw or choose" in words(shown)
+    session.selection.select(foreign.id)
+    said = words(shown)
+    assert "its plugin is not installed" in said
+    assert "anna.lathe" in said
