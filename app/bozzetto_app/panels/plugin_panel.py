@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -88,7 +89,8 @@ class _Host:
             return True
         wrong = f"its panel gave {method} {type(given).__name__} where {kind.__name__} belongs"
         guard = self._session.registry.guard
-        self._session.notices.complain(guard.blame(self._modeler, wrong))
+        where = "".join(traceback.format_stack())
+        self._session.notices.complain(guard.blame(self._modeler, wrong, where))
         return False
 
     def tell(self) -> None:

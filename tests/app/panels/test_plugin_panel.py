@@ -233,6 +233,7 @@ def test_what_a_panel_gives_wrongly_is_its_own_fault(session, panel, plugin):
         getattr(hosts[0], method)(wrong)
         assert notices[-1].plugin == "paneled.plugin"
         assert f"gave {method} {type(wrong).__name__} where" in notices[-1].text
+        assert __file__ in notices[-1].details
 
 
 @pytest.fixture
