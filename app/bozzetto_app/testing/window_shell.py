@@ -20,7 +20,7 @@ from bozzetto.scene.display_list import Handle, Scene
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.main_window import Window
 from bozzetto_app.session.session import Session
-from bozzetto_app.session.stray_exceptions import watch_stray_exceptions
+from bozzetto_app.session.window_faults import watch_window_faults
 from bozzetto_app.startup import application
 from bozzetto_app.testing.stylus import Stylus
 
@@ -71,7 +71,7 @@ class WindowShell:
         self.session = Session(registry)
         self.notices: list[str] = []
         self.session.notices.noticed.connect(lambda notice: self.notices.append(notice.text))
-        self._end_watch = watch_stray_exceptions(self.session)
+        self._end_watch = watch_window_faults(self.session)
         self.window = Window(self.session, folder / "recovery")
         self.window.canvas.motion.reduced = True
         self.window.show()

@@ -15,7 +15,7 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels import plugin_panel
 from bozzetto_app.panels.plugin_panel import PluginPanel
 from bozzetto_app.session.session import Session
-from bozzetto_app.session.stray_exceptions import watch_stray_exceptions
+from bozzetto_app.session.window_faults import watch_window_faults
 
 MANIFEST = """
 id = "paneled.plugin"
@@ -238,7 +238,7 @@ def test_what_a_panel_gives_wrongly_is_its_own_fault(session, panel, plugin):
 
 @pytest.fixture
 def watched(session):
-    end = watch_stray_exceptions(session)
+    end = watch_window_faults(session)
     yield session
     end()
 

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from bozzetto.plugin.host.registry import Registry
     from bozzetto_app.session.session import Session
 
-__all__ = ["owner_of", "watch_stray_exceptions"]
+__all__ = ["owner_of", "watch_window_faults"]
 
 OWN = "bozzetto_app"
 TOOLKIT = "bozzetto_app.toolkit"
 """What plugins call themselves of the shell; it fails where they give it what it cannot use."""
 
 
-def watch_stray_exceptions(session: Session) -> Callable[[], None]:
+def watch_window_faults(session: Session) -> Callable[[], None]:
     """Tell the person of exceptions that nobody caught, besides printing them.
 
     Those of a plugin are faults of it, until it is switched off for them; those of the program are
