@@ -8,8 +8,9 @@ from time import monotonic
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QApplication, QLineEdit
+from PySide6.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit
 
+from bozzetto.document.model import Model, OpaqueState, new_id
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels.properties import form
@@ -471,3 +472,21 @@ def test_a_parameter_is_brought_under_the_keyboard_though_its_form_is_not_there_
     panel.focus_parameter("length")
     assert panel.is_ready
     assert row(panel, "length").isVisible()
+
+
+def words(panel):
+    """All that is said in the panel now."""
+    return " ".join(each.text() for each in panel.findChildren(QLabel) if not each.isHidden())
+
+
+def test_an_object_whose_plugin_is_absent_says_so(qtbot, make_session):
+    session = make_session()
+    shown = ParametersPanel(session)
+    qtbot.addWidget(shown)
+    foreign = Model(new_id(), "Vase", "nobody.knows", OpaqueState(1, b"{}", (), ()))
+    session.drawing.commit("Open", session.drawing.document.with_model(foreign))
+    assert "Draw or choose" in words(shown)
+    session.selection.select(foreign.id)
+    said = words(shown)
+    assert "its plugin is not installed" in said
+    assert "nobody.knows" in said
