@@ -348,6 +348,7 @@ def test_the_form_of_a_part_that_is_chosen_comes_into_sight(qtbot, with_parts, f
 
     ids = [part.id for part in fake_session.trees["m1"].parts]
     with_parts.resize(264, 300)
+    form_of(with_parts)
     qtbot.wait(20)
     bar = with_parts.verticalScrollBar()
     for away in (bar.maximum(), 0):
