@@ -154,6 +154,17 @@ class Swatch(_Disc):
         """Open the chart under the disc."""
         popup = _Chart(self.color, self)
         popup.chosen.connect(self.chosen)
-        popup.move(self.mapToGlobal(QPoint(0, self.height())))
+        popup.move(_beside(self, popup.sizeHint()))
         popup.show()
         return popup
+
+
+def _beside(widget: QWidget, size: QSize) -> QPoint:
+    """Return where a pop-up goes: under a widget, or above it; all of it on the screen."""
+    corner = widget.mapToGlobal(QPoint(0, 0))
+    room = widget.screen().availableGeometry()
+    left = max(room.left(), min(corner.x(), room.right() + 1 - size.width()))
+    top = corner.y() + widget.height()
+    if top + size.height() > room.bottom() + 1:
+        top = corner.y() - size.height()
+    return QPoint(left, max(room.top(), top))

@@ -171,6 +171,40 @@ def test_a_curve_over_an_edge_is_cut_there_and_lies_on_both_faces(tmp_path: Path
     assert np.abs(front.sampled(60)[:, 1] + 40.0).max() <= 0.5
 
 
+@pytest.mark.parametrize("command", ["split-creases", "straighten", "planar", "in-plane"])
+def test_what_was_guessed_of_a_curve_is_not_said_once_it_is_laid_anew(
+    tmp_path: Path, command: str
+) -> None:
+    down = np.vstack((straight((0, 10, TOP), (0, -40, TOP)), straight((0, -40, TOP), (9, -40, 20))))
+    drawing = {"tool": "draw", "strokes": [4]}
+    _, before = built(tmp_path, [drawing], [stroke(down)])
+    (curve,) = before.state.of_kind(Curve)
+    assert "over an edge" in curve.told[0]
+    _, after = built(tmp_path, [drawing, {"command": command}], [stroke(down)])
+    assert all(curve.told == () for curve in after.state.of_kind(Curve))
+    assert after.state.selected == before.state.selected
+
+
+@pytest.mark.parametrize("command", ["offset", "fillet"])
+def test_what_was_guessed_of_a_curve_is_not_said_of_another_made_of_it(
+    tmp_path: Path, command: str
+) -> None:
+    down = np.vstack((straight((0, 10, TOP), (0, -40, TOP)), straight((0, -40, TOP), (0, -40, 20))))
+    side = straight((0, 10, TOP), (40, 10, TOP))
+    steps = [
+        {"tool": "draw", "strokes": [4]},
+        {"tool": "draw", "strokes": [5]},
+        {"select": "Curve 1"},
+        {"set": {"rounding": 1.0, "spacing": 1.0}},
+        {"command": command},
+    ]
+    _, model = built(tmp_path, steps, [stroke(down), stroke(side)])
+    known = {curve.name: curve.told for curve in model.state.of_kind(Curve)}
+    assert sorted(known) == ["Curve 1", "Curve 2", "Curve 3"]
+    assert "over an edge" in known["Curve 1"][0]
+    assert known["Curve 3"] == ()
+
+
 def test_make_planar_takes_the_plane_that_is_set(tmp_path: Path) -> None:
     places = [(-50.0, -30.0, TOP), (50.0, -30.0, TOP), (0.0, -40.0, 10.0)]
     steps = [
