@@ -45,8 +45,8 @@ OF_THE_FIELD = (
     QKeySequence.StandardKey.Paste,
     QKeySequence.StandardKey.SelectAll,
 )
-"""Keys with Control and a letter that a number has a use for. On X11 lines of text take Ctrl+E, Ctrl+K
-and others for moves and deletions, and the commands on these keys would not be reached."""
+"""Keys with Control and a letter that a number has a use for. On X11 lines of text take Ctrl+E,
+Ctrl+K and others for moves and deletions, and the commands on these keys would not be reached."""
 
 WIDE = 500.0
 """A range this many times as wide as a usual value is no scale."""

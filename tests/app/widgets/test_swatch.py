@@ -14,7 +14,9 @@ CORNERS = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.5, 0.5))
 
 
 @pytest.mark.parametrize("share", CORNERS)
-def test_the_chart_is_on_the_screen_and_leaves_its_disc_free(qapp, qtbot, monkeypatch, share) -> None:
+def test_the_chart_is_on_the_screen_and_leaves_its_disc_free(
+    qapp, qtbot, monkeypatch, share
+) -> None:
     apply_theme(qapp, LIGHT)
     window = QWidget()
     qtbot.addWidget(window)
