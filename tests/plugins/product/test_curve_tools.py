@@ -15,7 +15,7 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen, Shell
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
-from bozzetto_product.model.rough_shapes import FollowedShape
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.operations.meetings import spline_of, splines_of
@@ -93,6 +93,9 @@ def test_who_draws_on_another_object_is_told_how_surfaces_within_it_are_seen(she
     followed = shell.state.with_node(FollowedShape("f1", "Drawn on", source="m1"))
     assert "Hide" in draw.next_step(followed).sentence
     assert "Hide" not in own
+    (rough,) = shell.state.of_kind(RoughShape)
+    only_drawn_on = shell.state.without_nodes(rough.id)  # on an object that it does not follow
+    assert "within what they were drawn on" in draw.next_step(only_drawn_on).sentence
 
 
 def test_ends_that_nearly_meet_are_offered_and_joined(shell: Shell) -> None:
