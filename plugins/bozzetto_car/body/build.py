@@ -14,12 +14,12 @@ from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, exte
 from bozzetto.plugin import cached_property, override, remembered
 from bozzetto.view import Camera
 from bozzetto.view.calibration import resect
-from bozzetto_car.body.carry import OnPicture, carried
 from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tangents
 from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.drag import bend_edge
 from bozzetto_car.body.edges_on_mesh import network_on_mesh
+from bozzetto_car.body.edits_preview import OnPicture, carried
 from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
 from bozzetto_car.body.trace_edges import trace

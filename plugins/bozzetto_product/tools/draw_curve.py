@@ -109,9 +109,10 @@ class DrawCurve(ProductTool):
             return NextStep(_GAP.format(gaps[0].distance), gaps[0].place, JOIN_TOOL)
         if state.of_kind(Curve) and not state.of_kind(Patch):
             return NextStep("Draw on until curves enclose an area: it gets a surface by itself.")
-        if state.of_kind(Patch) and state.of_kind(FollowedShape):
+        has_surfaces = bool(state.of_kind(Patch))
+        if has_surfaces and len(state.of_kind(FollowedShape)):
             return NextStep(_COVERED)
-        if state.of_kind(Patch) and _is_on_what_is_no_part(state):
+        if has_surfaces and _is_on_what_is_no_part(state):
             return NextStep(_WITHIN)
         return NextStep(_LIES.get(state.lay, self.hint))
 
