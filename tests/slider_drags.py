@@ -117,7 +117,7 @@ def close(window: Window) -> None:
 
 def sliders(window: Window) -> tuple[tuple[str, str], ...]:
     """The parameters that can be dragged: whose, and which."""
-    rows = window.parameters.form.rows
+    rows = window.docks.parameters.form.rows
     return tuple(key for key, row in rows.items() if row.field.kind in ("number", "integer"))
 
 
@@ -142,7 +142,7 @@ class _Paintings(QObject):
 
 def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
     """Drag one parameter there and back at 60 values in a second, and let go."""
-    session, row = window.session, window.parameters.form.rows[key]
+    session, row = window.session, window.docks.parameters.form.rows[key]
     model = session.selection.model
     assert model is not None
     low, high = _span(window, key)
@@ -219,7 +219,7 @@ def _span(window: Window, key: tuple[str, str]) -> tuple[float, float]:
     """Between which values a parameter is dragged."""
     owner, name = key
     session = window.session
-    asked = window.parameters.form.rows[key].field.parameter
+    asked = window.docks.parameters.form.rows[key].field.parameter
     if not asked.zero and asked.minimum is not None and asked.maximum is not None:
         return asked.minimum, asked.maximum
     found = session.parts.parameters if owner else session.objects.parameters

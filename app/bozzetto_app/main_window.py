@@ -10,13 +10,11 @@ from PySide6.QtCore import QByteArray, QEvent, QObject, Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QIcon, QImage, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QApplication,
-    QDockWidget,
     QHBoxLayout,
     QMainWindow,
     QMenuBar,
     QSizePolicy,
     QStatusBar,
-    QTabWidget,
     QWidget,
 )
 
@@ -29,15 +27,11 @@ from bozzetto_app.actions.registry import ActionRegistry
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.framing import Framing
 from bozzetto_app.canvas.input.state_machine import Mode
-from bozzetto_app.dialogs.dialog import FRAME
 from bozzetto_app.dialogs.file_dialogs import FileQuestions
 from bozzetto_app.dialogs.window_dialogs import Dialogs
 from bozzetto_app.i18n import tr
-from bozzetto_app.panels.history import HistoryPanel
+from bozzetto_app.panels.docks import Docks
 from bozzetto_app.panels.modeler_bar import ModelerBar
-from bozzetto_app.panels.objects.panel import ObjectsPanel
-from bozzetto_app.panels.plugin_panel import PluginPanel
-from bozzetto_app.panels.properties.form import ParametersPanel
 from bozzetto_app.panels.status_line import StatusLine
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.panels.welcome_strip import WelcomeStrip
@@ -46,7 +40,7 @@ from bozzetto_app.session.recent_files import recent_files
 from bozzetto_app.session.replay import Replays
 from bozzetto_app.session.view_state import FIRST_VIEW
 from bozzetto_app.settings import settings
-from bozzetto_app.style.theme import Theme, apply_theme, current_palette, palette_for
+from bozzetto_app.style.theme import FRAME, Theme, apply_theme, current_palette, palette_for
 
 if TYPE_CHECKING:
     from bozzetto.document.recovery.recovery import CrashedSession
@@ -62,16 +56,8 @@ AFTER_PAINT = 300
 LAYOUT_VERSION = 3
 """Raised when docks come or go, so that an old layout is not forced on a new window."""
 
-RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
-
 FIRST_SIZE = (1280, 800)
 """Of the window at the first start, if the screen is large enough, pixels."""
-
-DOCK_HEIGHTS = (232, 390, 112)
-"""Of objects, parameters and history at the first start, pixels."""
-
-LEAST_HEIGHTS = (130, 320, 90)
-"""Of the same where a plugin has a panel of its own beside the parameters, pixels."""
 
 THEME = "view/theme"
 RADIAL = (
@@ -161,24 +147,13 @@ class Window(QMainWindow):
         self.status.switched_off.connect(self.dialogs.keep_off)
         self.modelers = ModelerBar(session)
         self.setCentralWidget(self._middle())
-        self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
+        self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
         self.setDockOptions(QMainWindow.DockOption.AnimatedDocks)
-        self.parameters = ParametersPanel(session)
-        objects = ObjectsPanel(session)
-        self.chosen_models = objects.chosen_models
-        objects.reading_wanted.connect(self.dialogs.open_readings)
-        self._docks = [
-            self._dock(objects),
-            self._dock(self.parameters),
-            self._dock(HistoryPanel(session)),
-        ]
-        self._plugin_panel = PluginPanel(session)
-        self._plugin_dock = self._dock(self._plugin_panel)
-        self._room: tuple[tuple[int, int], tuple[int, int]] | None = None
-        self.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
-        self.tabifyDockWidget(self._docks[1], self._plugin_dock)
-        self._plugin_panel.changed.connect(self._show_plugin_panel)
+        self.docks = Docks(self, session)
+        self.docks.reading_wanted.connect(self.dialogs.open_readings)
+        self.canvas.viewports.first_painted.connect(self.docks.fill)
         session.hints.changed.connect(self._show_what_guides)
+        self.docks.plugin_panel.changed.connect(self._show_what_guides)
         self.canvas.hand.mode_changed.connect(self._show_what_guides)
         self.welcome = self._welcome()
         self.actions_.register(*commands_of(self), *number_keys(self))
@@ -249,14 +224,6 @@ class Window(QMainWindow):
         bar.addPermanentWidget(self.status, 1)
         return bar
 
-    def _dock(self, panel: QWidget) -> QDockWidget:
-        dock = QDockWidget(panel.windowTitle(), self)
-        dock.setObjectName(f"dock-{panel.objectName()}")
-        dock.setWidget(panel)
-        dock.setFeatures(QDockWidget.DockWidgetFeature.DockWidgetMovable)
-        self.addDockWidget(RIGHT, dock)
-        return dock
-
     def _welcome(self) -> WelcomeStrip:
         """Return the strip over the left of the sheet; when it closes, the ink does not move."""
         strip = WelcomeStrip(self.session, recent_files(), _thumbnail_of, self.canvas)
@@ -309,8 +276,8 @@ class Window(QMainWindow):
             self.restoreGeometry(geometry)
         restored = isinstance(state, QByteArray) and self.restoreState(state, LAYOUT_VERSION)
         if not restored:
-            self.resizeDocks(self._docks, list(DOCK_HEIGHTS), Qt.Orientation.Vertical)
-        self._plugin_dock.setVisible(self._plugin_panel.is_filled and self.panels_shown)
+            self.docks.take_first_heights()
+        self.docks.show_plugin_dock()
         self.welcome.setVisible(not len(self.session.drawing.document))
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -331,7 +298,7 @@ class Window(QMainWindow):
 
     def _leave(self) -> None:
         kept = settings()
-        self._give_room_back()
+        self.docks.give_room_back()
         kept.setValue("window/geometry", self.saveGeometry())
         kept.setValue("window/state", self.saveState(LAYOUT_VERSION))
         self.replays.stop()
@@ -403,63 +370,26 @@ class Window(QMainWindow):
     @property
     def panels_shown(self) -> bool:
         """Whether any dock is open."""
-        return any(not dock.isHidden() for dock in self._docks)
+        return self.docks.are_shown
 
     def toggle_panels(self) -> None:
         """Hide all docks, or show them again."""
         shown = not self.panels_shown
-        for dock in self._docks:
-            dock.setVisible(shown)
-        self._plugin_dock.setVisible(shown and self._plugin_panel.is_filled)
+        self.docks.show(shown)
         if not shown:
             self.welcome.hide()
-
-    def _show_plugin_panel(self, title: str) -> None:
-        self._plugin_dock.setWindowTitle(title)
-        self._plugin_dock.setVisible(bool(title) and self.panels_shown)
-        if self._plugin_panel.comes_first:
-            self._plugin_dock.raise_()
-            QTimer.singleShot(0, self, self._make_room)
-            return
-        if title:
-            self._docks[1].raise_()
-        self._give_room_back()
 
     def _show_what_guides(self) -> None:
         """Show the modeler's own panel, once, where the next step is done there.
 
         Not while the pen is down, and not over a panel that has the keyboard.
         """
-        wanted = self.session.hints.step.panel and self._plugin_panel.is_filled
+        wanted = self.session.hints.step.panel and self.docks.plugin_panel.is_filled
         if wanted == self._is_guided or self.canvas.hand.machine.mode is not Mode.IDLE:
             return
         self._is_guided = wanted
-        if wanted and not self.parameters.isAncestorOf(QApplication.focusWidget() or self):
-            self._plugin_dock.raise_()
-
-    def _make_room(self) -> None:
-        """Give a plugin's panel the height that it asks for, and what is left to the objects."""
-        objects, panel, history = LEAST_HEIGHTS
-        asked = max(panel, self._plugin_panel.sizeHint().height())
-        if self._plugin_dock.isVisible() and self._plugin_dock.height() < asked:
-            before = self._ends()
-            middle = self.centralWidget() or self
-            objects = max(objects, middle.height() - asked - history)
-            self.resizeDocks(self._docks, [objects, asked, history], Qt.Orientation.Vertical)
-            QTimer.singleShot(0, self, lambda: setattr(self, "_room", (before, self._ends())))
-
-    def _ends(self) -> tuple[int, int]:
-        """Return the heights of the objects and of the history; what is between has the rest."""
-        return self._docks[0].height(), self._docks[-1].height()
-
-    def _give_room_back(self) -> None:
-        """Undo `_make_room`, unless the person has moved a border since."""
-        room, self._room = self._room, None
-        if room is not None and room[1] == self._ends():
-            objects, history = room[0]
-            middle = self.centralWidget() or self  # as high as the docks beside it
-            heights = [objects, max(1, middle.height() - objects - history), history]
-            self.resizeDocks(self._docks, heights, Qt.Orientation.Vertical)
+        if wanted:
+            self.docks.raise_plugin_panel()
 
     @property
     def is_dark(self) -> bool:

@@ -9,6 +9,7 @@ import os
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 from importlib import import_module
 from pathlib import Path
 from time import monotonic
@@ -21,7 +22,6 @@ from bozzetto.cached_properties import cached_property
 from bozzetto.native_heap import bound_heap
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.application import Application
-from bozzetto_app.interrupts import InterruptWatch
 from bozzetto_app.main_window import Window
 from bozzetto_app.paths import log_file, state_folder
 from bozzetto_app.session.session import Session
@@ -85,14 +85,14 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     tidier = Tidier(app)
     session = Session(Registry(disabled=disabled_plugins(), no_plugins=not plugins))
     window = Window(session)
-    paint = _FirstPaint(window, lambda: _after_first_paint(window, document, tidier))
+    closing = ExitStack()
+    paint = _FirstPaint(window, lambda: _after_first_paint(window, document, tidier, closing))
     window.installEventFilter(paint)
     if document is not None:
         window.expect_document()
     window.show()
-    interrupts = InterruptWatch(window.close)
-    code = app.exec()
-    interrupts.close()
+    with closing:
+        code = app.exec()
     window.keeper.wait()
     if not _workers_end():
         atexit.register(_leave, code)
@@ -137,8 +137,25 @@ class _FirstPaint(QObject):
         return False
 
 
-def _after_first_paint(window: Window, document: Path | None, tidier: Tidier) -> None:
-    """Import in a thread what the first paint did not need, recovery first."""
+def _after_first_paint(
+    window: Window, document: Path | None, tidier: Tidier, closing: ExitStack
+) -> None:
+    """Listen to Ctrl+C, and import in a thread what the first paint did not need, recovery first.
+
+    Parameters
+    ----------
+    window : Window
+        Closed by Ctrl+C.
+    document : Path, optional
+        Opened now.
+    tidier : Tidier
+        Told when everything is imported.
+    closing : ExitStack
+        Given what has to end with the event loop.
+    """
+    from bozzetto_app.interrupts import InterruptWatch
+
+    closing.callback(InterruptWatch(window.close).close)
 
     def import_heavy() -> None:
         import_module(RECOVERY)

@@ -23,11 +23,17 @@ def machine_id() -> str:
             continue
         if content:
             return content
-    import socket
     import uuid
 
     node = uuid.getnode()
-    return socket.gethostname() if node & RANDOM_NODE else f"{node:012x}"
+    return host_name() if node & RANDOM_NODE else f"{node:012x}"
+
+
+def host_name() -> str:
+    """Return the name of this machine in its network."""
+    from socket import gethostname  # a module that the first paint of a window does not need
+
+    return gethostname()
 
 
 def birth(pid: int) -> str:

@@ -291,7 +291,7 @@ def test_a_second_sketch_of_a_finished_car_takes_marks_at_once(
     assert session.solver.report["views"][0]["solved"]
     session.objects.set_parameter("shading", shading)
     session.toolbox.take_tool("style")
-    window._docks[1].raise_()
+    window.docks.raise_parameters()
     settle(session, window.keeper)
     drop(window, picture_of(SECOND), settle)
     assert session.toolbox.tool == "mark"

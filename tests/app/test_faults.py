@@ -355,7 +355,7 @@ def test_a_panel_that_misbehaves_does_not_take_the_window_along(
     draw(session, settle)
     assert [notice.plugin for notice in faults(session)] == [PLUGIN]
     assert boxes.calls["panel"] == 1
-    assert not window._plugin_panel.is_filled
+    assert not window.docks.plugin_panel.is_filled
     draw(session, settle)
     assert len(session.drawing.document.models[0].state.strokes) == 2
     assert len(faults(session)) == 1

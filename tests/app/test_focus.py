@@ -22,7 +22,7 @@ def window(make_window, settle, qtbot):
     settle(window.session, window.keeper)
     window.show()
     window.activateWindow()
-    qtbot.waitUntil(lambda: window.isActiveWindow())
+    qtbot.waitUntil(lambda: window.isActiveWindow() and window.docks.parameters.is_ready)
     return window
 
 

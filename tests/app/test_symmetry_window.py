@@ -171,7 +171,7 @@ def test_warnings_and_impossible_readings_reach_the_person(window, draw, settle)
     warnings = report(window)["warnings"]
     assert warnings
     assert session.hints.step.sentence.startswith(warnings[0])
-    words = [label.text() for label in window.parameters.findChildren(QLabel)]
+    words = [label.text() for label in window.docks.parameters.findChildren(QLabel)]
     assert warnings[0] in words
     session.parts.set_parameter("reading", "self")
     settle(session)

@@ -76,11 +76,13 @@ def test_the_strip_goes_with_the_first_ink_and_leaves_room_for_the_hint(window):
 
 
 def test_the_parameters_of_a_mesh_that_was_brought_in_say_how_it_is_read(window, tmp_path, settle):
-    assert "Draw or choose" in window.parameters._empty.text()
+    assert "Draw or choose" in window.docks.parameters._empty.text()
     (tmp_path / "one.obj").write_text("v 0 0 0\nv 50 0 0\nv 0 0 50\nf 1 2 3\n")
     window.session.files.exchange.import_file(tmp_path / "one.obj")
     settle(window.session)
     assert window.session.selection.id is not None
-    assert not window.parameters._empty.isVisible()
-    words = [label.text() for label in window.parameters.findChildren(QLabel) if label.isVisible()]
+    assert not window.docks.parameters._empty.isVisible()
+    words = [
+        label.text() for label in window.docks.parameters.findChildren(QLabel) if label.isVisible()
+    ]
     assert {"Up in the file", "Unit of the file"} <= set(words)

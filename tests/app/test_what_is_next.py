@@ -53,7 +53,7 @@ def check(window):
     elif advice is not None:
         assert canvas.light.said == advice.message
     tool = session.toolbox.tool
-    for panel in window._plugin_panel.findChildren(QLabel, "next-step"):
+    for panel in window.docks.plugin_panel.findChildren(QLabel, "next-step"):
         # Beside the picture of a point stand the words of that point, whatever is in the hand; it
         # is found in a thread, a moment later.
         of_point = tool != "mark" and panel.text().startswith("Touch: ")
@@ -173,7 +173,7 @@ def test_after_a_second_sketch_the_first_mark_of_it_is_asked_for_everywhere(wind
     settle(session, window.keeper)
     check(window)
     assert not session.hints.step.panel
-    window._docks[1].raise_()
+    window.docks.raise_parameters()
     session.pictures.take_file(SKETCHES[1])
     settle(session, window.keeper)
     check(window)
@@ -197,7 +197,7 @@ def test_the_panel_is_raised_once(window, settle):
     session.pictures.take_file(SKETCHES[0])
     settle(session, window.keeper)
     assert in_front(window) == "Car"
-    window._docks[1].raise_()
+    window.docks.raise_parameters()
     session.toolbox.take_tool("trace")
     settle(session, window.keeper)
     assert session.hints.step.panel
@@ -212,9 +212,9 @@ def test_the_panel_does_not_come_over_the_one_that_has_the_keyboard(window, sett
     settle(session, window.keeper)
     session.gestures.tap(Tap(300.0, 300.0, session.view.camera))
     settle(session, window.keeper)
-    window._docks[1].raise_()
+    window.docks.raise_parameters()
     window.activateWindow()
-    field = window.parameters.findChild(NumberField)
+    field = window.docks.parameters.findChild(NumberField)
     field.setFocus()
     qtbot.waitUntil(field.hasFocus)
     for has_keyboard, title in ((True, "Parameters"), (False, "Car")):

@@ -153,7 +153,7 @@ def edit_commands(window: Window) -> Iterator[Action]:
     yield Action(
         "edit.copy",
         tr("Edit", "&Copy"),
-        lambda: clipboard.copy(window.chosen_models()),
+        lambda: clipboard.copy(window.docks.objects.chosen_models()),
         "copy",
         ("Ctrl+C",),
         menu,

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
+from bozzetto_app.style.theme import FRAME
 from bozzetto_app.toolkit.panel_scroll import PanelScroll
 
-__all__ = ["FRAME", "Page", "label", "quiet"]
-
-FRAME: Final = (8, 48)
-"""What a window's frame and title take of a screen, pixels."""
+__all__ = ["Page", "label", "quiet"]
 
 
 def label(words: str, *, kind: str = "", tone: str = "") -> QLabel:

@@ -16,10 +16,11 @@ from PySide6.QtWidgets import (
 )
 
 from bozzetto.exchange.handover import SCALES, Handover, Lines, Unit, Up
-from bozzetto_app.dialogs.dialog import FRAME, Page, label, quiet
+from bozzetto_app.dialogs.dialog import Page, label, quiet
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.format_order import offered_formats
 from bozzetto_app.settings import settings
+from bozzetto_app.style.theme import FRAME
 from bozzetto_app.widgets.choice import Segments
 from bozzetto_app.widgets.number_field import NumberField
 from bozzetto_app.widgets.toggle import Toggle

@@ -35,7 +35,7 @@ class Dialogs:
             self._window,
             recent=recent_files,
             open_document=self._window.open,
-            focus_parameter=self._window.parameters.focus_parameter,
+            focus_parameter=self._window.docks.parameters.focus_parameter,
         )
         palette.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         palette.open_over(self._window)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import QTimer, Signal
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from bozzetto.errors import UserError
@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from bozzetto_app.session.session import Session
 
 __all__ = ["PluginPanel"]
+
+
+AFTER_FORM: Final = 20
+"""When a plugin's widget is made after an object of its is chosen, ms."""
 
 
 class _Host:
@@ -118,7 +122,11 @@ class PluginPanel(QWidget):
         self.setObjectName("plugin-panel")
         self._session = session
         self._modeler = ""
+        self._title = ""
         self._host: _Host | None = None
+        # Not in one turn with the form of the parameters: it may have much to import.
+        self._soon = QTimer(self, singleShot=True, interval=AFTER_FORM)
+        self._soon.timeout.connect(self._fill)
         self._made: QWidget | None = None
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(12, 8, 12, 12)
@@ -143,22 +151,33 @@ class PluginPanel(QWidget):
         modeler = model.modeler if model is not None and known else ""
         if modeler != self._modeler:
             self._modeler = modeler
-            self._replace(modeler)
+            self._take_away()
+            if modeler:
+                self._soon.start()
+            else:
+                self._soon.stop()
+                self._fill()
         if self._host is not None:
             self._host.tell()
 
-    def _replace(self, modeler: str) -> None:
+    def _take_away(self) -> None:
         old, self._made, self._host = self._made, None, None
         if old is not None:
             old.hide()
             old.deleteLater()
-        if modeler:
-            self._make(modeler)
+
+    def _fill(self) -> None:
+        """Make the widget of the selected object's modeler, and say what is here by now."""
+        if self._modeler:
+            self._make(self._modeler)
         title = ""
         if self._made is not None:
-            title = self._made.windowTitle() or self._session.registry.info(modeler).title
-        if old is not None or title:
+            title = self._made.windowTitle() or self._session.registry.info(self._modeler).title
+        if title or self._title:
+            self._title = title
             self.changed.emit(title)
+        if self._host is not None:
+            self._host.tell()
 
     def _make(self, modeler: str) -> None:
         registry, host = self._session.registry, _Host(self._session, modeler)

@@ -32,6 +32,7 @@ from bozzetto_app.style.colors import Tones, tones_of
 from bozzetto_app.style.icons import FOLDER
 
 __all__ = [
+    "FRAME",
     "Theme",
     "apply_theme",
     "current_palette",
@@ -49,6 +50,9 @@ log = logging.getLogger(__name__)
 
 SMALL = 0.86
 """Size of the second, smaller type beside the system's own."""
+
+FRAME = (8, 48)
+"""What a window's frame and title take of a screen, pixels."""
 
 STYLE = Path(__file__).parent / "theme.qss"
 

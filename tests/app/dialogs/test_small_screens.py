@@ -6,7 +6,8 @@ from PySide6.QtCore import QPoint, QRect, QSize
 from PySide6.QtGui import QScreen
 from PySide6.QtWidgets import QApplication, QPushButton
 
-from bozzetto_app.dialogs.dialog import FRAME, Page
+from bozzetto_app.dialogs.dialog import Page
+from bozzetto_app.style.theme import FRAME
 from bozzetto_app.testing.stylus import Stylus
 from tests.app.tablet import circle
 

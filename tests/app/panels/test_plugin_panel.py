@@ -7,11 +7,12 @@ import sys
 from dataclasses import replace
 
 import pytest
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.host.registry import Registry
-from bozzetto_app.panels.plugin_panel import PluginPanel
+from bozzetto_app.panels.plugin_panel import AFTER_FORM, PluginPanel
 from bozzetto_app.session.session import Session
 
 MANIFEST = """
@@ -97,8 +98,14 @@ def draw(session, modeler="paneled.modeler"):
     """A new object, selected."""
     model = session.workbench.create(modeler, session.gestures.context.now())
     session.drawing.commit("new", session.drawing.document.with_model(model))
-    session.selection.select(model.id)
+    choose(session, model.id)
     return model.id
+
+
+def choose(session, model_id):
+    """Select an object, and leave the panel time for its widget."""
+    session.selection.select(model_id)
+    QTest.qWait(2 * AFTER_FORM)
 
 
 def test_only_its_own_objects_have_it(session, panel):
@@ -109,7 +116,7 @@ def test_only_its_own_objects_have_it(session, panel):
     assert panel.findChild(QPushButton) is not None
     draw(session, "bozzetto.mesh")
     assert not panel.is_filled
-    session.selection.select(own)
+    choose(session, own)
     session.selection.select(None)
     assert not panel.is_filled
     assert titles == ["Paneled", "", "Paneled", ""]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
 
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
@@ -30,6 +31,12 @@ KEPT: Final = 6
 """Forms that are kept for when their fields are chosen again: to make one takes longer than a
 person who undoes quickly, or goes from one object to another, leaves between two keys."""
 
+SLICE: Final = 0.008
+"""Time for rows of a form between two looks at what the person does, s."""
+
+NO_FIELDS: Final = ("",)
+"""Those of a model and of a part, with "" between them, where there are none."""
+
 
 class ParametersPanel(PanelScroll):
     """The forms of the selected model and of its chosen part, and the figures of its result.
@@ -55,7 +62,11 @@ class ParametersPanel(PanelScroll):
             words.setProperty("tone", "quiet")
         self.form = Form()
         self._forms: dict[tuple[object, ...], Form] = {}
-        self._fields: tuple[object, ...] = ()
+        self._fields: tuple[object, ...] = NO_FIELDS
+        self._coming: tuple[Form, Iterator[None]] | None = None
+        # A form is made between two frames, row by row: all of it takes longer than one.
+        self._soon = QTimer(self, singleShot=True, interval=1)
+        self._soon.timeout.connect(self._make)
         self._owner: tuple[str | None, str] = (None, "")
         self.place = PlaceForm()
         pace = DragPace(self._put, self.place)
@@ -87,8 +98,15 @@ class ParametersPanel(PanelScroll):
         self.refresh()
         self._show_report()
 
+    @property
+    def is_ready(self) -> bool:
+        """Whether the form of what is chosen is there; it is made in a few turns of the loop."""
+        return not self._soon.isActive()
+
     def focus_parameter(self, name: str) -> None:
         """Bring a parameter, of the model or of the chosen part, into sight and reach."""
+        while not self.is_ready:
+            self._make()
         row = self.form.rows.get(("", name)) or self.form.rows.get(("part", name))
         if row is None:
             return
@@ -120,7 +138,9 @@ class ParametersPanel(PanelScroll):
             for pace in (*self.form.paces, self._place_pace):
                 pace.forget()
         if fields != self._fields or (chosen != self._owner and self._is_in_use()):
-            self._exchange(fields)
+            self._put_away(fields)
+        if not self.is_ready:
+            return
         if chosen != self._owner:
             if chosen[0] != self._owner[0]:
                 self.verticalScrollBar().setValue(0)
@@ -178,49 +198,77 @@ class ParametersPanel(PanelScroll):
         focus = QApplication.focusWidget()
         return focus is not None and self.form.isAncestorOf(focus)
 
-    def _exchange(self, fields: tuple[object, ...]) -> None:
-        """Show the form of other fields, or another one of the same.
+    def _put_away(self, fields: tuple[object, ...]) -> None:
+        """Put the form of other fields in the place of the one that is shown, or make it soon.
 
         One in which something is being typed or dragged is not kept: that was not meant for what
         is chosen when it is shown again.
         """
-        old, is_kept = self.form, not (self._is_in_use() or self._session.drawing.is_dragging)
-        if is_kept:
-            self._forms[self._fields] = old
+        gone = []
+        if not self.is_ready or self._is_in_use() or self._session.drawing.is_dragging:
+            gone.append(self.form)
+        else:
+            self._forms[self._fields] = self.form
+        if self._coming is not None:
+            gone.append(self._coming[0])
+            self._coming = None
         kept = self._forms.pop(fields, None)
-        self.form, self._fields = kept or self._made(), fields
-        self.form.fold_as_kept()
-        self._column.replaceWidget(old, self.form)
-        put_in_tab_order(self, (self.form, self._place_section, self._figures_section))
-        old.hide()
-        gone = [] if is_kept else [old]
+        self._fields = fields
+        if kept is None:
+            self._soon.start()
+        else:
+            self._soon.stop()
+        self._exchange(kept or Form())
         while len(self._forms) > KEPT:
             gone.append(self._forms.pop(next(iter(self._forms))))
         for form in gone:
             form.deleteLater()
 
-    def _made(self) -> Form:
-        """Return a form for what is chosen."""
+    def _make(self) -> None:
+        """Make some rows of the form of what is chosen, and show it when it is whole."""
+        self._soon.stop()
+        if self._coming is None:
+            form = Form()
+            self._coming = form, self._rows_of(form)
+        form, rows = self._coming
+        end = monotonic() + SLICE
+        for _ in rows:
+            if monotonic() > end:
+                self._soon.start()
+                return
+        empty, self._coming = self.form, None
+        self._exchange(form)
+        empty.deleteLater()
+        self.refresh()
+
+    def _exchange(self, form: Form) -> None:
+        """Show another form."""
+        old, self.form = self.form, form
+        form.fold_as_kept()
+        self._column.replaceWidget(old, form)
+        put_in_tab_order(self, (form, self._place_section, self._figures_section))
+        old.hide()
+
+    def _rows_of(self, form: Form) -> Iterator[None]:
+        """Fill a form for what is chosen, a row at a time."""
         session = self._session
-        form = Form()
         form.drag_ended.connect(session.objects.end_drag)
         column = QVBoxLayout(form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(12)
-        if session.objects.parameters:
-            form.fill(column, "", session.objects.parameters, session.objects.set_parameter)
-        part = session.parts.chosen
-        if part is not None and session.parts.parameters:
-            inner = QWidget()
-            below = QVBoxLayout(inner)
-            below.setContentsMargins(0, 4, 0, 0)
-            below.setSpacing(12)
-            form.fill(below, "part", session.parts.parameters, session.parts.set_parameter)
+        part, inner = session.parts.chosen, session.parts.parameters
+        change = session.objects.set_parameter
+        yield from form.fill(column, "", session.objects.parameters, change)
+        if part is not None and inner:
+            below = QWidget()
+            rows = QVBoxLayout(below)
+            rows.setContentsMargins(0, 4, 0, 0)
+            rows.setSpacing(12)
+            yield from form.fill(rows, "part", inner, session.parts.set_parameter)
             if column.count():
                 column.addWidget(hairline())
-            form.part = form.section(part.name, inner, "panels/part", True)
+            form.part = form.section(part.name, below, "panels/part", True)
             column.addWidget(form.part)
-        return form
 
     def _put(self, placement: Placement, going: bool) -> None:
         model_id = self._session.selection.id
@@ -274,8 +322,8 @@ class Form(QWidget):
         owner: str,
         found: Iterable[tuple[Field, Any]],
         change: Callable[..., None],
-    ) -> None:
-        """Make the rows of a model's or a part's parameters; advanced ones are folded."""
+    ) -> Iterator[None]:
+        """Make the rows of a model's or a part's parameters, one at a time; fold advanced ones."""
         from bozzetto_app.panels.properties.parameter_row import ParameterRow
 
         advanced = QWidget()
@@ -291,6 +339,7 @@ class Form(QWidget):
             self.paces.append(pace)
             self.rows[owner, field.name] = row
             (folded if field.parameter.advanced else column).addWidget(row)
+            yield
         if folded.count():
             words = tr("Parameters", "Advanced")
             column.addWidget(self.section(words, advanced, "panels/advanced", False))

@@ -11,7 +11,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import socket
 import time
 from pathlib import Path
 from typing import Final, Self
@@ -21,7 +20,7 @@ import msgspec
 from bozzetto.atomic_files import explain
 from bozzetto.errors import UserError
 from bozzetto.file_locks import Taken, take, untake
-from bozzetto.processes import birth, is_running, machine_id
+from bozzetto.processes import birth, host_name, is_running, machine_id
 from bozzetto.typed_data import decode_json
 
 WAIT_SECONDS: Final = 0.25
@@ -71,7 +70,7 @@ class Holder(msgspec.Struct, frozen=True):
         """Whether it is of another machine, of which nobody here can tell if it is alive."""
         if self.machine:
             return self.machine != machine_id()
-        return self.host != socket.gethostname()
+        return self.host != host_name()
 
     @property
     def is_gone(self) -> bool:
@@ -215,7 +214,7 @@ def _made(place: Path) -> int | None:
         if take(handle) is not Taken.BUSY and _is_file(handle, place):
             mine = Holder(
                 _user(),
-                socket.gethostname(),
+                host_name(),
                 os.getpid(),
                 time.time(),
                 os.urandom(8).hex(),

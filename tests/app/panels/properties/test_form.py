@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from time import monotonic
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -11,6 +12,7 @@ from PySide6.QtWidgets import QAbstractButton, QApplication, QLineEdit
 
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.panels.properties import form
 from bozzetto_app.panels.properties.form import ParametersPanel
 from bozzetto_app.panels.properties.parameter_row import ParameterRow
 from bozzetto_app.settings import settings
@@ -32,8 +34,17 @@ def panel(qtbot, fake_session):
     return made
 
 
+def form_of(panel):
+    """The form once all of its rows are made."""
+    end = monotonic() + 10.0
+    while not panel.is_ready and monotonic() < end:
+        QTest.qWait(1)
+    assert panel.is_ready
+    return panel.form
+
+
 def row(panel, name, owner="") -> ParameterRow:
-    return panel.form.rows[owner, name]
+    return form_of(panel).rows[owner, name]
 
 
 def settings_made(session):
@@ -163,6 +174,7 @@ def test_what_changes_nothing_is_switched_off_and_says_why(panel, fake_session):
 
 
 def test_advanced_is_folded_and_remembered(qtbot, panel, fake_session):
+    form_of(panel)
     (section,) = (s for s in panel.findChildren(Section) if s.findChildren(ParameterRow))
     inside = [r.field.name for r in section.findChildren(ParameterRow)]
     assert inside == ["resolution", "tolerance"]
@@ -170,6 +182,7 @@ def test_advanced_is_folded_and_remembered(qtbot, panel, fake_session):
     section._heading.click()
     again = ParametersPanel(fake_session)
     qtbot.addWidget(again)
+    form_of(again)
     assert any(s.is_open and s.findChildren(ParameterRow) for s in again.findChildren(Section))
 
 
@@ -182,7 +195,7 @@ def test_changing_values_keeps_the_controls(panel, fake_session):
 def test_another_selection_makes_another_form(panel, fake_session):
     fake_session.selection.id = None
     fake_session.selection.changed.emit()
-    assert panel.form.rows == {}
+    assert form_of(panel).rows == {}
     assert panel._empty.isVisible()
 
 
@@ -192,7 +205,7 @@ def choose(session, model_id):
 
 
 def test_a_form_is_there_again_with_the_values_and_folds_of_now(panel, fake_session):
-    before, chosen = panel.form, fake_session.selection.id
+    before, chosen = form_of(panel), fake_session.selection.id
     (section,) = (s for s in panel.findChildren(Section) if s.findChildren(ParameterRow))
     section._heading.click()
     panel.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -202,7 +215,7 @@ def test_a_form_is_there_again_with_the_values_and_folds_of_now(panel, fake_sess
     settings().setValue("panels/advanced", False)  # another form's was folded
     choose(fake_session, chosen)
     fake_session.objects.set_parameter("length", 41.0)
-    assert panel.form is before
+    assert form_of(panel) is before
     assert before.isVisible()
     assert not section.is_open
     assert row(panel, "length").findChild(NumberField).value() == 41.0
@@ -213,18 +226,18 @@ def test_a_form_is_there_again_with_the_values_and_folds_of_now(panel, fake_sess
 def test_a_form_in_which_something_is_typed_or_dragged_is_not_kept(panel, fake_session):
     chosen = fake_session.selection.id
     panel.activateWindow()
-    typed = panel.form
+    typed = form_of(panel)
     row(panel, "note").findChild(QLineEdit).setFocus()
     is_in_use = QApplication.focusWidget() is not None
     choose(fake_session, None)
     choose(fake_session, chosen)
-    assert (panel.form is typed) != is_in_use
-    dragged = panel.form
+    assert (form_of(panel) is typed) != is_in_use
+    dragged = form_of(panel)
     fake_session.drawing.is_dragging = True
     choose(fake_session, None)
     fake_session.drawing.is_dragging = False
     choose(fake_session, chosen)
-    assert panel.form is not dragged
+    assert form_of(panel) is not dragged
 
 
 def test_a_locked_object_cannot_be_changed(panel, fake_session):
@@ -262,7 +275,7 @@ def with_parts(panel, fake_session):
 
 
 def heading(panel):
-    return panel.form.part.findChildren(QAbstractButton)[0].accessibleName()
+    return form_of(panel).part.findChildren(QAbstractButton)[0].accessibleName()
 
 
 def test_the_chosen_parts_form_stands_under_its_name(with_parts, fake_session):
@@ -287,7 +300,7 @@ def test_another_part_has_another_form_and_none_has_none(with_parts, fake_sessio
     assert heading(with_parts) == "Saddle pit"
     fake_session.trees["m1"] = fake_session.trees["m1"].chosen("")
     fake_session.selection.changed.emit()
-    assert with_parts.form.part is None
+    assert form_of(with_parts).part is None
     assert row(with_parts, "inflation").isVisible()
 
 
@@ -307,17 +320,17 @@ def test_a_part_of_the_same_kind_keeps_the_form_unless_somebody_types_in_it(
         for part in fake_session.trees["m1"].parts
         if part.id != first.id and type(part) is type(first)
     )
-    form = with_parts.form
+    form = form_of(with_parts)
     with_parts.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     with_parts.setFocus()
     choose(other.id)
     assert [field for field, _ in fake_session.parts.parameters] == fields
-    assert with_parts.form is form
+    assert form_of(with_parts) is form
     assert heading(with_parts) == other.name
     with_parts.activateWindow()
-    next(iter(with_parts.form.rows.values())).words.buddy().setFocus()
+    next(iter(form_of(with_parts).rows.values())).words.buddy().setFocus()
     choose(first.id)
-    assert (with_parts.form is form) == (QApplication.focusWidget() is None)
+    assert (form_of(with_parts) is form) == (QApplication.focusWidget() is None)
 
 
 def test_the_form_of_a_part_that_is_chosen_comes_into_sight(qtbot, with_parts, fake_session):
@@ -329,7 +342,7 @@ def test_the_form_of_a_part_that_is_chosen_comes_into_sight(qtbot, with_parts, f
         qtbot.wait(20)
 
     def seen_at():
-        return with_parts.form.part.mapTo(with_parts.viewport(), QPoint()).y()
+        return form_of(with_parts).part.mapTo(with_parts.viewport(), QPoint()).y()
 
     ids = [part.id for part in fake_session.trees["m1"].parts]
     with_parts.resize(264, 300)
@@ -401,3 +414,59 @@ def test_no_slider_of_a_bundled_modeler_jumps_by_more_than_what_is_usual(qtbot):
                     assert span / 200.0 <= 2.5 * usual, (info.id, owner.__name__, field.name)
                 step = number.step_at(float(field.default))
                 assert step <= 0.2 * usual or step == 1.0, (info.id, owner.__name__, field.name)
+
+
+# -- a form is made between two frames --
+
+
+@pytest.fixture
+def fresh(qtbot, fake_session, monkeypatch):
+    """A function that makes panels whose forms come a row at a time."""
+    monkeypatch.setattr(form, "SLICE", 0.0)
+
+    def make():
+        made = ParametersPanel(fake_session)
+        qtbot.addWidget(made)
+        made.show()
+        return made
+
+    return make
+
+
+def test_a_form_comes_whole(fresh, fake_session):
+    panel, seen = fresh(), []
+    while not panel.is_ready:
+        seen.append(len(panel.findChildren(ParameterRow)))
+        QTest.qWait(1)
+    assert set(seen) == {0}, "nothing that is half made is shown"
+    assert len(seen) > 1
+    assert len(panel.form.rows) == len(fake_session.objects.parameters)
+    assert row(panel, "length").findChild(NumberField).text() == "120 mm"
+
+
+def test_a_choice_that_changes_while_a_form_is_made_has_the_form_of_the_last(fresh, fake_session):
+    chosen = fake_session.selection.id
+    for turns in range(12):
+        panel = fresh()
+        for _ in range(turns):
+            QTest.qWait(1)
+        choose(fake_session, None)
+        assert form_of(panel).rows == {}
+        choose(fake_session, chosen)
+        assert len(form_of(panel).rows) == len(fake_session.objects.parameters)
+        shown = [each for each in panel.findChildren(form.Form) if each.isVisible()]
+        assert shown == [panel.form]
+
+
+def test_a_value_that_changes_while_its_form_is_made_is_the_one_that_is_shown(fresh, fake_session):
+    panel = fresh()
+    QTest.qWait(1)
+    fake_session.objects.set_parameter("length", 41.0)
+    assert row(panel, "length").findChild(NumberField).value() == 41.0
+
+
+def test_a_parameter_is_brought_under_the_keyboard_though_its_form_is_not_there_yet(fresh):
+    panel = fresh()
+    panel.focus_parameter("length")
+    assert panel.is_ready
+    assert row(panel, "length").isVisible()
