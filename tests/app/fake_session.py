@@ -267,6 +267,7 @@ class Hints(Part):
 
 class Notices(Part):
     noticed = Signal(object)
+    caught_up = Signal()
     recorded = "tell complain"
 
 

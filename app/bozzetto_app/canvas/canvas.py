@@ -240,7 +240,11 @@ class Canvas(QWidget):
         self._show_words()
 
     def leave_room(self, left: int) -> None:
-        """Centre what is said beside what covers so many pixels of the sheet's left."""
+        """Centre what is said beside what covers so many pixels of the sheet's left.
+
+        What is framed from now on lies there as well.
+        """
+        self._session.view.covered = left
         self.empty_hint.left = self.light.left = left
         self.empty_hint.update()
         self.light.lie_on(self.rect())
